@@ -1,0 +1,56 @@
+"""Entry point of ``cpm`` and ``python -m app``: the window, or the command line when a subcommand is named."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+CANNOT_OPEN = 2
+
+_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "bench"})
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run CPM.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments after the program's name: nothing or an image for the window, else a subcommand or options.
+
+    Returns
+    -------
+    int
+        Exit status; 2 when the window cannot be opened or the arguments make no sense.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    if arguments and (arguments[0] in _COMMANDS or arguments[0].startswith("-")):
+        from cpm_core import cli
+
+        return cli.main(arguments)
+    if len(arguments) > 1:
+        return _refuse(f"The window opens one image but {len(arguments)} were named; see cpm --help.")
+    return _open_window(arguments[0] if arguments else None)
+
+
+def _open_window(path: str | None) -> int:
+    # Qt is imported only here, so that the command line works where there is none.
+    try:
+        from app.views.display import why_no_window
+
+        reason = why_no_window()
+        if reason:
+            return _refuse(reason)
+        from app.views.application import run
+    except ImportError as error:
+        return _refuse(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
+    return run(path)
+
+
+def _refuse(sentence: str) -> int:
+    print(f"cpm: {sentence}", file=sys.stderr)
+    return CANNOT_OPEN
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,58 @@
+"""Edits: pure functions from a document to the next one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from app.model import controls
+from app.model.document import Document
+from app.model.shapes import Circle, Position, Shape
+from cpm_core.parameters import PRESETS, Parameters
+
+
+def add_shape(document: Document, shape: Shape) -> Document:
+    """The document with one more shape, drawn last."""
+    return replace(document, shapes=(*document.shapes, shape))
+
+
+def replace_shape(document: Document, index: int, shape: Shape) -> Document:
+    """The document with `shape` in place of the one at `index`."""
+    shapes = list(document.shapes)
+    shapes[index] = shape
+    return replace(document, shapes=tuple(shapes))
+
+
+def move_shape(document: Document, index: int, by: Position) -> Document:
+    """The document with one shape displaced by (rows, cols)."""
+    return replace_shape(document, index, document.shapes[index].moved(by))
+
+
+def resize_shape(document: Document, index: int, rim: Position) -> Document:
+    """The document with the circle at `index` led through `rim`; points have no size and stay as they are."""
+    shape = document.shapes[index]
+    return replace_shape(document, index, shape.resized_to(rim)) if isinstance(shape, Circle) else document
+
+
+def delete_shape(document: Document, index: int) -> Document:
+    """The document without the shape at `index`."""
+    return replace(document, shapes=document.shapes[:index] + document.shapes[index + 1 :])
+
+
+def clear_shapes(document: Document) -> Document:
+    """The document with nothing drawn."""
+    return replace(document, shapes=())
+
+
+def set_parameter(document: Document, name: str, value: float | str) -> Document:
+    """The document with one control set; see `app.model.controls.with_value`."""
+    return replace(document, parameters=controls.with_value(document.parameters, name, value))
+
+
+def set_parameters(document: Document, parameters: Parameters) -> Document:
+    """The document with all parameters replaced."""
+    return replace(document, parameters=parameters)
+
+
+def use_preset(document: Document, name: str) -> Document:
+    """The document with the parameters of a preset."""
+    return set_parameters(document, PRESETS[name])

@@ -1,0 +1,214 @@
+"""From document and run to what is enabled, shown and said."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from app.model.document import Document
+from app.model.shapes import describe
+from cpm_core.formats import READABLE
+
+Phase = Literal["empty", "ready", "running", "paused", "finished"]
+
+FULL_SPEED = "full speed"
+PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
+"""Steps per second that the speed control offers; None is as fast as it goes."""
+FIRST_PACE = 6
+
+
+@dataclass(frozen=True, slots=True)
+class RunStatus:
+    """How the run stands.
+
+    Attributes
+    ----------
+    phase : {"empty", "ready", "running", "paused", "finished"}
+        Without an image; with nothing started; stepping; stopped by hand; stopped by itself.
+    busy : str
+        What is being prepared meanwhile, empty when nothing is.
+    stale : bool
+        Whether the document's recipe differs from the one that the run started from.
+    step, count, scale : int
+        Steps taken, particles, scale (0 is the image itself).
+    epsilon : float
+        Eq. (23); NaN before it is known.
+    stop_reason : str
+        Why the run stopped by itself.
+    converged : bool
+        Whether it stopped at rest.
+    steps_per_second : float
+        Measured speed of the run.
+    closed, open : int
+        Contours reconstructed so far.
+    """
+
+    phase: Phase = "empty"
+    busy: str = ""
+    stale: bool = False
+    step: int = 0
+    count: int = 0
+    scale: int = 0
+    epsilon: float = math.nan
+    stop_reason: str = ""
+    converged: bool = False
+    steps_per_second: float = 0.0
+    closed: int = 0
+    open: int = 0
+
+    @property
+    def started(self) -> bool:
+        """Whether there are particles of a run."""
+        return self.phase in ("running", "paused", "finished")
+
+
+@dataclass(frozen=True, slots=True)
+class Resolved:
+    """What the window shows for a document and a run.
+
+    Attributes
+    ----------
+    title : str
+        Title of the window.
+    enabled : frozenset of str
+        Names of the actions that make sense now, out of those that do not always.
+    run_text, undo_text, redo_text : str
+        Wording of actions that changes with what they would do.
+    running : bool
+        Whether Run shows as Pause.
+    state : str
+        One sentence on how the run stands.
+    hint : str
+        One sentence on what to do next, or empty.
+    numbers : tuple of (str, str, str)
+        Label, value and explanation of the figures in the status panel.
+    """
+
+    title: str
+    enabled: frozenset[str]
+    run_text: str
+    undo_text: str
+    redo_text: str
+    running: bool
+    state: str
+    hint: str
+    numbers: tuple[tuple[str, str, str], ...]
+
+
+def resolve(
+    document: Document, status: RunStatus, undo_name: str = "", redo_name: str = "", selected: int | None = None
+) -> Resolved:
+    """What the window shows; pure, so that it can be tested without one."""
+    running = status.phase == "running"
+    has_image = document.image is not None
+    conditions = {
+        "run": has_image,
+        "step": has_image and not running and (status.phase != "finished" or status.stale),
+        "reset": status.started,
+        "export": status.started,
+        "undo": bool(undo_name),
+        "redo": bool(redo_name),
+        "delete": selected is not None,
+        "clear": bool(document.shapes),
+        "select_next": bool(document.shapes),
+        "circle": has_image,
+        "points": has_image,
+        "select": has_image,
+        "add_circle": has_image,
+        "add_grid": has_image,
+        "fit": has_image,
+    }
+    return Resolved(
+        title=f"{document.image.name} – CPM" if document.image else "CPM",
+        enabled=frozenset(name for name, holds in conditions.items() if holds),
+        run_text=_run_text(status),
+        undo_text=f"Undo {undo_name}" if undo_name else "Undo",
+        redo_text=f"Redo {redo_name}" if redo_name else "Redo",
+        running=running,
+        state=_state(document, status),
+        hint=_hint(document, status, selected),
+        numbers=_numbers(status),
+    )
+
+
+def looks_readable(path: str) -> bool:
+    """Whether the suffix of a path is one that can be read; a hint for drag and drop, no promise."""
+    return any(path.lower().endswith(suffix) for suffix in READABLE)
+
+
+def pace_text(pace: float | None) -> str:
+    """A speed in words."""
+    return FULL_SPEED if pace is None else f"{pace:g} step{'' if pace == 1 else 's'}/s"
+
+
+def _run_text(status: RunStatus) -> str:
+    if status.phase == "running":
+        return "Pause"
+    if status.phase == "paused" and not status.stale:
+        return "Resume"
+    return "Run anew" if status.started else "Run"
+
+
+def _state(document: Document, status: RunStatus) -> str:
+    if status.busy:
+        return status.busy
+    match status.phase:
+        case "empty":
+            return "No image is open."
+        case "running":
+            return "Running"
+        case "paused":
+            return "Paused"
+        case "finished":
+            return _sentence(f"{'Done' if status.converged else 'Stopped'} – {status.stop_reason}")
+    return "Ready" if document.shapes else "Nothing drawn yet"
+
+
+def _hint(document: Document, status: RunStatus, selected: int | None) -> str:
+    if status.phase == "empty":
+        return "Open an image (Ctrl+O) or drop one here."
+    if status.started and status.stale:
+        if status.phase == "running":
+            return "The drawing or the scales have changed: Reset (R) to start from them."
+        return "The drawing or the scales have changed: Run starts anew from them."
+    if not document.shapes and not status.started:
+        return "Drag on the image to draw a circle in or around an object."
+    if status.phase == "ready":
+        if selected is not None and selected < len(document.shapes):
+            return f"Drag or use the arrow keys to move the {describe(document.shapes[selected])}; Delete removes it."
+        return "Press Space to let the particles go."
+    return ""
+
+
+def _sentence(text: str) -> str:
+    return text if text.endswith((".", "!", "?")) else f"{text}."
+
+
+def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
+    started = status.started
+
+    def shown(value: str) -> str:
+        return value if started else "–"
+
+    epsilon = (
+        "–"
+        if math.isnan(status.epsilon)
+        else f"{status.epsilon:.2e}"
+        if status.epsilon < 1e-3
+        else f"{status.epsilon:.4f}"
+    )
+    scale = f"{status.scale} (full size)" if status.scale == 0 else f"{status.scale} (1:{2**status.scale})"
+    speed = f"{status.steps_per_second:.0f}" if status.phase == "running" else "–"
+    return (
+        ("Step", shown(f"{status.step:,}"), "Steps taken over all scales."),
+        ("Particles", shown(f"{status.count:,}"), "Free particles there are now."),
+        ("Scale", shown(scale), "Level of the image pyramid; 0 is the image itself."),
+        (
+            "ε",
+            shown(epsilon),
+            "Eq. (23): relative change of the energy; the particles are at rest when it stays below 0.001.",
+        ),
+        ("Contours", shown(f"{status.closed} closed, {status.open} open"), "Contours reconstructed so far."),
+        ("Steps/s", speed, "Speed of the run."),
+    )

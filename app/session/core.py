@@ -1,0 +1,36 @@
+"""What the session needs of the core, gathered in one place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from cpm_core.compilation import warm_up
+from cpm_core.engine import Engine
+from cpm_core.formats import export, load_image
+from cpm_core.image import Image
+from cpm_core.parameters import Parameters
+from cpm_core.result import Result
+
+
+@dataclass(frozen=True, slots=True)
+class Core:
+    """The core's functions that run on the worker thread.
+
+    Attributes
+    ----------
+    load_image : callable
+        Path to image.
+    engine : callable
+        Image and parameters to engine.
+    export : callable
+        Writes a result to a path.
+    warm_up : callable
+        Compiles or loads the kernels.
+    """
+
+    load_image: Callable[[Path], Image] = load_image
+    engine: Callable[[Image, Parameters], Engine] = Engine
+    export: Callable[[Result, Path], None] = export
+    warm_up: Callable[[], None] = warm_up

@@ -1,0 +1,174 @@
+"""The run on the worker thread: engine, state and parameters, and what is sent up after each step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.session.mailbox import Mailbox
+from app.session.messages import Overlays, Snapshot
+from app.session.pacer import Pacer
+from app.session.reconstructor import Reconstructor, Request
+from app.session.trace import Recorder
+from cpm_core.engine import Engine
+from cpm_core.image import Image
+from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.particles import State
+from cpm_core.result import Result
+
+RESTING_SPEED = 0.1
+"""Speed under which a particle is shown as resting [px per unit of time]."""
+
+
+class Run:
+    """What the worker thread works on; only that thread touches it.
+
+    Parameters
+    ----------
+    build : callable
+        Image and parameters to engine.
+    snapshots, overlays : Mailbox
+        Where the newest particles and overlays are left.
+    reconstructor : Reconstructor
+        Who makes contours of the newest particles.
+    """
+
+    def __init__(
+        self,
+        build: Callable[[Image, Parameters], Engine],
+        snapshots: Mailbox[Snapshot],
+        overlays: Mailbox[Overlays],
+        reconstructor: Reconstructor,
+    ) -> None:
+        self.pacer = Pacer()
+        self.generation = 0
+        self.image_generation = 0
+        self._build = build
+        self._snapshots = snapshots
+        self._overlays = overlays
+        self._reconstructor = reconstructor
+        self._engine: Engine | None = None
+        self._state: State | None = None
+        self._parameters = Parameters()
+        self._recorder = Recorder()
+        self._remaining = 0.0
+        self._wanted = (False, False)
+        self._shown: tuple[object, ...] = ()
+
+    @property
+    def stepping(self) -> bool:
+        """Whether steps are to be taken."""
+        return self._remaining > 0
+
+    def use(self, generation: int, image: Image, parameters: Parameters) -> None:
+        """Change to another image; when no engine can be built for it, everything stays as it was."""
+        engine = self._build(image, parameters)
+        self.discard(generation)
+        self.image_generation = generation
+        self._engine, self._parameters = engine, parameters
+        self._refresh_overlays()
+
+    def start(self, generation: int, seeds: NDArray[np.float64], parameters: Parameters) -> None:
+        """Begin with new particles; they do not move yet."""
+        self.discard(generation)
+        if self._engine is None:
+            raise ValueError("There is no image to run on: open one first.")
+        self._parameters = parameters
+        if parameters.scales != self._engine.scales:
+            self._engine = self._build(self._engine.image, parameters)
+        self._state = self._engine.start(seeds)
+        self._send()
+
+    def go(self, steps: int | None) -> None:
+        """Step from now on, `steps` times or until told otherwise."""
+        if self._state is not None and not self._state.stop_reason:
+            self._remaining = float("inf") if steps is None else self._remaining + steps
+            self.pacer.begin()
+
+    def halt(self) -> None:
+        """Stop and keep the particles."""
+        self._remaining = 0.0
+        self._reconstruct()
+
+    def discard(self, generation: int) -> None:
+        """Stop and forget the particles."""
+        self.generation = generation
+        self._remaining = 0.0
+        self._state = None
+        self._recorder = Recorder()
+        self._reconstructor.forget()
+
+    def set_parameters(self, parameters: Parameters) -> None:
+        """Use these from the next step on."""
+        self._parameters = parameters
+        self._refresh_overlays()
+        if not self.stepping:
+            self._reconstruct()
+
+    def set_overlays(self, edge_map: bool, field: bool) -> None:
+        """Keep these up to date."""
+        self._wanted, self._shown = (edge_map, field), ()
+        self._refresh_overlays()
+
+    def step(self) -> None:
+        """Take one step and send up what came of it."""
+        if self._engine is None or self._state is None:
+            self._remaining = 0.0
+            return
+        self._state = self._engine.step(self._state, self._parameters)
+        self._remaining = 0.0 if self._state.stop_reason else self._remaining - 1
+        self.pacer.stepped()
+        self._recorder.record(self._state.step, self._state.epsilon, self._state.count)
+        self._send()
+
+    def result(self) -> Result:
+        """Contours of the particles as they are now."""
+        if self._engine is None or self._state is None:
+            raise ValueError("There is nothing to export yet: let the particles run first.")
+        return self._engine.result(self._state, self._parameters)
+
+    def _send(self) -> None:
+        state = self._state
+        if state is None:
+            return
+        speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
+        self._snapshots.put(
+            Snapshot(
+                generation=self.generation,
+                position=state.position,
+                resting=speed < RESTING_SPEED,
+                step=state.step,
+                scale=state.scale,
+                epsilon=state.epsilon,
+                stop_reason=state.stop_reason,
+                converged=state.converged,
+                steps_per_second=self.pacer.per_second,
+                trace=self._recorder.trace(),
+            )
+        )
+        self._reconstruct()
+
+    def _reconstruct(self) -> None:
+        if self._engine is not None and self._state is not None and self._state.step > 0:
+            last = not self.stepping
+            self._reconstructor.ask(Request(self.generation, self._engine, self._state, self._parameters, last))
+
+    def _refresh_overlays(self) -> None:
+        """Send edge map and field up when they are wanted and differ from those last sent."""
+        if self._engine is None or not any(self._wanted):
+            return
+        made_of = [getattr(self._parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "field"]
+        key = (self._engine, *self._wanted, *made_of)
+        if key == self._shown:
+            return
+        edge_map, field = self._wanted
+        self._overlays.put(
+            Overlays(
+                generation=self.image_generation,
+                edge_map=self._engine.edge_map(self._parameters) if edge_map else None,
+                field=self._engine.field(self._parameters) if field else None,
+            )
+        )
+        self._shown = key

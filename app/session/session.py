@@ -1,0 +1,337 @@
+"""The session: the one door through which documents are edited and runs are driven."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
+
+from app.model import edits
+from app.model.document import Document, ImageReference
+from app.model.resolve import FIRST_PACE, PACES, Resolved, RunStatus, resolve
+from app.model.samples import sample_at
+from app.model.shapes import describe
+from app.session.core import Core
+from app.session.editor import Editor
+from app.session.messages import (
+    Command,
+    Discard,
+    Export,
+    Go,
+    Halt,
+    Open,
+    Opened,
+    Overlays,
+    Reconstruction,
+    SetOverlays,
+    SetPace,
+    SetParameters,
+    Snapshot,
+    Start,
+    WarmUp,
+)
+from app.session.pacer import Pacer
+from app.session.progress import Progress
+from app.session.runner import Runner
+from cpm_core.image import Image
+
+FRAME = 16
+"""Time between looks at what the worker has sent up [ms]."""
+
+
+class Session(QObject):
+    """Document, history and run, with the signals that views follow.
+
+    Parameters
+    ----------
+    core : Core
+        The core's functions; the real ones unless given.
+    parent : QObject
+        Owner.
+    """
+
+    document_changed = Signal(object)
+    """The document is another one: Document."""
+    image_changed = Signal(object)
+    """Another image is shown: Image."""
+    status_changed = Signal()
+    """What `resolved` says may have changed."""
+    snapshot_changed = Signal(object)
+    """Newer particles: Snapshot, or None when there are none."""
+    contours_changed = Signal(object)
+    """Newer contours: Result, or None when there are none."""
+    overlays_changed = Signal(object)
+    """Newer edge map and field: Overlays."""
+    said = Signal(str, bool)
+    """A sentence for the user, and whether it tells of trouble."""
+
+    def __init__(self, core: Core | None = None, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._editor = Editor()
+        self._runner = Runner(core)
+        self._progress = Progress(self, self._runner)
+        self._numbered = 0
+        self._generation = 0
+        self._image_generation = 0
+        self._recipe: tuple[object, ...] = ()
+        self._frames = Pacer()
+        self._timer = QTimer(self)
+        self._timer.setTimerType(Qt.TimerType.PreciseTimer)
+        self._timer.setInterval(FRAME)
+        self._timer.timeout.connect(self._frame)
+        self.set_pace(PACES[FIRST_PACE])
+
+    # Looking
+
+    @property
+    def document(self) -> Document:
+        """What the user means."""
+        return self._editor.document
+
+    @property
+    def selected(self) -> int | None:
+        """Index of the selected shape."""
+        return self._editor.selected
+
+    @property
+    def generation(self) -> int:
+        """Number of the current run; what belongs to another is not shown."""
+        return self._generation
+
+    @property
+    def image_generation(self) -> int:
+        """Number under which the image was opened."""
+        return self._image_generation
+
+    @property
+    def status(self) -> RunStatus:
+        """How the run stands."""
+        status = self._progress.status
+        return replace(status, stale=status.started and self.document.recipe != self._recipe)
+
+    @property
+    def resolved(self) -> Resolved:
+        """What the window shows."""
+        return resolve(self.document, self.status, self._editor.undo_name, self._editor.redo_name, self.selected)
+
+    @property
+    def frames_per_second(self) -> float:
+        """How often, measured, the newest particles are looked for and drawn."""
+        return self._frames.per_second
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing is going on and everything that was sent up has been shown."""
+        return self._runner.idle
+
+    # Editing
+
+    def edit(self, name: str, edit: Callable[[Document], Document], gesture: str = "") -> None:
+        """Change the document so that it can be undone.
+
+        Parameters
+        ----------
+        name : str
+            What is done, as it stands after "Undo".
+        edit : callable
+            Document to document; a `ValueError` is told to the user and changes nothing.
+        gesture : str
+            Edits in a row with the same gesture are undone together.
+        """
+        try:
+            self._change(lambda: self._editor.edit(name, edit, gesture))
+        except ValueError as error:
+            self.say(str(error), True)
+
+    def seal(self) -> None:
+        """End a gesture: the next edit is undone by itself."""
+        self._editor.seal()
+
+    def undo(self) -> None:
+        """Take back the last edit."""
+        self._change(self._editor.undo)
+
+    def redo(self) -> None:
+        """Do again what was undone last."""
+        self._change(self._editor.redo)
+
+    def select(self, index: int | None) -> None:
+        """Select a shape, or none."""
+        if index != self.selected:
+            self._editor.selected = index
+            self.document_changed.emit(self.document)
+            self.status_changed.emit()
+
+    def select_next(self) -> None:
+        """Select the shape drawn after the selected one, the first after the last."""
+        self.select(self._editor.next_shape())
+
+    def delete_selected(self) -> None:
+        """Remove the selected shape."""
+        index = self.selected
+        if index is not None:
+            name = f"delete {describe(self.document.shapes[index])}"
+            self.select(None)
+            self.edit(name, lambda document: edits.delete_shape(document, index))
+
+    # Files
+
+    def open(self, path: str | Path, otherwise: Path | None = None) -> None:
+        """Open an image; what is open stays until the other one is known to be usable.
+
+        Parameters
+        ----------
+        path : str or Path
+            File of the image.
+        otherwise : Path, optional
+            File to open when that one turns out to be unusable.
+        """
+        path = Path(path)
+        self._progress.busy("opening", f"Opening {path.name}…")
+        sample = sample_at(path)
+        parameters = sample.parameters if sample else self.document.parameters
+        self._post(Open(self._next_generation(), path, parameters, otherwise))
+
+    def export(self, path: str | Path) -> None:
+        """Write the contours found so far; the suffix tells the format."""
+        self._post(Export(Path(path)))
+
+    # Running
+
+    def run(self) -> None:
+        """Go on, or start anew when the drawing has changed or the run is over."""
+        if not self._ready():
+            return
+        if self.status.phase != "running":
+            self._start_if_needed()
+            self._progress.phase("running")
+            self._post(Go(self._generation))
+
+    def pause(self) -> None:
+        """Stop after the step that is being taken."""
+        if self.status.phase == "running":
+            self._progress.phase("paused")
+            self._post(Halt())
+
+    def toggle(self) -> None:
+        """Pause when running, run otherwise."""
+        if self.status.phase == "running":
+            self.pause()
+        else:
+            self.run()
+
+    def step(self) -> None:
+        """Take one step, starting when nothing has been started."""
+        if "step" in self.resolved.enabled and self._ready():
+            self._start_if_needed()
+            self._progress.phase("paused")
+            self._post(Go(self._generation, steps=1))
+
+    def reset(self) -> None:
+        """Forget the particles and go back to the drawing."""
+        if self.status.started:
+            self._generation = self._next_generation()
+            self._progress.forget()
+            self._post(Discard(self._generation))
+
+    def set_pace(self, steps_per_second: float | None) -> None:
+        """Limit the speed; None for none."""
+        self._post(SetPace(steps_per_second))
+
+    def want_overlays(self, edge_map: bool, field: bool) -> None:
+        """Say which overlays are wanted."""
+        self._post(SetOverlays(edge_map, field))
+
+    def warm_up(self) -> None:
+        """Compile or load the kernels ahead of the first step."""
+        self._progress.busy("preparing", "Preparing (longer the very first time)…")
+        self._post(WarmUp())
+
+    def close(self) -> None:
+        """Stop everything and wait for the worker to end."""
+        self._timer.stop()
+        self._runner.close()
+
+    # What the worker has sent up leads to
+
+    def accept(self, opened: Opened) -> None:
+        """Take over an image that has been opened."""
+        self._generation = self._image_generation = opened.generation
+        image = opened.image
+        reference = ImageReference(opened.path.name, str(opened.path), image.shape, _contrast(image))
+        self.image_changed.emit(image)
+        self._progress.forget()
+        sample = sample_at(opened.path)
+        document = Document(reference, sample.shapes if sample else (), opened.parameters)
+        self._change(lambda: self._editor.begin(document))
+        self._post(SetParameters(opened.parameters))
+
+    def show_snapshot(self, snapshot: Snapshot | None) -> None:
+        """Pass particles on."""
+        self.snapshot_changed.emit(snapshot)
+
+    def show_contours(self, reconstruction: Reconstruction | None) -> None:
+        """Pass contours on."""
+        self.contours_changed.emit(reconstruction.result if reconstruction else None)
+
+    def show_overlays(self, overlays: Overlays) -> None:
+        """Pass edge map and field on."""
+        self.overlays_changed.emit(overlays)
+
+    def show_status(self) -> None:
+        """Say that what is resolved may have changed."""
+        self.status_changed.emit()
+
+    def say(self, sentence: str, trouble: bool = False) -> None:
+        """Tell the user one sentence."""
+        self.said.emit(sentence, trouble)
+
+    # Inside
+
+    def _ready(self) -> bool:
+        if self.document.image is None:
+            self.say("There is no image to run on: open one first.", True)
+            return False
+        if not self.document.shapes:
+            self.say("There is nothing to start from: draw a circle or place points on the image first.", True)
+            return False
+        return True
+
+    def _start_if_needed(self) -> None:
+        status = self.status
+        if status.phase in ("ready", "finished") or status.stale:
+            self._generation = self._next_generation()
+            self._recipe = self.document.recipe
+            self._progress.forget()
+            self._post(Start(self._generation, self._image_generation, self.document))
+
+    def _next_generation(self) -> int:
+        self._numbered += 1
+        return self._numbered
+
+    def _change(self, change: Callable[[], None]) -> None:
+        before = self.document
+        change()
+        if before.parameters != self.document.parameters:
+            self._post(SetParameters(self.document.parameters))
+        if before != self.document:
+            self.document_changed.emit(self.document)
+            self.status_changed.emit()
+
+    def _post(self, command: Command) -> None:
+        self._runner.post(command)
+        if not self._timer.isActive():
+            self._frames.begin()
+            self._timer.start()
+
+    def _frame(self) -> None:
+        self._frames.stepped()
+        self._progress.look()
+        if self._runner.idle:
+            self._timer.stop()
+
+
+def _contrast(image: Image) -> float:
+    return float(image.values.max() - image.values.min())

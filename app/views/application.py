@@ -1,0 +1,57 @@
+"""The desktop application: sets Qt up, opens the window and runs until it is closed."""
+
+from __future__ import annotations
+
+import signal
+import sys
+
+import pyqtgraph as pg
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication
+
+from app.model.samples import samples
+from app.session.session import Session
+from app.views.icons import program_icon
+from app.views.main_window import MainWindow
+
+SWITCH_INTERVAL = 0.0002
+"""Longest time that the worker keeps the window waiting for the interpreter [s]."""
+
+
+def make_application() -> QApplication:
+    """The one QApplication, in the style that the window is made for."""
+    application = QApplication.instance() or QApplication(sys.argv[:1])
+    assert isinstance(application, QApplication)
+    application.setApplicationName("cpm")
+    application.setApplicationDisplayName("CPM")
+    application.setDesktopFileName("cpm")
+    application.setStyle("Fusion")
+    application.setWindowIcon(program_icon())
+    pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    return application
+
+
+def open_window(path: str | None = None) -> MainWindow:
+    """Open a window with an image, on the first sample when none is named or the one named cannot be used."""
+    session = Session()
+    window = MainWindow(session)
+    sample = samples()[0].path
+    session.open(path or sample, otherwise=sample if path else None)
+    session.warm_up()
+    window.show()
+    return window
+
+
+def run(path: str | None = None) -> int:
+    """Run the desktop program; returns its exit status."""
+    application = make_application()
+    window = open_window(path)
+    # Ctrl+C in the terminal closes the window like its own button; Python looks for signals only when it is woken.
+    signal.signal(signal.SIGINT, lambda *_: window.close())
+    wake = QTimer()
+    wake.timeout.connect(lambda: None)
+    wake.start(200)
+    status = application.exec()
+    window.close()
+    return status

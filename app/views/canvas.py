@@ -1,0 +1,180 @@
+"""The canvas: the image with everything that is drawn over it, and the pointer's way into the tools."""
+
+from __future__ import annotations
+
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QResizeEvent, QWheelEvent
+
+from app.model.shapes import Position
+from app.views import theme
+from app.views.contour_layer import ContourLayer
+from app.views.coordinates import image_rectangle, to_position
+from app.views.drawing_layer import DrawingLayer
+from app.views.layers import EdgeMapLayer, FieldLayer, ImageLayer
+from app.views.particle_layer import ParticleLayer
+from app.views.tools import Tool
+from cpm_core.image import Image
+
+REACH = 8.0
+"""How far off a line or handle the pointer still takes hold of it [px of the screen]."""
+
+ZOOM = 1.2
+_MARGIN = 0.04
+
+
+class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """Shows the layers, pans and zooms, and hands the left button to the tool in use."""
+
+    pointed = Signal(object)
+    """Position (row, col) under the pointer, or None when it has left."""
+
+    def __init__(self) -> None:
+        super().__init__(background=theme.CANVAS)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setAcceptDrops(False)
+        self.setMinimumSize(320, 240)
+        self.setAccessibleName("Image")
+        self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, enableMouse=False, defaultPadding=0.0)
+        self.view.disableAutoRange()
+        self.setCentralItem(self.view)
+        self.image = ImageLayer(self.view)
+        self.edge_map = EdgeMapLayer(self.view)
+        self.field = FieldLayer(self.view)
+        self.contours = ContourLayer(self.view)
+        self.particles = ParticleLayer(self.view)
+        self.drawing = DrawingLayer(self.view)
+        self.tool: Tool | None = None
+        self._shape: tuple[int, ...] | None = None
+        self._panned_from: QPointF | None = None
+        self._gesturing = False
+        self._fitted = True
+
+    @property
+    def gesturing(self) -> bool:
+        """Whether a tool is being dragged."""
+        return self._gesturing
+
+    def show_image(self, image: Image) -> None:
+        """Show another image, as large as it fits."""
+        self.cancel()
+        self.image.show(image)
+        self.particles.use_shape(image.shape)
+        self.contours.use_shape(image.shape)
+        self.drawing.use_shape(image.shape)
+        self._shape = image.shape
+        self.fit()
+
+    def fit(self) -> None:
+        """Show the whole image."""
+        if self._shape is not None:
+            self.view.setRange(image_rectangle(self._shape), padding=_MARGIN)
+            self._fitted = True
+
+    def zoom(self, factor: float, around: QPointF | None = None) -> None:
+        """Enlarge by `factor` around a point of the widget, its middle unless given."""
+        point = around if around is not None else QPointF(self.rect().center())
+        self.view.scaleBy(
+            (1.0 / factor, 1.0 / factor), center=self.view.mapSceneToView(self.mapToScene(point.toPoint()))
+        )
+        self._fitted = False
+
+    def pan(self, right: float, down: float) -> None:
+        """Move what is seen by pixels of the screen."""
+        width, height = self.view.viewPixelSize()
+        self.view.translateBy(x=right * width, y=down * height)
+        self._fitted = False
+
+    def position(self, point: QPointF) -> Position:
+        """Position (row, col) under a point of the widget."""
+        return to_position(self.view.mapSceneToView(self.mapToScene(point.toPoint())))
+
+    def point(self, position: Position) -> QPointF:
+        """Point of the widget over a position (row, col)."""
+        return QPointF(self.mapFromScene(self.view.mapViewToScene(QPointF(position[1], position[0]))))
+
+    def cancel(self) -> None:
+        """Give up what a tool is in the middle of."""
+        if self._gesturing and self.tool is not None:
+            self._gesturing = False
+            self.tool.cancel()
+
+    def use(self, tool: Tool) -> None:
+        """Hand the left button to another tool."""
+        self.cancel()
+        self.tool = tool
+        self.viewport().setCursor(tool.cursor((-1e9, -1e9), 0.0))
+
+    # What Qt calls
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin a gesture or a pan."""
+        event.accept()
+        if event.button() == Qt.MouseButton.LeftButton and self.tool is not None and self._shape is not None:
+            self._gesturing = True
+            self.tool.press(self.position(event.position()), self._reach())
+        elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
+            self._panned_from = event.position()
+            self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Go on with it, or tell what is under the pointer."""
+        event.accept()
+        at = self.position(event.position())
+        if self._panned_from is not None:
+            moved = self._panned_from - event.position()
+            self._panned_from = event.position()
+            self.pan(moved.x(), moved.y())
+        elif self._gesturing and self.tool is not None:
+            self.tool.drag(at)
+        elif self.tool is not None:
+            self.viewport().setCursor(self.tool.cursor(at, self._reach()))
+        self.pointed.emit(at)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """End it."""
+        event.accept()
+        if event.button() == Qt.MouseButton.LeftButton and self._gesturing and self.tool is not None:
+            self._gesturing = False
+            self.tool.release()
+        elif self._panned_from is not None:
+            self._panned_from = None
+            if self.tool is not None:
+                self.viewport().setCursor(self.tool.cursor(self.position(event.position()), self._reach()))
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """A second click is a click like any other."""
+        self.mousePressEvent(event)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Zoom around the pointer."""
+        event.accept()
+        self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Keys are left to whoever listens."""
+        event.ignore()
+
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+        """Not ours."""
+        event.ignore()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Tell that the pointer is gone."""
+        self.pointed.emit(None)
+        super().leaveEvent(event)
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """A gesture does not outlive the focus."""
+        if event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
+            self.cancel()
+        super().focusOutEvent(event)
+
+    def resizeEvent(self, event: QResizeEvent | None) -> None:
+        """Keep the whole image in sight for as long as the user has not zoomed."""
+        super().resizeEvent(event)
+        if getattr(self, "_fitted", False):
+            self.fit()
+
+    def _reach(self) -> float:
+        return REACH * float(self.view.viewPixelSize()[0])

@@ -1,0 +1,54 @@
+"""Whether a window can be opened at all; Qt itself ends the process without a word that helps."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+from pathlib import Path
+
+_README = "the README names the few system libraries that Qt wants"
+
+
+def why_no_window() -> str:
+    """One sentence on why no window can be opened here, empty when nothing speaks against it."""
+    chosen = os.environ.get("QT_QPA_PLATFORM", "")
+    if not sys.platform.startswith("linux") or chosen.partition(":")[0] not in ("", "xcb"):
+        return ""
+    if not chosen and os.environ.get("WAYLAND_DISPLAY"):
+        return ""
+    if not os.environ.get("DISPLAY"):
+        return "There is no display to open a window on; use “cpm run IMAGE …” to work without one."
+    return _missing_library() or _refused()
+
+
+def _missing_library() -> str:
+    """Load what Qt would load, for only the loader tells which library is missing."""
+    from PySide6.QtCore import QLibraryInfo
+
+    plugins = Path(QLibraryInfo.path(QLibraryInfo.LibraryPath.PluginsPath))
+    try:
+        ctypes.CDLL(str(plugins / "platforms" / "libqxcb.so"))
+    except OSError as error:
+        library = str(error).partition(":")[0]
+        return f"Qt cannot open a window because {library} is missing; {_README}."
+    return ""
+
+
+def _refused() -> str:
+    """Knock at the display."""
+    try:
+        xcb = ctypes.CDLL("libxcb.so.1")
+    except OSError:
+        return f"Qt cannot open a window because libxcb.so.1 is missing; {_README}."
+    xcb.xcb_connect.restype = ctypes.c_void_p
+    xcb.xcb_connect.argtypes = (ctypes.c_char_p, ctypes.c_void_p)
+    for function in (xcb.xcb_connection_has_error, xcb.xcb_disconnect):
+        function.argtypes = (ctypes.c_void_p,)
+    connection = xcb.xcb_connect(None, None)
+    refused = bool(xcb.xcb_connection_has_error(connection))
+    xcb.xcb_disconnect(connection)
+    if refused:
+        display = os.environ["DISPLAY"]
+        return f"The display {display} cannot be reached; check DISPLAY, or use “cpm run IMAGE …” without one."
+    return ""

@@ -1,0 +1,66 @@
+"""Icons drawn from the program's own SVG files in the colour of the text around them."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
+from PySide6.QtSvg import QSvgRenderer
+
+from app.model.assets import asset
+
+_SIZES = (16, 20, 24, 32, 40, 48)
+
+
+def icon(name: str, colour: str, faded: str | None = None) -> QIcon:
+    """Icon by name.
+
+    Parameters
+    ----------
+    name : str
+        Name of the SVG file, without its ending.
+    colour : str
+        Takes the place of ``currentColor`` in the file.
+    faded : str, optional
+        The same for the disabled icon.
+    """
+    drawing = asset(f"icons/{name}.svg").read_text(encoding="utf-8")
+    made = QIcon()
+    for mode, tint in ((QIcon.Mode.Normal, colour), (QIcon.Mode.Disabled, faded)):
+        if tint is not None:
+            renderer = QSvgRenderer(QByteArray(drawing.replace("currentColor", tint).encode()))
+            for size in _SIZES:
+                made.addPixmap(_pixmap(renderer, size), mode)
+    return made
+
+
+def program_icon() -> QIcon:
+    """Icon of the program itself."""
+    renderer = QSvgRenderer(str(asset("icons/cpm.svg")))
+    made = QIcon()
+    for size in (*_SIZES, 64, 128, 256):
+        made.addPixmap(_pixmap(renderer, size))
+    return made
+
+
+def swatch(*colours: str) -> QIcon:
+    """Small discs of the given colours side by side, as a legend."""
+    side = 14
+    pixmap = QPixmap(QSize((side + 2) * len(colours), side))
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(QColor(0, 0, 0, 110))
+    for index, colour in enumerate(colours):
+        painter.setBrush(QColor(colour))
+        painter.drawEllipse(QRectF(index * (side + 2) + 1.5, 1.5, side - 3, side - 3))
+    painter.end()
+    return QIcon(pixmap)
+
+
+def _pixmap(renderer: QSvgRenderer, size: int) -> QPixmap:
+    pixmap = QPixmap(size, size)
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    renderer.render(painter)
+    painter.end()
+    return pixmap

@@ -1,0 +1,67 @@
+"""The panel that tells how the run stands."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
+
+from app.model.resolve import Resolved
+
+
+class StatusPanel(QWidget):
+    """State in words, and the figures of the run in two columns."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._state = QLabel()
+        self._state.setObjectName("state")
+        self._state.setWordWrap(True)
+        self._state.setMinimumHeight(2 * self._state.fontMetrics().lineSpacing() + 2)
+        self._values: dict[str, QLabel] = {}
+        self._grid = QGridLayout()
+        self._grid.setHorizontalSpacing(8)
+        self._grid.setVerticalSpacing(3)
+        self._grid.setColumnStretch(1, 3)
+        self._grid.setColumnStretch(3, 2)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(4)
+        layout.addWidget(self._state)
+        layout.addLayout(self._grid)
+
+    def show_resolved(self, resolved: Resolved, frames_per_second: str) -> None:
+        """Show a state and its figures; what is the same as before is left alone."""
+        _set(self._state, resolved.state)
+        figures = (
+            *resolved.numbers,
+            ("Frames/s", frames_per_second, "How often a second the window looks for newer particles and draws them."),
+        )
+        for label, value, explanation in figures:
+            if label not in self._values:
+                self._add(label, explanation)
+            _set(self._values[label], value)
+
+    def value(self, label: str) -> str:
+        """The figure shown beside a label."""
+        return self._values[label].text()
+
+    @property
+    def state(self) -> str:
+        """The state in words as shown."""
+        return self._state.text()
+
+    def _add(self, label: str, explanation: str) -> None:
+        index = len(self._values)
+        row, column = index // 2, 2 * (index % 2)
+        name, value = QLabel(label), QLabel()
+        name.setObjectName("dim")
+        for widget in (name, value):
+            widget.setToolTip(explanation)
+        value.setAccessibleName(label)
+        self._values[label] = value
+        self._grid.addWidget(name, row, column)
+        self._grid.addWidget(value, row, column + 1)
+
+
+def _set(label: QLabel, text: str) -> None:
+    if label.text() != text:
+        label.setText(text)

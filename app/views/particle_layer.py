@@ -1,0 +1,148 @@
+"""The layer of the particles, drawn anew in every frame of a run and therefore made to be fast."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+from pyqtgraph.Qt import internals
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from app.views import theme
+from app.views.coordinates import image_rectangle, to_xy
+
+Array = NDArray[np.float64]
+
+_SMALLEST = 2.4
+"""Least diameter of a disc [px of the screen]."""
+
+_SPAN = 2.4
+"""Diameter of a disc [px of the image], a little more than the spacing of the particles."""
+
+_RIM = 16.0
+"""Room around the image for particles on its border [px of the image]."""
+
+
+class ParticleLayer:
+    """The particles, those at rest in a colour of their own."""
+
+    def __init__(self, view: pg.ViewBox) -> None:
+        # Contours run over the particles at rest, so that both are seen, and under those that still move.
+        self._resting = Discs(theme.RESTING, 7.0, 3.0)
+        self._moving = Discs(theme.MOVING, 6.0, 6.0)
+        for item in (self._resting, self._moving):
+            view.addItem(item, ignoreBounds=True)
+
+    @property
+    def count(self) -> int:
+        """Number of particles shown."""
+        return self._resting.count + self._moving.count
+
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Make room for an image of this shape."""
+        for item in (self._resting, self._moving):
+            item.use_shape(shape)
+
+    def show(self, position: Array, resting: NDArray[np.bool_]) -> None:
+        """Show particles at (row, col), shape (N, 2)."""
+        self._resting.show(position[resting])
+        self._moving.show(position[~resting])
+
+    def set_visible(self, visible: bool) -> None:
+        """Show or hide them all."""
+        self._resting.setVisible(visible)
+        self._moving.setVisible(visible)
+
+
+class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """Discs of one colour, as large as the image is enlarged, within bounds: they never cover what they lie on.
+
+    All are stamps of one picture in a single call of the painter, which a scatter plot of pyqtgraph does as well, but
+    only after some milliseconds of book-keeping for symbols that differ.
+
+    Parameters
+    ----------
+    colour : str
+        Colour.
+    diameter : float
+        Largest diameter [px of the screen].
+    z : float
+        Place in the pile of layers.
+    """
+
+    def __init__(self, colour: str, diameter: float, z: float) -> None:
+        super().__init__()
+        self._colour = colour
+        self._diameter = diameter
+        self._room = QRectF()
+        self._position = np.empty((0, 2))
+        self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)
+        self._stamp = QPixmap()
+        self._stamped = (0.0, 0.0)
+        self.setZValue(z)
+
+    @property
+    def count(self) -> int:
+        """Number of discs."""
+        return len(self._position)
+
+    def use_shape(self, shape: tuple[int, ...], rim: float = _RIM) -> None:
+        """Make room for an image of this shape and, all around, for a rim of so many px of the image."""
+        self.prepareGeometryChange()
+        self._room = image_rectangle(shape).adjusted(-rim, -rim, rim, rim)
+
+    def show(self, position: Array) -> None:
+        """Show discs at (row, col), shape (N, 2)."""
+        if len(position) or len(self._position):
+            self._position = position
+            self.update()
+
+    def boundingRect(self) -> QRectF:
+        """Room that may be drawn on."""
+        return self._room
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Stamp them all."""
+        if not len(self._position):
+            return
+        ratio = painter.device().devicePixelRatioF()
+        transform = painter.worldTransform()
+        stamp = self._stamp_for(ratio, transform.m11())
+        origin = transform.map(QPointF(0.0, 0.0))
+        x, y = to_xy(self._position)
+        self._stamps.resize(len(x))
+        table = self._stamps.ndarray()
+        table[:, 0] = origin.x() + x * transform.m11()
+        table[:, 1] = origin.y() + y * transform.m22()
+        table[:, 2:4] = 0.0
+        table[:, 4] = stamp.width()
+        table[:, 5] = stamp.height()
+        table[:, 6:8] = 1.0 / ratio
+        table[:, 8] = 0.0
+        table[:, 9] = 1.0
+        painter.save()
+        painter.resetTransform()
+        painter.drawPixmapFragments(*self._stamps.drawargs(), stamp)  # type: ignore[call-arg]  # pointer and length
+        painter.restore()
+
+    def _stamp_for(self, ratio: float, zoom: float) -> QPixmap:
+        """The picture of one disc for a screen with `ratio` pixels to a point and an image enlarged by `zoom`."""
+        diameter = round(ratio * min(self._diameter, max(_SMALLEST, _SPAN * zoom)), 1)
+        if self._stamped != (diameter, ratio):
+            self._stamped = (diameter, ratio)
+            side = math.ceil(diameter + 2.0 * ratio)
+            self._stamp = QPixmap(side, side)
+            self._stamp.fill(Qt.GlobalColor.transparent)
+            painter = QPainter(self._stamp)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            # A rim sets large discs off from each other; around small ones it would be all that is seen.
+            strength = round(190 * min(1.0, max(0.0, (diameter / ratio - _SMALLEST) / 3.0)))
+            painter.setPen(QPen(QColor(0, 0, 0, strength), 0.9 * ratio) if strength else Qt.PenStyle.NoPen)
+            painter.setBrush(QColor(self._colour))
+            painter.drawEllipse(QPointF(side / 2, side / 2), diameter / 2, diameter / 2)
+            painter.end()
+        return self._stamp

@@ -1,0 +1,20 @@
+"""Compiling the model's loops ahead of their first use."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cpm_core.initialization import circle
+from cpm_core.parameters import Parameters
+from cpm_core.segmentation import segment
+
+
+def warm_up() -> None:
+    """Run every compiled loop once on a small disk.
+
+    The first time ever this compiles them, which takes some seconds, and keeps them on disk; later it loads them. It
+    may run in a thread of its own while a window is being shown.
+    """
+    row, col = np.indices((32, 32))
+    disk = 255.0 * (np.hypot(row - 15.5, col - 15.5) < 9.0)
+    segment(disk, circle((15.5, 15.5), 5.0), Parameters(scales=2), max_steps=12)

@@ -1,0 +1,296 @@
+"""The engine: one step of a run is the composition of force, motion, population and equilibrium.
+
+``Engine(image, parameters)`` prepares what the particles feel; ``start`` makes the first state of a run; ``step`` makes
+the next one from any state, without memory of its own, so that a run can be paused, steered, replayed and branched.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import replace
+from threading import Lock
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.coulomb import coulomb_force
+from cpm_core.dynamics import advance, damping, normalised_coulomb, repulsion_left, stick
+from cpm_core.equilibrium import IDLE_STEPS, QUIET_STEPS, STILL, epsilon, is_idle, is_quiet
+from cpm_core.field.interpolation import interpolate
+from cpm_core.ground import explore, idle_steps, unvisited
+from cpm_core.image import Image
+from cpm_core.level import Level, build_level
+from cpm_core.multiscale import pyramid, to_image, to_scale
+from cpm_core.neighbors import nearest_spacing
+from cpm_core.parameters import Parameters
+from cpm_core.particles import MEMORY, Particles, State
+from cpm_core.population import deletion, insertion, on_edge
+from cpm_core.reconstruction import find_contours
+from cpm_core.result import Result
+
+Array = NDArray[np.float64]
+
+_KEPT_LEVELS = 16
+"""Levels kept for reuse, so that going back to an earlier smoothing costs nothing."""
+
+_STEPS_A_PIXEL = 2.0
+"""Steps that a scale may take, for each pixel of the longest side: a front advances about two pixels a step."""
+
+_AWAKE, _LOOK_EVERY = 20, 8
+"""Steps without new ground around it after which a particle looks ahead only now and then, and how often it then
+does."""
+
+_LEAST_STEPS = 400
+"""Steps that a scale may take however small it is."""
+
+
+class Engine:
+    """The charged-particle model on one image.
+
+    Parameters
+    ----------
+    values : array_like, shape (H, W), or Image
+        Image.
+    parameters : Parameters, optional
+        For the number of scales, and the fields to prepare at once.
+
+    Raises
+    ------
+    ValueError
+        When the image has no edges, or fewer scales than asked for.
+    """
+
+    def __init__(self, values: ArrayLike | Image, parameters: Parameters | None = None) -> None:
+        parameters = parameters or Parameters()
+        self.image = values if isinstance(values, Image) else Image(np.asarray(values, dtype=float))
+        array = self.image.values
+        if array.min() == array.max():
+            raise ValueError(
+                f"the image is constant ({array.flat[0]:g} everywhere) and has no edges: open one that shows something."
+            )
+        self._pyramid = pyramid(array, parameters.scales)
+        self._levels: OrderedDict[tuple[int, float | str, float], Level] = OrderedDict()
+        self._lock = Lock()
+        for scale in range(parameters.scales):
+            self.level(parameters, scale)
+
+    @property
+    def scales(self) -> int:
+        """Levels of the pyramid."""
+        return len(self._pyramid)
+
+    def level(self, parameters: Parameters, scale: int = 0) -> Level:
+        """Fields of a scale, built when they are first asked for."""
+        key = (scale, parameters.smoothing, parameters.edge_floor)
+        with self._lock:
+            if key not in self._levels:
+                self._levels[key] = build_level(self._pyramid[scale], parameters.smoothing, parameters.edge_floor)
+                while len(self._levels) > _KEPT_LEVELS:
+                    self._levels.popitem(last=False)
+            self._levels.move_to_end(key)
+            return self._levels[key]
+
+    def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
+        """Edge map of a scale, shape (H, W)."""
+        return self.level(parameters, scale).edge_map
+
+    def field(self, parameters: Parameters, scale: int = 0) -> Array:
+        """Lorentz force on the pixels of a scale, shape (2, H, W): vectors of at most unit length."""
+        return self.level(parameters, scale).lorentz
+
+    def start(self, seeds: ArrayLike) -> State:
+        """First state of a run.
+
+        Parameters
+        ----------
+        seeds : array_like, shape (N, 2)
+            Where the particles begin (row, col) [px]; those outside the image are left out.
+
+        Returns
+        -------
+        State
+            Particles at rest on the coarsest scale.
+
+        Raises
+        ------
+        ValueError
+            When there is no particle, or none inside the image.
+        """
+        points = np.asarray(seeds, dtype=float)
+        if points.size == 0:
+            raise ValueError("there are no particles to start with: draw a circle or click some points first.")
+        if points.ndim != 2 or points.shape[1] != self.image.ndim or not np.isfinite(points).all():
+            raise ValueError(f"the starting particles have the shape {points.shape} but must be (N, 2) finite numbers.")
+        inside = self._inside(points, self.image.shape)
+        if not inside.any():
+            size = " x ".join(map(str, self.image.shape))
+            raise ValueError(
+                f"none of the {len(points)} starting particles lies inside the image ({size} pixels): draw inside it."
+            )
+        nobody = Particles.at_rest(points[:0])
+        begun = State(nobody, points[inside], self.image.shape, self.scales, unvisited(()))
+        return self._enter(begun, self.scales - 1)
+
+    def step(self, state: State, parameters: Parameters) -> State:
+        """One time step.
+
+        Parameters
+        ----------
+        state : State
+            Any state of a run on this image.
+        parameters : Parameters
+            Obeyed at once; `scales` from the next start on.
+
+        Returns
+        -------
+        State
+            The next state: the same one if the run has stopped.
+        """
+        if state.stop_reason:
+            return state
+        level = self.level(parameters, state.scale)
+        if state.step_of_scale == 0:
+            state = replace(state, d_max=parameters.d_max)
+        state = self._move(state, level, parameters)
+        if len(state.particles):
+            state = self._populate(state, level, parameters)
+        return self._judge(state, level)
+
+    def result(self, state: State, parameters: Parameters) -> Result:
+        """Contours and figures of any state of a run.
+
+        Parameters
+        ----------
+        state : State
+            A state of a run on this image.
+        parameters : Parameters
+            For the reconstruction.
+
+        Returns
+        -------
+        Result
+            In px of the image.
+        """
+        scale, shape = state.scale, self.image.shape
+        found = find_contours(state.particles.position, self.level(parameters, scale), parameters)
+        size = 2.0**scale
+        contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
+        return Result(
+            particles=state.position,
+            contours=contours,
+            surface=None,
+            steps=state.step,
+            converged=state.converged,
+            stop_reason=state.stop_reason,
+            shape=shape,
+            spacing=self.image.spacing,
+            unit=self.image.unit,
+            source=self.image.source,
+        )
+
+    def _move(self, state: State, level: Level, parameters: Parameters) -> State:
+        """Force and motion, and removal of what leaves the image."""
+        particles = state.particles
+        felt = interpolate(level.felt, particles.position)
+        lorentz = felt[:, : self.image.ndim]
+        idle = idle_steps(state.ground, particles.position, state.step_of_scale, state.idle)
+        repulsion = self._repulsion(particles.position, repulsion_left(idle), level, parameters)
+        force = parameters.w1 * repulsion + parameters.w2 * lorentz
+        seated = on_edge(felt, 0.0)
+        held, force = stick(particles, force, felt[:, self.image.ndim : -1], seated, parameters.w1, idle)
+        moved = advance(held, force, damping(parameters.beta, idle), parameters.time_step)
+        motion = np.linalg.norm(moved.position - particles.position, axis=1)
+        distance = np.column_stack([np.linalg.norm(moved.position, axis=1), particles.distance[:, : MEMORY - 1]])
+        moved = replace(moved, distance=distance)
+        inside = self._inside(moved.position, level.shape)
+        return replace(
+            state,
+            particles=moved if inside.all() else moved.where(inside),
+            step=state.step + 1,
+            step_of_scale=state.step_of_scale + 1,
+            born=0,
+            deleted=int((~inside).sum()),
+            displacement=float(motion.mean()) if len(motion) else float("nan"),
+            moving=int((motion > STILL).sum()),
+            epsilon=epsilon(distance[inside]),
+        )
+
+    def _repulsion(self, position: Array, left: Array, level: Level, parameters: Parameters) -> Array:
+        """Normalised Coulomb force; particles on which none of it is left are passed over."""
+        out = np.zeros_like(position)
+        awake = np.flatnonzero(left > 0.0)
+        if len(awake):
+            size = parameters.d_min + parameters.d_max
+            spacing = nearest_spacing(position, awake, np.array(level.shape), size)
+            force = normalised_coulomb(coulomb_force(position, targets=awake), spacing, parameters.d_min)
+            out[awake] = force * left[awake, None]
+        return out
+
+    def _populate(self, state: State, level: Level, parameters: Parameters) -> State:
+        """Deletion, insertion and annealing."""
+        particles = state.particles
+        felt = interpolate(level.felt, particles.position)
+        kept = deletion(particles.position, felt[:, -1], level.shape, parameters.d_min)
+        deleted = int((~kept).sum())
+        if deleted:
+            particles, felt = particles.where(kept), felt[kept]
+        seated = on_edge(felt, level.floor)
+        ground, new = explore(state.ground, particles.position[seated], state.step_of_scale)
+        idle = idle_steps(ground, particles.position, state.step_of_scale, state.idle)
+        looking = (idle < _AWAKE) | ((particles.identity + state.step) % _LOOK_EVERY == 0)
+        births = insertion(particles.position, seated, looking, level, state.d_max, parameters)
+        born = len(births.position)
+        if born:
+            particles = particles.joined_by(births.position, births.parent, births.other, state.next_identity)
+        return replace(
+            state,
+            particles=particles,
+            d_max=state.d_max * parameters.annealing,
+            next_identity=state.next_identity + born,
+            born=born,
+            deleted=state.deleted + deleted,
+            ground=ground,
+            idle=state.idle + 1 if is_idle(new, int((ground >= 0).sum())) else 0,
+        )
+
+    def _judge(self, state: State, level: Level) -> State:
+        """Rest, the way to the next scale, and the bound on steps."""
+        quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
+        state = replace(state, quiet=state.quiet + 1 if quiet else 0)
+        most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(level.shape)))
+        if state.scale > 0:
+            if state.count == 0 or state.idle >= IDLE_STEPS or state.step_of_scale >= most:
+                return self._enter(state, state.scale - 1)
+            return state
+        if state.count == 0:
+            return state.stopped("all particles left the image")
+        if state.quiet >= QUIET_STEPS:
+            return state.stopped(f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps", True)
+        if state.step_of_scale >= most:
+            return state.stopped(f"not at rest after {most} steps at full size")
+        return state
+
+    def _enter(self, state: State, scale: int) -> State:
+        """Begin a scale with what the coarser one found and with the drawing itself."""
+        found = to_scale(to_image(state.particles.position, state.scale, state.shape), scale, state.shape)
+        drawn = to_scale(state.start, scale, state.shape)
+        shape = self._pyramid[scale].shape
+        position = np.concatenate([found, drawn])
+        position = position[self._inside(position, shape)]
+        first = state.next_identity
+        return replace(
+            state,
+            particles=Particles.at_rest(position, first),
+            scale=scale,
+            step_of_scale=0,
+            next_identity=first + len(position),
+            ground=unvisited(shape),
+            idle=0,
+            quiet=0,
+            epsilon=float("nan"),
+        )
+
+    @staticmethod
+    def _inside(positions: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+        """Which positions lie on the image, its outermost pixels whole."""
+        return np.asarray(((positions >= -0.5) & (positions <= np.array(shape) - 0.5)).all(axis=1))

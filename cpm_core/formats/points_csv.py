@@ -1,0 +1,66 @@
+"""Points: a table of positions that particles start from."""
+
+from __future__ import annotations
+
+import csv
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def load_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
+    """Read points from a CSV file.
+
+    Parameters
+    ----------
+    path : path-like
+        A text file with one point a line, row and column in px, separated by a comma. With a header that names the
+        columns ``row`` and ``col``, these are taken wherever they stand, so an exported contour table can be read back.
+
+    Returns
+    -------
+    ndarray of float64, shape (N, 2)
+        Points (row, col) in px.
+
+    Raises
+    ------
+    ValueError
+        When the file cannot be read or a line holds no two finite numbers; the message names the line.
+    """
+    file = Path(path)
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError(
+            f"{file.name} is not a text file: give a CSV file with a row and a column on each line."
+        ) from None
+    except OSError as error:
+        raise ValueError(f"{file} cannot be read: {error.strerror or error}.") from error
+    lines = [
+        (number, [cell.strip() for cell in cells])
+        for number, cells in enumerate(csv.reader(text.splitlines()), start=1)
+        if any(cell.strip() for cell in cells)
+    ]
+    columns = (0, 1)
+    if lines:
+        names = [cell.lower() for cell in lines[0][1]]
+        if "row" in names and "col" in names:
+            columns = (names.index("row"), names.index("col"))
+            lines = lines[1:]
+    if not lines:
+        raise ValueError(f"{file.name} holds no points: give a row and a column on each line.")
+    return np.array([_point(file.name, number, cells, columns) for number, cells in lines])
+
+
+def _point(name: str, number: int, cells: list[str], columns: tuple[int, int]) -> tuple[float, float]:
+    try:
+        row, col = (float(cells[column]) for column in columns)
+    except (ValueError, IndexError):
+        row = col = np.nan
+    if not (np.isfinite(row) and np.isfinite(col)):
+        raise ValueError(
+            f'Line {number} of {name} is "{",".join(cells)}" but must be two numbers, row and column in px.'
+        )
+    return row, col

@@ -1,0 +1,47 @@
+"""Resolution: how large a pixel is, where a file tells it believably."""
+
+from __future__ import annotations
+
+import math
+
+MICROMETRE = "µm"
+
+PRINT_LIMIT = 10.0
+"""Largest pixel size that is believed from a plain resolution tag [µm]; see `from_density`."""
+
+_NAMES = {
+    "um": MICROMETRE,
+    "\u00b5m": MICROMETRE,
+    "\u03bcm": MICROMETRE,
+    "micron": MICROMETRE,
+    "microns": MICROMETRE,
+    "micrometer": MICROMETRE,
+    "micrometre": MICROMETRE,
+    "nm": "nm",
+    "mm": "mm",
+    "cm": "cm",
+    "m": "m",
+}
+
+Spacing = tuple[tuple[float, float], str | None]
+UNKNOWN: Spacing = ((1.0, 1.0), None)
+
+
+def from_sizes(row: float, col: float, unit: str) -> Spacing:
+    """Spacing from the size of a pixel in a named unit; unknown when a size or the unit makes no sense."""
+    name = _NAMES.get(unit.replace("\\u00B5", "\u00b5").strip().lower())
+    if name is None or not all(math.isfinite(size) and size > 0 for size in (row, col)):
+        return UNKNOWN
+    return (row, col), name
+
+
+def from_density(rows_per_metre: float, columns_per_metre: float) -> Spacing:
+    """Spacing from a plain resolution tag, in pixels a metre.
+
+    Cameras, screens and printers write 72, 96, 300 dots an inch and the like whatever the picture shows. Only a
+    resolution too fine for them, a pixel below `PRINT_LIMIT`, is taken for the size of a pixel on the specimen.
+    """
+    if not (rows_per_metre > 0 and columns_per_metre > 0):
+        return UNKNOWN
+    row, col = 1e6 / rows_per_metre, 1e6 / columns_per_metre
+    return from_sizes(row, col, MICROMETRE) if max(row, col) < PRINT_LIMIT else UNKNOWN

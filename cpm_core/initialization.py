@@ -1,0 +1,94 @@
+"""Where particles start: the shapes a person draws, and starts that need no drawing."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.edge_map import edge_map
+
+Array = NDArray[np.float64]
+
+_LEAST_ON_CIRCLE = 5
+
+
+def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> Array:
+    """Particles on a circle.
+
+    Parameters
+    ----------
+    center : tuple of float
+        Centre (row, col) [px].
+    radius : float
+        Radius [px].
+    spacing : float
+        Distance from particle to particle along the circle [px]; there are at least five.
+
+    Returns
+    -------
+    ndarray, shape (N, 2)
+        Positions (row, col).
+
+    Raises
+    ------
+    ValueError
+        When radius or spacing is not a positive number, or the centre is not finite.
+    """
+    if not np.isfinite(center).all() or len(center) != 2:
+        raise ValueError(f"center is {center!r} but must be two finite numbers, (row, col).")
+    _positive("radius", radius)
+    _positive("spacing", spacing)
+    count = max(_LEAST_ON_CIRCLE, round(2.0 * np.pi * radius / spacing))
+    angle = 2.0 * np.pi * np.arange(count) / count
+    return np.stack([center[0] + radius * np.sin(angle), center[1] + radius * np.cos(angle)], axis=1)
+
+
+def uniform_grid(shape: tuple[int, ...], spacing: float = 8.0) -> Array:
+    """Particles spread evenly over an image (section 5.2).
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Shape of the image.
+    spacing : float
+        Distance from particle to particle along each axis [px].
+
+    Returns
+    -------
+    ndarray, shape (N, D)
+        Positions, the same distance from opposite borders.
+    """
+    _positive("spacing", spacing)
+    axes = []
+    for n in shape:
+        count = max(1, int((n - 1) // spacing) + 1)
+        axes.append(0.5 * (n - 1) + spacing * (np.arange(count) - 0.5 * (count - 1)))
+    return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+
+
+def gradient_threshold(values: ArrayLike, fraction: float = 0.10, smoothing: float = 1.0) -> Array:
+    r"""Particles on every pixel whose edge strength is above a fraction of the largest (section 5.2).
+
+    Parameters
+    ----------
+    values : array_like, shape (\*shape)
+        Image.
+    fraction : float
+        Fraction of the largest edge strength, from 0 to 1.
+    smoothing : float
+        Gaussian before the gradient [px].
+
+    Returns
+    -------
+    ndarray, shape (N, D)
+        Positions.
+    """
+    if not 0.0 <= fraction <= 1.0:
+        raise ValueError(f"fraction is {fraction:g} but must be from 0 to 1.")
+    f = edge_map(values, smoothing)
+    return np.argwhere(f > fraction * f.max()).astype(float)
+
+
+def _positive(name: str, value: float) -> None:
+    if not (np.isfinite(value) and value > 0):
+        raise ValueError(f"{name} is {value:g} but must be above 0.")

@@ -1,0 +1,21 @@
+"""How the inner loops of the model are compiled: cached on disk, free of the interpreter's lock, vectorised.
+
+The loops may reorder sums (so that they run on vector registers) but never assume that values are finite; the same
+input gives the same bits at every call. No loop starts threads of its own: a caller that wants two cores splits the
+work, so that two callers can never meet inside one parallel region.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numba
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def compiled(function: _Function) -> _Function:
+    """Compile a loop over arrays on its first call."""
+    decorate = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "arcp", "nsz"})
+    return cast(_Function, decorate(function))

@@ -1,0 +1,134 @@
+"""What the particles feel at one scale: edge map, image gradient and Lorentz force, ready for interpolation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from cpm_core.edge_map import automatic_smoothing, background_strength, gradient, magnitude
+from cpm_core.field.convolution import electric_field, unit_vectors
+
+Array = NDArray[np.float64]
+
+GATE = 0.93
+"""Interpolated |F_l| under which a particle sits on an edge: across an edge the unit field falls linearly through
+zero."""
+
+WEAKEST_EDGE = 0.08
+"""Fraction of the largest edge strength that an edge must have for particles to breed on it."""
+
+_MOST_BACKGROUND = 0.35
+"""Fraction of the largest edge strength beyond which an image that is full of edges is not taken for background."""
+
+_RIDGE, _SLOPE = 0.6, 0.4
+"""Fractions of the strongest neighbour: at the first a pixel is on an edge, under the second it is beside one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    r"""One scale of an image as the particles feel it.
+
+    Attributes
+    ----------
+    edge_map : ndarray, shape (\*shape)
+        Edge strength f [grey levels / px]; minus it is the fixed charge.
+    gradient : ndarray, shape (D, \*shape)
+        Gradient of the smoothed image; on an edge it is normal to it.
+    lorentz : ndarray, shape (D, \*shape)
+        Normalised Lorentz force on the pixels.
+    felt : ndarray, shape (2 D + 1, \*shape)
+        `lorentz`, `gradient` and `edge_map` in one, so that one interpolation gets a particle all of it.
+    floor : float
+        Edge strength under which there is no edge for a particle to sit on.
+    smoothing : float
+        The sigma that was used [px].
+    """
+
+    edge_map: Array
+    gradient: Array
+    lorentz: Array
+    felt: Array
+    floor: float
+    smoothing: float
+
+    @cached_property
+    def spline(self) -> Array:
+        """Cubic spline coefficients of the edge map, for sub-pixel refinement."""
+        coefficients: Array = ndimage.spline_filter(self.edge_map, order=3, mode="nearest")
+        return coefficients
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the image at this scale."""
+        return self.edge_map.shape
+
+
+def build_level(values: Array, smoothing: float | Literal["auto"], edge_floor: float) -> Level:
+    r"""Compute what particles feel in an image.
+
+    Parameters
+    ----------
+    values : ndarray, shape (\*shape)
+        Image at its scale.
+    smoothing : float or "auto"
+        Gaussian before the gradient [px].
+    edge_floor : float
+        Fraction of the largest edge strength under which no fixed charge is placed.
+
+    Returns
+    -------
+    Level
+        Fields of the scale.
+    """
+    sigma = automatic_smoothing(values) if smoothing == "auto" else float(smoothing)
+    grad = gradient(values, sigma)
+    strength = magnitude(grad)
+    strongest = float(strength.max())
+    charged = np.where(strength >= edge_floor * strongest, strength, 0.0)
+    lorentz = lorentz_force(electric_field(charged), grad, strength)
+    background = min(background_strength(strength), _MOST_BACKGROUND * strongest)
+    floor = max(WEAKEST_EDGE * strongest, edge_floor * strongest, background)
+    return Level(charged, grad, lorentz, np.concatenate([lorentz, grad, charged[None]]), floor, sigma)
+
+
+def lorentz_force(field: Array, grad: Array, strength: Array) -> Array:
+    r"""Normalised Lorentz force on the pixels.
+
+    Away from edges it is the unit vector of the field (section 3.3). On an edge two things are done otherwise:
+
+    - The field is divided by its largest size beside the edge and not by its own, so that the force falls linearly
+    through
+      zero where the field does. Unit vectors would round that place to the middle between two pixels.
+    - The part along the edge is taken out. On the crest it is all that is left of the field, and scaled up it would
+    drain
+      particles from weak stretches towards strong ones and keep them circling; motion along an edge is the Coulomb
+      force's.
+
+    Parameters
+    ----------
+    field : ndarray, shape (D, \*shape)
+        Electric field.
+    grad : ndarray, shape (D, \*shape)
+        Image gradient.
+    strength : ndarray, shape (\*shape)
+        Its magnitude.
+
+    Returns
+    -------
+    ndarray, shape (D, \*shape)
+        The force, of at most unit size.
+    """
+    summit = ndimage.maximum_filter(strength, size=5, mode="nearest")
+    near = np.clip((strength / np.maximum(summit, 1e-300) - _SLOPE) / (_RIDGE - _SLOPE), 0.0, 1.0)
+    near[summit < WEAKEST_EDGE * float(strength.max())] = 0.0
+    size = magnitude(field)
+    beside = ndimage.maximum_filter(size, size=3, mode="nearest")
+    force = field / np.maximum(np.maximum(size, near * beside), max(1e-12 * float(size.max()), 1e-300))
+    normal = unit_vectors(grad)
+    across = np.einsum("i...,i...->...", force, normal)
+    return np.asarray((1.0 - near) * force + near * across * normal)

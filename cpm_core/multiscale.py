@@ -1,0 +1,88 @@
+"""The pyramid of images, and the way between its scales (section 4.2).
+
+Scale 0 is the image itself, scale s has half the pixels of scale s - 1 along each axis. The grids of all scales share
+their centre, so that a mirrored or turned image has a mirrored or turned pyramid.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+Array = NDArray[np.float64]
+
+LEAST_SIDE = 8
+"""Pixels that the shortest side of the coarsest scale must have."""
+
+_REDUCTION_SMOOTHING = 1.0
+"""Gaussian before every second pixel is taken [px]; about that of the 5-tap kernel of the standard pyramid."""
+
+
+def most_scales(shape: tuple[int, ...]) -> int:
+    """Scales that an image of this shape admits."""
+    side, scales = min(shape), 1
+    while (side + 1) // 2 >= LEAST_SIDE:
+        side, scales = (side + 1) // 2, scales + 1
+    return scales
+
+
+def shape_of_scale(shape: tuple[int, ...], scale: int) -> tuple[int, ...]:
+    """Shape of an image of shape `shape` at a scale."""
+    for _ in range(scale):
+        shape = tuple((n + 1) // 2 for n in shape)
+    return shape
+
+
+def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
+    r"""Gaussian pyramid.
+
+    Parameters
+    ----------
+    values : ndarray, shape (\*shape)
+        Image.
+    scales : int
+        Number of levels, the image itself among them.
+
+    Returns
+    -------
+    tuple of ndarray
+        The image and its reductions, from fine to coarse.
+
+    Raises
+    ------
+    ValueError
+        When the coarsest level would be smaller than 8 pixels.
+    """
+    most = most_scales(values.shape)
+    if scales > most:
+        size = " x ".join(map(str, values.shape))
+        raise ValueError(f"scales is {scales} but must be from 1 to {most} for an image of {size} pixels.")
+    levels = [values]
+    for _ in range(scales - 1):
+        fine = ndimage.gaussian_filter(levels[-1], _REDUCTION_SMOOTHING, mode="nearest")
+        for axis in range(fine.ndim):
+            even = np.take(fine, range(0, fine.shape[axis], 2), axis)
+            if fine.shape[axis] % 2 == 0:  # the centred coarse grid lies halfway between the pixels
+                even = 0.5 * (even + np.take(fine, range(1, fine.shape[axis], 2), axis))
+            fine = even
+        levels.append(fine)
+    return tuple(levels)
+
+
+def _centre(shape: tuple[int, ...]) -> Array:
+    return 0.5 * (np.array(shape, dtype=float) - 1.0)
+
+
+def to_image(positions: Array, scale: int, shape: tuple[int, ...]) -> Array:
+    """Positions (N, D) of a scale in px of the image of shape `shape`."""
+    if scale == 0:
+        return positions
+    return np.asarray((positions - _centre(shape_of_scale(shape, scale))) * 2.0**scale + _centre(shape))
+
+
+def to_scale(positions: Array, scale: int, shape: tuple[int, ...]) -> Array:
+    """Positions (N, D) of the image of shape `shape` in px of a scale."""
+    if scale == 0:
+        return positions
+    return np.asarray((positions - _centre(shape)) * 0.5**scale + _centre(shape_of_scale(shape, scale)))

@@ -1,0 +1,230 @@
+"""The parameters of the charged-particle model, each of them said once.
+
+`Parameters` holds the values; `PARAMETERS` tells, for every field, its symbol, unit, range and meaning, and what has to
+be built anew when it changes. The window's sliders, the command line's flags and the error messages are all made from
+it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Literal, cast
+
+Invalidates = Literal["nothing", "field", "run"]
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterInfo:
+    """What a person is told about one parameter.
+
+    Attributes
+    ----------
+    name : str
+        Field of `Parameters`.
+    symbol : str
+        Symbol in the equations.
+    unit : str
+        Unit, empty for pure numbers.
+    low, high : float
+        Allowed range, both ends included.
+    slider_low, slider_high, step : float
+        Range and increment that make sense on a slider.
+    title : str
+        Short name for a label.
+    meaning : str
+        One sentence: what it is.
+    more : str
+        One sentence: what more of it does.
+    equation : str
+        Where it stands in the published model; empty where it is ours.
+    invalidates : {"nothing", "field", "run"}
+        What a change makes stale: nothing (the next step obeys), the edge map and field, or the whole run.
+    advanced : bool
+        Whether a window may tuck it away.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    low: float
+    high: float
+    slider_low: float
+    slider_high: float
+    step: float
+    title: str
+    meaning: str
+    more: str
+    equation: str
+    invalidates: Invalidates
+    advanced: bool
+
+    @property
+    def default(self) -> float | str:
+        """Value that the parameter has unless told otherwise."""
+        return DEFAULTS[self.name]
+
+
+_TABLE = (
+    ParameterInfo(
+        "beta", "β", "", 0.0, 4.0, 0.1, 2.0, 0.05, "Damping",
+        "Friction that takes speed out of the particles.",
+        "More of it calms the particles sooner and keeps them near the first edges they meet; "
+        "less lets them coast across weak edges.",
+        "eq. (12)", "nothing", False,
+    ),
+    ParameterInfo(
+        "w1", "w₁", "", 0.0, 100.0, 0.05, 3.0, 0.05, "Coulomb weight",
+        "Weight of the repulsion between particles.",
+        "More of it spreads the particles faster along edges and into bays; it must stay below w₂.",
+        "eq. (12)", "nothing", False,
+    ),
+    ParameterInfo(
+        "w2", "w₂", "", 0.001, 100.0, 0.1, 3.0, 0.05, "Lorentz weight",
+        "Weight of the attraction by the edges of the image.",
+        "More of it pulls the particles harder to edges and holds them there; it must stay above w₁.",
+        "eq. (12)", "nothing", True,
+    ),
+    ParameterInfo(
+        "annealing", "a", "", 0.0, 1.0, 0.9, 1.0, 0.001, "Annealing factor",
+        "Factor by which the largest gap that a new particle fills shrinks at every step.",
+        "More of it (nearer to 1) keeps particles being inserted longer, for a denser and slower run.",
+        "section 3.6", "nothing", False,
+    ),
+    ParameterInfo(
+        "time_step", "Δt", "", 0.01, 1.0, 0.05, 1.0, 0.05, "Time step",
+        "Time that one step advances the particles by.",
+        "More of it moves the particles faster, until they overshoot the edges.",
+        "eq. (14)", "nothing", True,
+    ),
+    ParameterInfo(
+        "d_min", "d_min", "px", 0.5, 20.0, 1.0, 6.0, 0.1, "Smallest distance",
+        "Spacing of the particles: two nearer than half of it become one.",
+        "More of it gives fewer particles and coarser contours.",
+        "section 3.6", "nothing", True,
+    ),
+    ParameterInfo(
+        "d_max", "d_max,0", "px", 0.0, 50.0, 0.0, 10.0, 0.1, "Insertion range",
+        "Two neighbours at rest on an edge, further apart than d_min by at most this, get a particle between them; "
+        "it shrinks by the annealing factor.",
+        "More of it fills wider gaps.",
+        "section 3.6", "nothing", True,
+    ),
+    ParameterInfo(
+        "smoothing", "σ", "px", 0.0, 20.0, 0.5, 8.0, 0.1, "Smoothing",
+        "Width of the Gaussian that smooths the image before its edges are taken.",
+        "More of it quiets noise and texture, and rounds corners.",
+        "section 3.1", "field", True,
+    ),
+    ParameterInfo(
+        "scales", "S", "", 1, 8, 1, 5, 1, "Scales",
+        "Number of levels of the image pyramid, each half the size of the one before; a run goes from coarse to fine.",
+        "More of it finds large objects sooner and ignores finer noise on the way.",
+        "section 4.2", "run", True,
+    ),
+    ParameterInfo(
+        "edge_floor", "f_min", "", 0.0, 0.99, 0.0, 0.6, 0.01, "Edge floor",
+        "Fraction of the largest edge strength under which no fixed charge is placed.",
+        "More of it leaves out weak edges and texture.",
+        "", "field", True,
+    ),
+    ParameterInfo(
+        "min_strength", "s_min", "grey/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Least strength",
+        "Mean edge strength under which a contour is left out.",
+        "More of it keeps only the contours of strong edges.",
+        "", "nothing", True,
+    ),
+    ParameterInfo(
+        "min_length", "l_min", "px", 0.0, 1e9, 0.0, 200.0, 1.0, "Least length",
+        "Length under which a contour is left out.",
+        "More of it drops specks and fragments.",
+        "", "nothing", True,
+    ),
+)  # fmt: skip
+
+PARAMETERS: dict[str, ParameterInfo] = {info.name: info for info in _TABLE}
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """Parameters of a run; the defaults are the paper's (section 4.1).
+
+    Parameters
+    ----------
+    beta : float
+        Damping coefficient β of eq. (12).
+    w1 : float
+        Weight of the Coulomb force, eq. (12).
+    w2 : float
+        Weight of the Lorentz force, eq. (12); larger than `w1`, for the repulsion of a curved contour's particles has
+        unit size outwards and only a stronger attraction holds them on the edge.
+    annealing : float
+        Annealing factor a: ``d_max`` is multiplied by it at every step.
+    time_step : float
+        Δt of eq. (14).
+    d_min : float
+        Spacing of particles [px]; nearer than half of it, one of two is deleted.
+    d_max : float
+        Range beyond `d_min` in which a gap is filled, at the start of each scale [px].
+    smoothing : float or "auto"
+        Standard deviation σ of the Gaussian before the gradient [px], or ``"auto"`` to choose it from the image's
+        noise.
+    scales : int
+        Levels of the pyramid.
+    edge_floor : float
+        Fraction of the largest edge strength under which no fixed charge is placed.
+    min_strength : float
+        Contours of a lower mean edge strength are left out [grey levels / px].
+    min_length : float
+        Shorter contours are left out [px].
+
+    Raises
+    ------
+    ValueError
+        When a value lies outside its range; the message names the field, the value and the range.
+    """
+
+    beta: float = 0.8
+    w1: float = 1.6
+    w2: float = 1.75
+    annealing: float = 0.99
+    time_step: float = 0.5
+    d_min: float = 2.0
+    d_max: float = 3.0
+    smoothing: float | Literal["auto"] = 1.0
+    scales: int = 3
+    edge_floor: float = 0.0
+    min_strength: float = 0.0
+    min_length: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            _check(PARAMETERS[field.name], getattr(self, field.name))
+        if not self.w2 > self.w1:
+            raise ValueError(
+                f"w2 is {self.w2:g} but must be above w1, which is {self.w1:g}: "
+                "otherwise repulsion tears the particles off the edges."
+            )
+
+
+def _check(info: ParameterInfo, value: object) -> None:
+    """Raise a `ValueError` that names field, value and range unless `value` fits."""
+    if info.name == "smoothing" and value == "auto":
+        return
+    whole = info.name == "scales"
+    fits = isinstance(value, (int, float)) and not isinstance(value, bool) and info.low <= value <= info.high
+    if not fits or (whole and value != int(cast("float", value))):
+        kind = "a whole number" if whole else "a number"
+        words = f"{kind} from {info.low:g} to {info.high:g}" + (' or "auto"' if info.name == "smoothing" else "")
+        shown = f"{value:g}" if isinstance(value, float) else repr(value)
+        raise ValueError(f"{info.name} is {shown} but must be {words}.")
+
+
+DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in PARAMETERS}
+"""The value of every parameter unless told otherwise: the paper's."""
+
+PRESETS: dict[str, Parameters] = {
+    "shape": Parameters(),
+    "automatic": Parameters(w1=0.6, w2=0.7, beta=0.4),
+    "noisy": Parameters(smoothing="auto"),
+}
+"""Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), and noisy images."""

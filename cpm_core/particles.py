@@ -1,0 +1,163 @@
+"""The free particles, and the state of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.ground import Ground
+from cpm_core.multiscale import to_image
+
+Array = NDArray[np.float64]
+
+MEMORY = 4
+"""Steps T that eq. (23) looks back over."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Particles:
+    """The free particles as a struct of arrays.
+
+    Attributes
+    ----------
+    position : ndarray, shape (N, D)
+        Positions [px of their scale].
+    velocity : ndarray, shape (N, D)
+        Velocities [px / unit of time].
+    force : ndarray, shape (2, N, D)
+        Undamped force on each at the last step and at the one before: the history of eq. (15).
+    distance : ndarray, shape (N, T)
+        ``|r|`` at the last T steps, newest first: the history of eq. (23); NaN before a particle was there.
+    identity : ndarray of int64, shape (N,)
+        Number of each, never given twice in a run.
+    """
+
+    position: Array
+    velocity: Array
+    force: Array
+    distance: Array
+    identity: NDArray[np.int64]
+
+    @classmethod
+    def at_rest(cls, position: Array, first_identity: int = 0) -> Particles:
+        """Particles without motion or history at positions of shape (N, D)."""
+        count, dimension = position.shape
+        return cls(
+            np.array(position, dtype=float),
+            np.zeros((count, dimension)),
+            np.zeros((2, count, dimension)),
+            np.full((count, MEMORY), np.nan),
+            np.arange(first_identity, first_identity + count),
+        )
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    def where(self, kept: NDArray[np.bool_]) -> Particles:
+        """Those particles for which `kept`, shape (N,), is true."""
+        return Particles(
+            self.position[kept], self.velocity[kept], self.force[:, kept], self.distance[kept], self.identity[kept]
+        )
+
+    def joined_by(self, position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int) -> Particles:
+        """Add particles born between two parents, whose mean velocity and force history they inherit.
+
+        Parameters
+        ----------
+        position : ndarray, shape (M, D)
+            Where the new ones are.
+        parent, other : ndarray of int64, shape (M,)
+            Indices of the parents; the same twice for a single parent.
+        first : int
+            Identity of the first new particle.
+        """
+        newborn = len(position)
+        return Particles(
+            np.concatenate([self.position, position]),
+            np.concatenate([self.velocity, _mean(self.velocity, parent, other)]),
+            np.concatenate([self.force, _mean(self.force, parent, other)], axis=1),
+            np.concatenate([self.distance, np.full((newborn, MEMORY), np.nan)]),
+            np.concatenate([self.identity, np.arange(first, first + newborn)]),
+        )
+
+
+def _mean(history: Array, one: NDArray[np.int64], other: NDArray[np.int64]) -> Array:
+    return np.asarray(0.5 * (history[..., one, :] + history[..., other, :]))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class State:
+    """A moment of a run: all that the next step depends on besides image and parameters.
+
+    Attributes
+    ----------
+    particles : Particles
+        The free particles, in px of the scale that they are on.
+    start : ndarray, shape (M, D)
+        Where the particles began [px of the image]; every scale begins from there as well.
+    shape : tuple of int
+        Shape of the image.
+    scale : int
+        0 is the image itself, 1 half its size, and so on.
+    ground : ndarray of int32
+        When particles first sat on an edge in each cell of the scale, see `ground`.
+    step : int
+        Steps done in all.
+    step_of_scale : int
+        Steps done at this scale.
+    d_max : float
+        Annealed insertion range [px of the scale].
+    next_identity : int
+        Identity for the next particle to be born.
+    born, deleted : int
+        Particles inserted and deleted in the last step.
+    epsilon : float
+        Left side of eq. (23) [px of the scale]; NaN while it has no history.
+    displacement : float
+        Mean distance that a particle moved in the last step [px of the scale].
+    moving : int
+        Particles that moved by more than `equilibrium.STILL` in the last step.
+    idle : int
+        Consecutive steps that found next to no new ground at this scale.
+    quiet : int
+        Consecutive steps in which hardly anything moved, was born or was deleted.
+    stop_reason : str
+        Why the run ended, in words; empty while it goes on.
+    converged : bool
+        Whether it ended at rest.
+    """
+
+    particles: Particles
+    start: Array
+    shape: tuple[int, ...]
+    scale: int
+    ground: Ground
+    step: int = 0
+    step_of_scale: int = 0
+    d_max: float = 0.0
+    next_identity: int = 0
+    born: int = 0
+    deleted: int = 0
+    epsilon: float = float("nan")
+    displacement: float = float("nan")
+    moving: int = 0
+    idle: int = 0
+    quiet: int = 0
+    stop_reason: str = ""
+    converged: bool = False
+
+    @property
+    def position(self) -> Array:
+        """Positions in px of the image itself, whatever the scale; shape (N, D)."""
+        return to_image(self.particles.position, self.scale, self.shape)
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return len(self.particles)
+
+    def stopped(self, reason: str, converged: bool = False) -> State:
+        """Return this state as the last one of its run."""
+        return replace(self, stop_reason=reason, converged=converged)

@@ -1,0 +1,56 @@
+"""Joining loose ends where the edge goes on between them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from cpm_core.field.interpolation import interpolate
+from cpm_core.level import Level
+from cpm_core.reconstruction.graph import Graph
+
+Array = NDArray[np.float64]
+
+_FAINTEST = 0.35
+"""Edge strength along a bridge, as a fraction of that at its weaker end."""
+
+
+def close_gaps(graph: Graph, level: Level, reach: float) -> None:
+    """Join loose ends to each other, and to curves that they run into.
+
+    The nearest pairs come first. A bridge must be no longer than `reach` and have an edge of the image under it; it
+    joins two ends, or an end to the side of a curve, which makes a junction.
+
+    Parameters
+    ----------
+    graph : Graph
+        Changed in place.
+    level : Level
+        Fields of the scale.
+    reach : float
+        Longest bridge [px].
+    """
+    ends = [v for v in range(len(graph.links)) if graph.degree(v) == 1]
+    if not ends:
+        return
+    used = [v for v in range(len(graph.links)) if graph.degree(v) > 0]
+    tree = cKDTree(graph.points[used])
+    pairs = []
+    for end in ends:
+        own = set(graph.branch(end)[:4]) if graph.degree(end) else {end}
+        for n in tree.query_ball_point(graph.points[end], reach):
+            other = used[n]
+            if other not in own:
+                # ends first among equals: joining two ends closes a curve, joining to a side makes a junction
+                pairs.append((graph.distance(end, other) * (1.0 if graph.degree(other) == 1 else 1.5), end, other))
+    for _, end, other in sorted(pairs):
+        if graph.degree(end) == 1 and _edge_between(graph.points[end], graph.points[other], level):
+            graph.link(end, other)
+
+
+def _edge_between(a: Array, b: Array, level: Level) -> bool:
+    """Whether the edge map stays up on the way from a to b."""
+    along = a + (b - a) * np.linspace(0.0, 1.0, 7)[:, None]
+    strength = interpolate(level.edge_map[None], along)[:, 0]
+    return bool(strength.min() >= _FAINTEST * min(strength[0], strength[-1]))

@@ -1,0 +1,85 @@
+"""The whole way from particles to contours: refine, thin, fill, crust, tidy, close, walk, choose."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.contour import Contour
+from cpm_core.field.interpolation import interpolate
+from cpm_core.level import Level
+from cpm_core.parameters import Parameters
+from cpm_core.population import deletion
+from cpm_core.reconstruction.closing import close_gaps
+from cpm_core.reconstruction.curve import crust
+from cpm_core.reconstruction.filling import fill
+from cpm_core.reconstruction.graph import Graph
+from cpm_core.reconstruction.refinement import crest
+
+Array = NDArray[np.float64]
+
+_FAINTEST = 0.35
+"""Edge strength halfway along an edge of the crust, as a fraction of that at its weaker end."""
+
+_SPUR = 3
+"""Edges that a loose branch at a junction must exceed to be more than an irregularity of the points."""
+
+_LEAST_LENGTH = 4.0
+"""Length, in d_min, under which a contour is none; a closed one must enclose a square of side d_min as well."""
+
+
+def find_contours(positions: Array, level: Level, parameters: Parameters) -> tuple[Contour, ...]:
+    """Contours that particles have found.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (N, 2)
+        Particles [px of the scale].
+    level : Level
+        Fields of the scale.
+    parameters : Parameters
+        For `d_min`, `d_max`, `min_strength` and `min_length`.
+
+    Returns
+    -------
+    tuple of Contour
+        In px of the scale, longest first.
+    """
+    strength = interpolate(level.edge_map[None], positions)[:, 0]
+    points, found = crest(positions[strength >= level.floor], level)
+    points = points[found]
+    strength = interpolate(level.edge_map[None], points)[:, 0]
+    kept = deletion(points, strength, level.shape, parameters.d_min)
+    points = fill(points[kept], level, parameters.d_min)
+    strength = interpolate(level.edge_map[None], points)[:, 0]
+    reach = parameters.d_min + parameters.d_max
+    edges = crust(points)
+    edges = edges[_supported(points, strength, edges, level, reach)]
+    graph = Graph(points, edges)
+    graph.drop_triangles()
+    graph.drop_spurs(_SPUR)
+    close_gaps(graph, level, reach)
+    graph.drop_spurs(_SPUR)
+    return choose(graph.contours(), level, parameters)
+
+
+def _supported(
+    points: Array, strength: Array, edges: NDArray[np.int64], level: Level, reach: float
+) -> NDArray[np.bool_]:
+    """Which edges of the crust are short and follow an edge of the image."""
+    a, b = points[edges[:, 0]], points[edges[:, 1]]
+    between = interpolate(level.edge_map[None], 0.5 * (a + b))[:, 0]
+    faintest = np.maximum(level.floor * _FAINTEST, _FAINTEST * np.minimum(strength[edges[:, 0]], strength[edges[:, 1]]))
+    return np.asarray((np.linalg.norm(a - b, axis=1) <= reach) & (between >= faintest))
+
+
+def choose(contours: tuple[Contour, ...], level: Level, parameters: Parameters) -> tuple[Contour, ...]:
+    """Measure contours and leave out the weak, the short and the degenerate."""
+    measured = (
+        replace(c, strength=float(interpolate(level.edge_map[None], c.points).mean()))
+        for c in contours
+        if c.length >= _LEAST_LENGTH * parameters.d_min and (not c.closed or c.area >= parameters.d_min**2)
+    )
+    return tuple(c for c in measured if c.strength >= parameters.min_strength and c.length >= parameters.min_length)

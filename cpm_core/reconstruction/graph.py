@@ -1,0 +1,146 @@
+"""The graph of points and edges that contours are walked from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.contour import Contour
+
+Array = NDArray[np.float64]
+Edges = NDArray[np.int64]
+
+
+class Graph:
+    """Points joined by edges, with what it takes to tidy them up.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, 2)
+        Vertices.
+    edges : ndarray of int64, shape (E, 2)
+        Pairs of indices.
+    """
+
+    def __init__(self, points: Array, edges: Edges) -> None:
+        self.points = points
+        self.links: list[set[int]] = [set() for _ in range(len(points))]
+        for a, b in edges.tolist():
+            self.link(a, b)
+
+    def link(self, a: int, b: int) -> None:
+        """Join two vertices."""
+        self.links[a].add(b)
+        self.links[b].add(a)
+
+    def unlink(self, a: int, b: int) -> None:
+        """Part two vertices."""
+        self.links[a].discard(b)
+        self.links[b].discard(a)
+
+    def distance(self, a: int, b: int) -> float:
+        """Distance of two vertices [px]."""
+        return float(np.linalg.norm(self.points[a] - self.points[b]))
+
+    def degree(self, vertex: int) -> int:
+        """Number of edges at a vertex."""
+        return len(self.links[vertex])
+
+    def ends(self) -> list[int]:
+        """Vertices with a single edge."""
+        return [v for v, near in enumerate(self.links) if len(near) == 1]
+
+    def branch(self, end: int) -> list[int]:
+        """Vertices from a loose end up to the first that has not exactly two edges, both included."""
+        path, before, vertex = [end], -1, end
+        while True:
+            ahead = [w for w in self.links[vertex] if w != before]
+            if not ahead or (vertex != end and self.degree(vertex) != 2):
+                return path
+            before, vertex = vertex, ahead[0]
+            path.append(vertex)
+
+    def drop_triangles(self) -> None:
+        """Open every triangle at its longest side: on a curve it is always one edge too many."""
+        for a in range(len(self.links)):
+            if self.degree(a) < 3:
+                continue
+            for b in sorted(self.links[a]):
+                for c in sorted(self.links[a] & self.links[b]):
+                    if b in self.links[a] and c in self.links[a] and c in self.links[b]:
+                        self.unlink(*max(((a, b), (b, c), (a, c)), key=lambda side: self.distance(*side)))
+
+    def drop_spurs(self, longest: int) -> None:
+        """Take away branches of at most `longest` edges that hang loose from a junction."""
+        for end in self.ends():
+            if self.degree(end) != 1:
+                continue
+            path = self.branch(end)
+            if len(path) - 1 <= longest and self.degree(path[-1]) >= 3:
+                for a, b in pairwise(path):
+                    self.unlink(a, b)
+
+    def walks(self) -> Iterable[tuple[list[int], bool]]:
+        """Every edge once: paths between vertices that have not exactly two edges, then closed rounds.
+
+        Yields
+        ------
+        vertices : list of int
+            In order; the first is not repeated at the end of a round.
+        closed : bool
+            Whether the path is a round.
+        """
+        walked: set[tuple[int, int]] = set()
+
+        def follow(start: int, towards: int) -> list[int]:
+            path, before, vertex = [start], start, towards
+            walked.add((min(start, towards), max(start, towards)))
+            while True:
+                path.append(vertex)
+                if vertex == start or self.degree(vertex) != 2:
+                    return path
+                (ahead,) = self.links[vertex] - {before}
+                walked.add((min(vertex, ahead), max(vertex, ahead)))
+                before, vertex = vertex, ahead
+
+        forks = [v for v in range(len(self.links)) if self.degree(v) not in (0, 2)]
+        for vertices in (forks, range(len(self.links))):
+            for v in vertices:
+                for w in sorted(self.links[v]):
+                    if (min(v, w), max(v, w)) not in walked:
+                        path = follow(v, w)
+                        closed = path[0] == path[-1]
+                        yield (path[:-1] if closed else path), closed
+
+    def contours(self) -> tuple[Contour, ...]:
+        """Contours of the graph, longest first; a round through one junction counts as closed."""
+        found = [
+            Contour(
+                self.points[path],
+                closed,
+                junctions=(False, False) if closed else (self.degree(path[0]) > 2, self.degree(path[-1]) > 2),
+            )
+            for path, closed in self.walks()
+        ]
+        return tuple(sorted(found, key=lambda contour: -contour.length))
+
+
+def chains(points: Array, edges: Edges) -> tuple[Contour, ...]:
+    """Contours along the edges of a graph.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, 2)
+        Vertices.
+    edges : ndarray of int64, shape (E, 2)
+        Pairs of indices.
+
+    Returns
+    -------
+    tuple of Contour
+        Longest first.
+    """
+    return Graph(points, edges).contours()

@@ -1,0 +1,62 @@
+"""The whole method in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from numpy.typing import ArrayLike
+
+from cpm_core.engine import Engine
+from cpm_core.image import Image
+from cpm_core.parameters import Parameters
+from cpm_core.particles import State
+from cpm_core.result import Result
+
+
+def segment(
+    values: ArrayLike | Image,
+    seeds: ArrayLike,
+    parameters: Parameters | None = None,
+    max_steps: int | None = None,
+    progress: Callable[[State], object] | None = None,
+) -> Result:
+    """Find the contours of the objects in an image.
+
+    Particles start at the seeds, flow to the edges and along them, from the coarsest scale to the image itself, until
+    they are at rest; contours are then reconstructed through them.
+
+    Parameters
+    ----------
+    values : array_like, shape (H, W), or Image
+        Image.
+    seeds : array_like, shape (N, 2)
+        Where particles start (row, col) [px]: `circle`, `uniform_grid`, `gradient_threshold`, or any points.
+    parameters : Parameters, optional
+        The paper's defaults unless given.
+    max_steps : int, optional
+        Stop after so many steps even if not at rest.
+    progress : callable, optional
+        Called with every `State`.
+
+    Returns
+    -------
+    Result
+        Particles, contours, and how the run ended.
+
+    Raises
+    ------
+    ValueError
+        For an image, seeds or parameters that cannot be worked with; the message says what to do.
+    """
+    chosen = parameters or Parameters()
+    if max_steps is not None and max_steps < 1:
+        raise ValueError(f"max_steps is {max_steps} but must be at least 1.")
+    engine = Engine(values, chosen)
+    state = engine.start(seeds)
+    while not state.stop_reason:
+        state = engine.step(state, chosen)
+        if progress is not None:
+            progress(state)
+        if max_steps is not None and state.step >= max_steps and not state.stop_reason:
+            state = state.stopped(f"stopped after {max_steps} steps, as asked")
+    return engine.result(state, chosen)

@@ -1,0 +1,143 @@
+"""Windows for the tests, on small images, and a watch over threads and windows left behind."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
+
+from app.model import edits
+from app.model.shapes import Circle
+from app.session.session import Session
+from app.views.application import make_application
+from app.views.main_window import MainWindow
+
+SIDE = 64
+
+
+class Hand:
+    """A user's hand: real mouse and key events on a window, and the patience to wait for what they lead to."""
+
+    patience = 20_000
+    """Longest that anything may take [ms]; no test rests on how long it really takes."""
+
+    def __init__(self, qtbot: QtBot, window: MainWindow) -> None:
+        self.qtbot = qtbot
+        self.window = window
+        self.canvas = window.stage.canvas
+
+    def at(self, row: float, col: float) -> QPoint:
+        """Point of the canvas over a position of the image."""
+        return self.canvas.point((row, col)).toPoint()
+
+    def press(self, row: float, col: float) -> None:
+        """Left button down."""
+        self.qtbot.mousePress(self.canvas.viewport(), Qt.MouseButton.LeftButton, pos=self.at(row, col))
+
+    def move(self, row: float, col: float) -> None:
+        """Pointer to a position, the button as it is."""
+        self.qtbot.mouseMove(self.canvas.viewport(), self.at(row, col))
+
+    def release(self, row: float, col: float) -> None:
+        """Left button up."""
+        self.qtbot.mouseRelease(self.canvas.viewport(), Qt.MouseButton.LeftButton, pos=self.at(row, col))
+
+    def click(self, row: float, col: float) -> None:
+        """Press and release."""
+        self.press(row, col)
+        self.release(row, col)
+
+    def drag(self, *positions: tuple[float, float]) -> None:
+        """Press at the first position, move through the others, release at the last."""
+        self.press(*positions[0])
+        for position in positions[1:]:
+            self.move(*position)
+        self.release(*positions[-1])
+
+    def key(self, key: Qt.Key, modifier: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
+        """Press a key where the focus is, the window's shortcuts included."""
+        self.window.activateWindow()
+        self.qtbot.keyClick(self.window.focusWidget() or self.window, key, modifier)
+
+    def wait(self, condition: Callable[[], bool]) -> None:
+        """Wait until a condition holds."""
+        self.qtbot.waitUntil(condition, timeout=self.patience)
+
+    def wait_for_phase(self, phase: str) -> None:
+        """Wait until the run stands so."""
+        self.wait(lambda: self.window.session.status.phase == phase)
+
+
+def disc(radius: float = 18.0, side: int = SIDE) -> np.ndarray:
+    """A bright disc in the middle of a dark image."""
+    row, col = np.indices((side, side))
+    return np.where(np.hypot(row - side / 2, col - side / 2) < radius, 200.0, 20.0)
+
+
+@pytest.fixture(scope="session")
+def qapp_cls() -> type[QApplication]:
+    return QApplication
+
+
+@pytest.fixture(autouse=True)
+def nothing_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Fail when a test leaves a thread running or a window open."""
+    threads = set(threading.enumerate())
+    yield
+    left = [thread.name for thread in set(threading.enumerate()) - threads if thread.is_alive()]
+    assert not left, f"threads left running: {left}"
+    application = QApplication.instance()
+    if isinstance(application, QApplication):
+        seen = [widget for widget in application.topLevelWidgets() if widget.isVisible()]
+        assert not seen, f"windows left open: {seen}"
+
+
+@pytest.fixture
+def image_file(tmp_path: Path) -> Path:
+    """A file with a small disc."""
+    path = tmp_path / "disc.npy"
+    np.save(path, disc())
+    return path
+
+
+@pytest.fixture
+def session(qapp: QApplication) -> Iterator[Session]:
+    """A session without an image."""
+    made = Session()
+    made.set_pace(None)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def window(qtbot: QtBot, session: Session, image_file: Path) -> Iterator[MainWindow]:
+    """A window on the disc, with nothing drawn."""
+    make_application()
+    made = MainWindow(session)
+    made.resize(1000, 700)
+    made.show()
+    qtbot.waitExposed(made)
+    session.open(image_file)
+    qtbot.waitUntil(lambda: session.document.image is not None, timeout=Hand.patience)
+    yield made
+    made.close()
+    made.deleteLater()
+
+
+@pytest.fixture
+def ready(window: MainWindow) -> MainWindow:
+    """A window with a circle drawn over the rim of the disc."""
+    window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
+    return window
+
+
+@pytest.fixture
+def hand(qtbot: QtBot, window: MainWindow) -> Hand:
+    """The hand on the window."""
+    return Hand(qtbot, window)

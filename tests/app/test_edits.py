@@ -1,0 +1,85 @@
+"""Edits are pure: they make the next document and leave the one before as it was."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.model import edits
+from app.model.controls import controls, value_of
+from app.model.document import Document
+from app.model.shapes import Circle, Points, Shape
+from cpm_core.parameters import PRESETS, Parameters
+
+coordinates = st.floats(-200, 200, allow_nan=False)
+positions = st.tuples(coordinates, coordinates)
+circles = st.builds(Circle, positions, st.floats(1, 100))
+points = st.builds(Points, st.lists(positions, min_size=1, max_size=5).map(tuple))
+shapes = st.one_of(circles, points)
+
+
+@given(st.lists(shapes, max_size=4), shapes)
+def test_deleting_what_was_added_gives_the_document_before(drawn: list[Shape], shape: Shape) -> None:
+    before = Document(shapes=tuple(drawn))
+    after = edits.add_shape(before, shape)
+    assert after.shapes == (*drawn, shape)
+    assert before.shapes == tuple(drawn)
+    assert edits.delete_shape(after, len(drawn)) == before
+
+
+@given(circles, positions)
+def test_a_moved_circle_keeps_its_radius_and_a_resized_one_its_center(circle: Circle, by: tuple[float, float]) -> None:
+    document = Document(shapes=(circle,))
+    moved = edits.move_shape(document, 0, by).shapes[0]
+    assert isinstance(moved, Circle)
+    assert moved.radius == circle.radius
+    assert moved.center == (circle.center[0] + by[0], circle.center[1] + by[1])
+    resized = edits.resize_shape(document, 0, (circle.center[0] + 30.0, circle.center[1] + 40.0)).shapes[0]
+    assert isinstance(resized, Circle)
+    assert resized.center == circle.center
+    assert resized.radius == pytest.approx(50.0)
+
+
+def test_the_seeds_are_those_of_every_shape_in_the_order_drawn() -> None:
+    first, second = Points(((1.0, 2.0), (3.0, 4.0))), Points(((5.0, 6.0),))
+    assert Document(shapes=(first, second)).seeds().tolist() == [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]
+
+
+def test_a_document_without_shapes_has_no_seeds_and_says_what_to_do() -> None:
+    with pytest.raises(ValueError, match="draw a circle"):
+        Document().seeds()
+
+
+@given(st.floats(0.05, 0.99), st.floats(0.1, 3.0))
+def test_the_ratio_sets_w1_and_survives_a_change_of_w2(ratio: float, w2: float) -> None:
+    document = edits.set_parameter(Document(), "ratio", ratio)
+    assert document.parameters.w2 == Parameters().w2
+    assert document.parameters.w1 == pytest.approx(ratio * Parameters().w2)
+    document = edits.set_parameter(document, "w2", w2)
+    assert document.parameters.w2 == w2
+    assert value_of(document.parameters, "ratio") == pytest.approx(ratio)
+
+
+@pytest.mark.parametrize("control", controls(), ids=lambda control: control.name)
+def test_every_control_shows_its_default_and_takes_both_ends_of_its_slider(control) -> None:
+    assert value_of(Parameters(), control.name) == pytest.approx(control.default)
+    assert control.meaning.endswith(".")
+    assert control.more.endswith(".")
+    for value in (control.slider_low, control.slider_high):
+        changed = edits.set_parameter(Document(), control.name, value)
+        assert value_of(changed.parameters, control.name) == pytest.approx(value)
+
+
+@pytest.mark.parametrize(("name", "value"), [("beta", -1.0), ("ratio", 1.5), ("scales", 99), ("smoothing", "some")])
+def test_a_value_out_of_range_is_refused_with_its_name(name: str, value: float | str) -> None:
+    with pytest.raises(ValueError, match="w1/w2" if name == "ratio" else name):
+        edits.set_parameter(Document(), name, value)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_replaces_all_parameters_and_nothing_else(name: str) -> None:
+    document = Document(shapes=(Circle((1.0, 2.0), 3.0),), parameters=Parameters(beta=1.5))
+    after = edits.use_preset(document, name)
+    assert after.parameters == PRESETS[name]
+    assert after.shapes == document.shapes

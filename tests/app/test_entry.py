@@ -1,0 +1,60 @@
+"""`cpm` opens the window or hands over to the command line, and says in a sentence why it cannot."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from app import __main__ as entry
+from app.model.samples import sample_at, samples
+from cpm_core import cli
+
+
+@pytest.mark.parametrize("arguments", [["run", "image.png"], ["info", "image.png"], ["--help"]])
+def test_a_subcommand_or_an_option_goes_to_the_command_line(arguments, monkeypatch) -> None:
+    seen = []
+    monkeypatch.setattr(cli, "main", lambda argv: seen.append(list(argv)) or 7)
+    assert entry.main(arguments) == 7
+    assert seen == [arguments]
+
+
+def test_the_command_line_runs_without_importing_qt() -> None:
+    code = (
+        "import sys; from app.__main__ import main; status = main(['info', 'nowhere.png']);"
+        "assert not [name for name in sys.modules if name.startswith(('PySide6', 'pyqtgraph'))]; sys.exit(status)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 2, done.stderr
+    assert "nowhere.png" in done.stderr
+
+
+def test_more_than_one_image_is_refused_in_a_sentence(capsys) -> None:
+    assert entry.main(["a.png", "b.png"]) == 2
+    assert "one image" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems always have a display")
+@pytest.mark.parametrize("display", [None, ":4711"])
+def test_without_a_display_there_is_one_sentence_and_no_crash(monkeypatch, capsys, display) -> None:
+    for name in ("QT_QPA_PLATFORM", "WAYLAND_DISPLAY", "DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    if display:
+        monkeypatch.setenv("DISPLAY", display)
+    assert entry.main([]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "cpm run" in said or "missing" in said
+
+
+def test_the_first_sample_is_the_u_and_every_sample_is_ready_to_run() -> None:
+    assert samples()[0].path.name == "u_shape.png"
+    for sample in samples():
+        assert sample.path.is_file()
+        assert sample.shapes
+        assert sample_at(sample.path) is sample
+
+
+def test_an_image_of_the_users_own_is_no_sample(tmp_path) -> None:
+    assert sample_at(tmp_path / "u_shape.png") is None

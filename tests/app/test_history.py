@@ -1,0 +1,77 @@
+"""Undo and redo go back and forth over everything, whatever the order."""
+
+from __future__ import annotations
+
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+
+from app.model import edits
+from app.model.document import Document
+from app.model.shapes import Circle
+from app.session.editor import Editor
+
+
+class EditingMachine(RuleBasedStateMachine):
+    """Edits, undo and redo against two plain lists of documents."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.editor = Editor()
+        self.past: list[Document] = []
+        self.future: list[Document] = []
+        self.now = Document()
+
+    def _edited(self, after: Document) -> None:
+        if after != self.now:
+            self.past.append(self.now)
+            self.future = []
+            self.now = after
+
+    @rule(row=st.integers(0, 9), radius=st.integers(1, 9))
+    def draw(self, row: int, radius: int) -> None:
+        circle = Circle((float(row), 0.0), float(radius))
+        self.editor.edit("draw", lambda document: edits.add_shape(document, circle), "")
+        self._edited(edits.add_shape(self.now, circle))
+
+    @precondition(lambda self: self.now.shapes)
+    @rule()
+    def delete(self) -> None:
+        self.editor.selected = 0
+        self.editor.edit("delete", lambda document: edits.delete_shape(document, 0), "")
+        self._edited(edits.delete_shape(self.now, 0))
+
+    @rule(values=st.lists(st.sampled_from([0.5, 0.8, 1.0, 1.5]), min_size=1, max_size=4))
+    def drag_slider(self, values: list[float]) -> None:
+        self.editor.seal()
+        for value in values:
+            self.editor.edit("beta", lambda document, value=value: edits.set_parameter(document, "beta", value), "beta")
+        self.editor.seal()
+        before = self.now.parameters.beta
+        if any(value != before for value in values):
+            self.future = []
+        self._edited(edits.set_parameter(self.now, "beta", values[-1]))
+
+    @rule()
+    def undo(self) -> None:
+        self.editor.undo()
+        if self.past:
+            self.future.append(self.now)
+            self.now = self.past.pop()
+
+    @rule()
+    def redo(self) -> None:
+        self.editor.redo()
+        if self.future:
+            self.past.append(self.now)
+            self.now = self.future.pop()
+
+    @invariant()
+    def same_document(self) -> None:
+        assert self.editor.document == self.now
+        assert bool(self.editor.undo_name) == bool(self.past)
+        assert self.editor.selected is None or self.editor.selected < len(self.now.shapes)
+
+
+EditingMachine.TestCase.settings = settings(max_examples=60, stateful_step_count=25, deadline=None)
+TestEditing = EditingMachine.TestCase

@@ -1,0 +1,164 @@
+"""The panels show what is and change what the user changes, nothing else."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, QRectF, Qt
+from PySide6.QtWidgets import QLabel, QToolButton
+
+from app.model.controls import controls
+from app.session.messages import Trace
+from app.views.contour_layer import pieces
+from app.views.help import show_about, show_help
+from app.views.layers import ARROW_SPACING, arrow_lines, arrows, joined
+from app.views.panels.plot import PlotPanel
+from cpm_core import Parameters
+
+
+def test_every_parameter_tells_symbol_range_default_and_what_more_of_it_does(window) -> None:
+    rows = window.side.parameters.rows
+    assert [row.control for row in rows.values()] == list(controls())
+    for name, row in rows.items():
+        tip = row.slider.toolTip()
+        for said in (row.control.symbol, row.control.meaning, row.control.more, "default"):
+            assert said in tip, name
+
+
+def test_the_explanation_follows_focus_and_fits_its_place(window, hand) -> None:
+    panel = window.side.parameters
+    panel.advanced.fold.click()
+    for row in panel.rows.values():
+        row.explained.emit(row.control)
+        label = panel._explanation
+        assert row.control.more in label.text()
+        assert label.heightForWidth(label.width()) <= label.height(), row.control.name
+
+
+@pytest.mark.parametrize("name", ["beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"])
+def test_a_double_click_on_a_slider_and_the_button_bring_the_default_back(window, hand, name) -> None:
+    panel = window.side.parameters
+    panel.advanced.fold.click()
+    row = panel.rows[name]
+    hand.wait(lambda: row._restore.height() > 8)
+    for restore in (
+        lambda: hand.qtbot.mouseDClick(row.slider, Qt.MouseButton.LeftButton),
+        lambda: hand.qtbot.mouseClick(row._restore, Qt.MouseButton.LeftButton),
+    ):
+        row.slider.setValue(row.slider.maximum())
+        assert window.session.document.parameters != Parameters()
+        restore()
+        parameters = window.session.document.parameters
+        assert getattr(parameters, name if name != "ratio" else "w1") == pytest.approx(
+            getattr(Parameters(), name if name != "ratio" else "w1")
+        )
+
+
+def test_smoothing_can_be_left_to_the_program_and_taken_back(window, hand) -> None:
+    row = window.side.parameters.rows["smoothing"]
+    row._automatic.click()
+    assert window.session.document.parameters.smoothing == "auto"
+    assert not row.slider.isEnabled()
+    row._automatic.click()
+    assert window.session.document.parameters.smoothing == 1.0
+    assert row.slider.isEnabled()
+
+
+def test_a_preset_sets_all_parameters_and_own_settings_show_as_none(window, hand) -> None:
+    presets = window.side.parameters.presets
+    assert presets.currentIndex() == 0
+    presets.setFocus()
+    hand.qtbot.keyClick(presets, Qt.Key.Key_Down)
+    hand.qtbot.keyClick(presets, Qt.Key.Key_Return)
+    presets.activated.emit(1)
+    assert window.session.document.parameters == Parameters(w1=0.6, w2=0.7, beta=0.4)
+    window.side.parameters.rows["beta"].slider.setValue(3)
+    assert presets.currentIndex() == -1
+
+
+def test_layers_are_switched_from_panel_menu_and_key_alike(window, hand) -> None:
+    box, action = window.side.layers.boxes["particles"], window.actions_by_name["layer_particles"]
+    box.click()
+    assert not action.isChecked()
+    hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.ControlModifier)
+    assert box.isChecked()
+    assert action.isChecked()
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1600, 1000)])
+@pytest.mark.parametrize("advanced", [False, True])
+def test_no_label_is_cut_off(window, hand, size, advanced) -> None:
+    window.resize(*size)
+    if advanced:
+        window.side.parameters.advanced.fold.click()
+    hand.wait(lambda: (window.width(), window.height()) == size)
+    for label in window.findChildren(QLabel):
+        if label.isVisible() and label.text() and not label.wordWrap():
+            assert label.width() >= label.fontMetrics().horizontalAdvance(label.text()), label.text()
+    for button in window.findChildren(QToolButton):
+        if button.isVisible() and button.text() and button.toolButtonStyle() != Qt.ToolButtonStyle.ToolButtonIconOnly:
+            assert button.width() >= button.sizeHint().width(), button.text()
+    column = window.side
+    for child in column.findChildren(QLabel):
+        if child.isVisible() and child.visibleRegion().boundingRect().isValid():
+            right = child.mapTo(column, QPoint(child.width(), 0)).x()
+            assert right <= column.width(), child.text()
+
+
+def test_the_plot_draws_whatever_a_run_can_give(qtbot) -> None:
+    plot = PlotPanel()
+    qtbot.addWidget(plot)
+    plot.resize(300, 150)
+    empty = plot.grab().toImage()
+    for epsilon in ([np.nan], [np.nan, np.nan, 0.0], [0.1, np.nan, 1e-12, 1e9], np.geomspace(1, 1e-7, 5000)):
+        values = np.asarray(epsilon, dtype=float)
+        count = np.arange(len(values), dtype=float)
+        plot.show_trace(Trace(np.arange(1.0, len(values) + 1), values, count))
+        drawn = plot.grab().toImage()
+    assert drawn != empty
+
+
+def test_arrows_neither_crowd_nor_leave_what_is_seen() -> None:
+    field = np.stack([np.zeros((200, 300)), np.ones((200, 300))])
+    seen = QRectF(50.0, 20.0, 100.0, 80.0)
+    for pixel in (0.02, 0.5, 3.0):
+        starts, ends = arrows(field, seen, pixel)
+        stride = max(1.0, ARROW_SPACING * pixel)
+        middle = 0.5 * (starts + ends)
+        assert ((middle[:, 1] >= 50) & (middle[:, 1] <= 150) & (middle[:, 0] >= 20) & (middle[:, 0] <= 100)).all()
+        assert len(starts) <= (100 / stride + 2) * (80 / stride + 2)
+        assert (ends[:, 0] == starts[:, 0]).all()
+        assert (ends[:, 1] > starts[:, 1]).all()
+        assert arrow_lines(starts, ends).shape == (6 * len(starts), 2)
+
+
+def test_joined_paths_are_joined_within_but_not_between() -> None:
+    x, y, connect = joined([np.array([[0.0, 1.0], [2.0, 3.0]]), np.array([[4.0, 5.0], [6.0, 7.0], [8.0, 9.0]])])
+    assert x.tolist() == [1.0, 3.0, 5.0, 7.0, 9.0]
+    assert y.tolist() == [0.0, 2.0, 4.0, 6.0, 8.0]
+    assert connect.tolist() == [1, 0, 1, 1, 0]
+
+
+@pytest.mark.parametrize("length", [1, 2, 64, 65, 66, 129, 1000])
+def test_the_pieces_of_a_path_cover_every_segment(length) -> None:
+    path = np.arange(2.0 * length).reshape(-1, 2)
+    covered = {(a[0], b[0]) for piece in pieces(path) for a, b in pairwise(piece)}
+    assert covered == {(a[0], b[0]) for a, b in pairwise(path)}
+
+
+def test_light_and_dark_are_both_to_be_had(window) -> None:
+    window.actions_by_name["theme_dark"].trigger()
+    dark = window.palette().window().color().lightness()
+    window.actions_by_name["theme_light"].trigger()
+    assert dark < 60
+    assert window.palette().window().color().lightness() > 200
+
+
+def test_help_names_every_key_and_about_names_the_paper(window, qtbot) -> None:
+    helped = show_help(window)
+    about = show_about(window)
+    assert "charged particles" in about.text()
+    about.close()
+    helped.close()

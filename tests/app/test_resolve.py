@@ -1,0 +1,59 @@
+"""What is enabled and said follows from document and run alone."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.model import edits
+from app.model.document import Document, ImageReference
+from app.model.resolve import RunStatus, resolve
+from app.model.shapes import Circle
+
+IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
+DRAWN = Document(IMAGE, (Circle((32.0, 32.0), 10.0),))
+
+
+def test_without_an_image_nothing_can_be_run_and_the_hint_says_how_to_open_one() -> None:
+    shown = resolve(Document(), RunStatus())
+    assert not {"run", "step", "reset", "export", "circle"} & shown.enabled
+    assert "Open an image" in shown.hint
+
+
+@pytest.mark.parametrize(
+    ("status", "text", "enabled", "disabled"),
+    [
+        (RunStatus("ready"), "Run", {"run", "step"}, {"reset", "export"}),
+        (RunStatus("running"), "Pause", {"run", "reset", "export"}, {"step"}),
+        (RunStatus("paused"), "Resume", {"run", "step", "reset", "export"}, set()),
+        (RunStatus("paused", stale=True), "Run anew", {"run", "step", "reset", "export"}, set()),
+        (RunStatus("finished", stop_reason="at rest"), "Run anew", {"run", "reset", "export"}, {"step"}),
+    ],
+)
+def test_run_is_worded_by_what_it_will_do(status: RunStatus, text: str, enabled: set[str], disabled: set[str]) -> None:
+    shown = resolve(DRAWN, status)
+    assert shown.run_text == text
+    assert enabled <= shown.enabled
+    assert not disabled & shown.enabled
+
+
+def test_a_run_that_is_out_of_date_says_what_makes_it_new() -> None:
+    assert "Reset" in resolve(DRAWN, RunStatus("running", stale=True)).hint
+    assert "Run starts anew" in resolve(DRAWN, RunStatus("paused", stale=True)).hint
+    assert resolve(DRAWN, RunStatus("running")).hint == ""
+
+
+def test_the_reason_for_stopping_is_said_and_whether_it_is_an_end_at_rest() -> None:
+    assert resolve(DRAWN, RunStatus("finished", stop_reason="at rest", converged=True)).state == "Done – at rest."
+    assert resolve(DRAWN, RunStatus("finished", stop_reason="lost")).state == "Stopped – lost."
+
+
+def test_undo_and_redo_are_named_after_what_they_do() -> None:
+    shown = resolve(DRAWN, RunStatus("ready"), undo_name="draw circle", redo_name="move circle")
+    assert (shown.undo_text, shown.redo_text) == ("Undo draw circle", "Redo move circle")
+    assert {"undo", "redo"} <= shown.enabled
+
+
+def test_the_recipe_changes_with_the_drawing_and_the_scales_but_not_with_live_parameters() -> None:
+    assert edits.clear_shapes(DRAWN).recipe != DRAWN.recipe
+    assert edits.set_parameter(DRAWN, "scales", 2).recipe != DRAWN.recipe
+    assert edits.set_parameter(DRAWN, "beta", 1.0).recipe == DRAWN.recipe

@@ -1,0 +1,213 @@
+"""Runs: started, steered, held, stopped and left, always in order and always clean."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.model import edits
+from app.model.shapes import Circle
+from cpm_core import Engine, Parameters
+from cpm_core.initialization import circle
+
+KEY = Qt.Key
+CONTROL = Qt.KeyboardModifier.ControlModifier
+
+
+def test_space_runs_to_rest_and_shows_one_closed_contour_around_the_disc(ready, hand) -> None:
+    hand.key(KEY.Key_Space)
+    assert ready.session.status.phase == "running"
+    assert ready.actions_by_name["run"].text() == "Pause"
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: ready.session.idle)
+    assert hand.canvas.contours.counts == (1, 0)
+    assert ready.side.status.state.startswith("Done")
+    assert ready.side.status.value("Contours") == "1 closed, 0 open"
+    assert hand.canvas.particles.count == int(ready.side.status.value("Particles").replace(",", ""))
+
+
+def test_nothing_is_looked_at_while_nothing_goes_on(ready, hand) -> None:
+    timer = ready.session._timer
+    hand.key(KEY.Key_Space)
+    assert timer.isActive()
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: not timer.isActive())
+
+
+def test_pause_holds_the_particles_and_run_goes_on_from_them(ready, hand) -> None:
+    session = ready.session
+    session.set_pace(30.0)
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: session.status.step >= 2)
+    hand.key(KEY.Key_Space)
+    assert session.status.phase == "paused"
+    hand.wait(lambda: session.idle)
+    held, generation = session.status.step, session.generation
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: session.idle)
+    assert session.status.step == held + 1
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: session.status.step > held + 1)
+    assert session.generation == generation
+
+
+def test_single_steps_are_counted_one_by_one_and_none_is_lost(ready, hand) -> None:
+    for _ in range(7):
+        hand.key(KEY.Key_Period)
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.status.step == 7
+    assert ready.session.status.phase == "paused"
+    assert len(ready._snapshot.trace.step) == 7
+
+
+def test_single_steps_are_the_engines_own(ready, hand) -> None:
+    values = ready._image
+    engine, state = Engine(values, Parameters()), None
+    state = engine.start(circle((32.0, 32.0), 10.0))
+    for _ in range(5):
+        hand.key(KEY.Key_Period)
+        state = engine.step(state, Parameters())
+    hand.wait(lambda: ready.session.idle)
+    np.testing.assert_array_equal(ready._snapshot.position, state.position)
+
+
+def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -> None:
+    engine = Engine(ready._image, Parameters())
+    state = engine.start(circle((32.0, 32.0), 10.0))
+    hand.key(KEY.Key_Period)
+    generation = ready.session.generation
+    state = engine.step(state, Parameters())
+    slider = ready.side.parameters.rows["beta"].slider
+    hand.qtbot.keyClick(slider, KEY.Key_PageUp)
+    changed = ready.session.document.parameters
+    assert changed.beta > Parameters().beta
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Period)
+    state = engine.step(state, changed)
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.generation == generation
+    np.testing.assert_array_equal(ready._snapshot.position, state.position)
+
+
+def test_reset_leaves_the_drawing_and_nothing_of_the_run(ready, hand) -> None:
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: ready.session.status.step > 3)
+    hand.key(KEY.Key_R)
+    assert ready.session.status.phase == "ready"
+    assert hand.canvas.particles.count == 0
+    hand.wait(lambda: ready.session.idle)
+    assert hand.canvas.particles.count == 0
+    assert hand.canvas.contours.counts == (0, 0)
+    assert ready.session.document.shapes == (Circle((32.0, 32.0), 10.0),)
+
+
+def test_a_changed_drawing_is_said_and_run_starts_anew_from_it(ready, hand) -> None:
+    session = ready.session
+    session.set_pace(30.0)
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: session.status.step >= 1)
+    generation = session.generation
+    hand.drag((16, 16), (16, 20), (16, 22))
+    assert session.status.phase == "running"
+    assert "Reset" in ready.stage.hint.text()
+    hand.key(KEY.Key_Space)
+    assert ready.actions_by_name["run"].text() == "Run anew"
+    hand.key(KEY.Key_Space)
+    assert session.generation > generation
+    assert not session.status.stale
+    assert ready.stage.hint.text() == ""
+
+
+def test_undoing_the_change_lets_the_run_go_on(ready, hand) -> None:
+    hand.key(KEY.Key_Period)
+    generation = ready.session.generation
+    hand.key(KEY.Key_K, CONTROL)
+    assert ready.session.status.stale
+    hand.key(KEY.Key_Z, CONTROL)
+    assert not ready.session.status.stale
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.generation == generation
+    assert ready.session.status.step == 2
+
+
+def test_more_scales_act_from_the_next_start_on(ready, hand) -> None:
+    hand.key(KEY.Key_Period)
+    ready.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))
+    assert ready.session.status.stale
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.status.step == 1
+    assert ready.session.status.scale == 0
+
+
+def test_opening_another_image_while_running_lets_nothing_late_land_on_it(ready, hand, tmp_path) -> None:
+    other = tmp_path / "other.npy"
+    np.save(other, np.indices((40, 50)).sum(axis=0) % 17 * 1.0)
+    seen = []
+    ready.session.image_changed.connect(lambda image: seen.clear())
+    ready.session.snapshot_changed.connect(seen.append)
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: ready.session.status.step > 0)
+    ready.session.open(other)
+    hand.wait(lambda: ready.session.document.image.name == "other.npy")
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.status.phase == "ready"
+    assert ready.session.document.shapes == ()
+    assert [snapshot for snapshot in seen if snapshot is not None] == []
+    assert hand.canvas.particles.count == 0
+
+
+def test_closing_while_running_ends_both_threads(ready, hand) -> None:
+    names = {"cpm-engine", "cpm-reconstruction"}
+    assert names <= {thread.name for thread in threading.enumerate()}
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: ready.session.status.step > 0)
+    ready.close()
+    assert not names & {thread.name for thread in threading.enumerate()}
+
+
+def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand) -> None:
+    seen = []
+    window.session.overlays_changed.connect(seen.append)
+    hand.key(KEY.Key_4, CONTROL)
+    hand.wait(lambda: len(seen) == 1)
+    engine = Engine(window._image, Parameters())
+    np.testing.assert_array_equal(seen[0].edge_map, engine.edge_map(Parameters()))
+    assert seen[0].field is None
+    window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
+    hand.wait(lambda: len(seen) == 2)
+    np.testing.assert_array_equal(seen[1].edge_map, engine.edge_map(Parameters(smoothing=2.0)))
+    window.side.layers.boxes["field"].click()
+    hand.wait(lambda: len(seen) == 3)
+    np.testing.assert_array_equal(seen[2].field, engine.field(Parameters(smoothing=2.0)))
+    window.session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.0))
+    hand.wait(lambda: window.session.idle)
+    assert len(seen) == 3
+
+
+def test_the_speed_control_offers_full_speed_and_limits_the_engine(ready, hand) -> None:
+    slider = ready.speed.slider
+    assert ready.speed._label.text() == "60 steps/s"
+    slider.setValue(slider.maximum())
+    assert ready.speed._label.text() == "full speed"
+    hand.key(KEY.Key_BracketLeft)
+    assert ready.speed._label.text() == "120 steps/s"
+
+
+@pytest.mark.parametrize("name", ["beta", "ratio", "annealing"])
+def test_a_slider_drag_is_one_step_of_undo(window, hand, name) -> None:
+    before = window.session.document.parameters
+    slider = window.side.parameters.rows[name].slider
+    slider.setFocus()
+    for key in (KEY.Key_PageDown, KEY.Key_Left, KEY.Key_Left):
+        hand.qtbot.keyClick(slider, key)
+    assert window.session.document.parameters != before
+    assert window.actions_by_name["undo"].text().startswith("Undo change of")
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Z, CONTROL)
+    assert window.session.document.parameters == before
+    assert not window.actions_by_name["undo"].isEnabled()

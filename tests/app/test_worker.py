@@ -1,0 +1,345 @@
+"""The worker obeys commands in order and loses none; of snapshots the newest wins; no window is needed for it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from app.model.document import Document
+from app.model.shapes import Points
+from app.session.core import Core
+from app.session.mailbox import Mailbox
+from app.session.messages import (
+    Discard,
+    Failed,
+    Go,
+    Halt,
+    NotOpened,
+    Open,
+    Opened,
+    SetPace,
+    SetParameters,
+    Snapshot,
+    Start,
+    Trouble,
+    WarmUp,
+)
+from app.session.pacer import Pacer
+from app.session.runner import Runner
+from app.session.trace import Recorder
+from cpm_core import Image, Parameters
+
+DOCUMENT = Document(shapes=(Points(((5.0, 5.0), (6.0, 6.0))),))
+
+
+@dataclass(frozen=True)
+class FakeState:
+    """A state that counts its steps and remembers the damping of each."""
+
+    step: int = 0
+    betas: tuple[float, ...] = ()
+    scale: int = 0
+    epsilon: float = 0.5
+    count: int = 2
+    stop_reason: str = ""
+    converged: bool = False
+    position: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
+    particles: SimpleNamespace = field(default_factory=lambda: SimpleNamespace(velocity=np.zeros((2, 2))))
+
+
+class FakeEngine:
+    """An engine without physics."""
+
+    def __init__(self, image: Image, parameters: Parameters) -> None:
+        self.image = image
+        self.scales = parameters.scales
+        self.states: list[FakeState] = []
+        self.last_step = 10**9
+        self.gate = threading.Event()
+        self.gate.set()
+
+    def start(self, seeds: np.ndarray) -> FakeState:
+        return FakeState()
+
+    def step(self, state: FakeState, parameters: Parameters) -> FakeState:
+        assert self.gate.wait(20)
+        if parameters.beta == 4.0:
+            raise RuntimeError("kernel fell over")
+        reason = "far enough" if state.step + 1 >= self.last_step else ""
+        following = replace(state, step=state.step + 1, betas=(*state.betas, parameters.beta), stop_reason=reason)
+        self.states.append(following)
+        return following
+
+    def result(self, state: FakeState, parameters: Parameters) -> SimpleNamespace:
+        return SimpleNamespace(contours=(), steps=state.step)
+
+
+class Bench:
+    """A runner on fake engines."""
+
+    def __init__(self) -> None:
+        self.engines: list[FakeEngine] = []
+        self.warm = threading.Event()
+        core = Core(load_image=self._load, engine=self._build, export=lambda *_: None, warm_up=self.warm.set)
+        self.runner = Runner(core)  # type: ignore[arg-type]
+        self.reports: list[object] = []
+
+    def _load(self, path: Path) -> Image:
+        if path.name.startswith("bad"):
+            raise ValueError(f"{path.name} is no image.")
+        return Image(np.eye(64), source=path.name)
+
+    def _build(self, image: Image, parameters: Parameters) -> FakeEngine:
+        self.engines.append(FakeEngine(image, parameters))
+        return self.engines[-1]
+
+    def open(self, generation: int = 1) -> FakeEngine:
+        self.runner.post(Open(generation, Path("good.png"), Parameters()))
+        self.wait(lambda: len(self.engines) > 0)
+        return self.engines[-1]
+
+    def take(self) -> None:
+        self.reports += self.runner.reports()
+
+    def wait(self, condition: Callable[[], object]) -> None:
+        end = time.monotonic() + 20
+        while not condition():
+            self.take()
+            assert time.monotonic() < end
+            time.sleep(0.001)
+        self.take()
+
+    def settle(self) -> Snapshot | None:
+        """Wait until nothing goes on; return the newest snapshot."""
+        newest: list[Snapshot] = []
+
+        def idle() -> bool:
+            snapshot = self.runner.snapshots.take()
+            if snapshot is not None:
+                newest.append(snapshot)
+            self.runner.reconstructor.results.take()
+            self.take()
+            return self.runner.idle
+
+        self.wait(idle)
+        return newest[-1] if newest else None
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    made = Bench()
+    yield made
+    for engine in made.engines:
+        engine.gate.set()
+    made.runner.close()
+
+
+def test_commands_are_obeyed_in_order_and_none_is_lost(bench: Bench) -> None:
+    engine = bench.open()
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    betas = [0.1 * k for k in range(1, 40)]
+    for beta in betas:
+        bench.runner.post(SetParameters(Parameters(beta=beta)))
+        bench.runner.post(Go(2, steps=1))
+        bench.runner.post(Halt())
+        bench.runner.post(Go(2, steps=1))
+    snapshot = bench.settle()
+    # Halt may come before or after the step that was asked for, but later parameters never act on earlier steps.
+    assert snapshot is not None
+    seen = engine.states[-1].betas
+    assert list(seen) == sorted(seen)
+    assert snapshot.step == len(seen)
+    assert set(seen) <= set(betas)
+
+
+def test_parameters_sent_between_steps_act_at_exactly_the_next_one(bench: Bench) -> None:
+    engine = bench.open()
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    for beta in (0.5, 1.5, 1.0):
+        bench.runner.post(SetParameters(Parameters(beta=beta)))
+        bench.runner.post(Go(2, steps=1))
+        bench.settle()
+    assert engine.states[-1].betas == (0.5, 1.5, 1.0)
+
+
+def test_the_newest_snapshot_wins_and_carries_the_whole_trace(bench: Bench) -> None:
+    engine = bench.open()
+    engine.last_step = 2500
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.runner.post(Go(2))
+    snapshot = bench.settle()
+    assert snapshot is not None
+    assert (snapshot.step, snapshot.stop_reason, snapshot.generation) == (2500, "far enough", 2)
+    np.testing.assert_array_equal(snapshot.trace.step, np.arange(1, 2501))
+
+
+def test_a_stopped_run_does_not_go_on(bench: Bench) -> None:
+    engine = bench.open()
+    engine.last_step = 3
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.runner.post(Go(2))
+    bench.settle()
+    bench.runner.post(Go(2))
+    assert bench.settle() is None
+    assert len(engine.states) == 3
+
+
+def test_what_was_meant_for_another_image_or_run_is_not_obeyed(bench: Bench) -> None:
+    engine = bench.open(generation=5)
+    bench.runner.post(Start(6, 4, DOCUMENT))
+    bench.runner.post(Go(6))
+    bench.runner.post(Start(7, 5, DOCUMENT))
+    bench.runner.post(Discard(8))
+    bench.runner.post(Go(7))
+    bench.settle()
+    assert engine.states == []
+
+
+def test_a_bad_file_leaves_the_run_as_it_was(bench: Bench) -> None:
+    engine = bench.open()
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.runner.post(Open(3, Path("bad.png"), Parameters()))
+    bench.runner.post(Go(2, steps=1))
+    snapshot = bench.settle()
+    assert snapshot is not None
+    assert snapshot.generation == 2
+    assert len(engine.states) == 1
+    assert NotOpened(3, "bad.png is no image.") in bench.reports
+
+
+def test_other_scales_make_another_engine_at_the_next_start_only(bench: Bench) -> None:
+    bench.open()
+    bench.runner.post(SetParameters(Parameters(scales=2)))
+    bench.settle()
+    assert len(bench.engines) == 1
+    bench.runner.post(Start(2, 1, replace(DOCUMENT, parameters=Parameters(scales=2))))
+    bench.settle()
+    assert [engine.scales for engine in bench.engines] == [3, 2]
+
+
+def test_an_engine_that_fails_is_reported_in_a_sentence_and_the_worker_lives(bench: Bench, caplog) -> None:
+    bench.open()
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.runner.post(SetParameters(Parameters(beta=4.0)))
+    bench.runner.post(Go(2))
+    bench.settle()
+    (failed,) = [report for report in bench.reports if isinstance(report, Failed)]
+    assert failed.generation == 2
+    assert "kernel fell over" in failed.sentence
+    assert "kernel fell over" in caplog.text
+    bench.runner.post(SetParameters(Parameters()))
+    bench.runner.post(Go(2, steps=2))
+    snapshot = bench.settle()
+    assert snapshot is not None
+    assert snapshot.step == 2
+
+
+def test_a_start_without_an_image_or_a_drawing_is_refused_in_words(bench: Bench) -> None:
+    bench.runner.post(Start(1, 0, DOCUMENT))
+    bench.settle()
+    bench.open(generation=2)
+    bench.runner.post(Start(3, 2, Document()))
+    bench.settle()
+    failures = [report.sentence for report in bench.reports if isinstance(report, Failed)]
+    assert len(failures) == 2
+    assert "open one first" in failures[0]
+    assert "draw a circle" in failures[1]
+
+
+def test_the_last_state_is_always_reconstructed(bench: Bench) -> None:
+    engine = bench.open()
+    engine.last_step = 400
+    results = []
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.runner.post(Go(2))
+
+    def done() -> bool:
+        bench.runner.snapshots.take()
+        reconstruction = bench.runner.reconstructor.results.take()
+        if reconstruction is not None:
+            results.append(reconstruction.result.steps)
+        return bench.runner.idle
+
+    bench.wait(done)
+    assert results[-1] == 400
+    assert results == sorted(results)
+
+
+def test_closing_waits_for_the_step_that_is_being_taken_and_no_more(bench: Bench) -> None:
+    engine = bench.open()
+    engine.gate.clear()
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.runner.post(Go(2))
+    bench.wait(lambda: bench.runner.snapshots.take() is not None)
+    closing = threading.Thread(target=bench.runner.close)
+    closing.start()
+    engine.gate.set()
+    closing.join(20)
+    assert not closing.is_alive()
+    bench.runner.close()
+
+
+def test_warming_up_is_done_on_the_worker(bench: Bench) -> None:
+    bench.runner.post(WarmUp())
+    bench.settle()
+    assert bench.warm.is_set()
+    assert not [report for report in bench.reports if isinstance(report, Trouble | Opened)]
+
+
+def test_a_mailbox_gives_the_newest_once() -> None:
+    box: Mailbox[int] = Mailbox()
+    assert box.take() is None
+    for number in (1, 2, 3):
+        box.put(number)
+    assert box.take() == 3
+    assert box.take() is None
+
+
+def test_a_trace_given_out_never_changes() -> None:
+    recorder = Recorder()
+    recorder.record(1, 0.5, 10)
+    first = recorder.trace()
+    for step in range(2, 3000):
+        recorder.record(step, 0.1, 20)
+    assert (first.step.tolist(), first.epsilon.tolist(), first.count.tolist()) == ([1.0], [0.5], [10.0])
+    assert len(recorder.trace().step) == 2999
+
+
+def test_the_pacer_spaces_steps_evenly_and_does_not_make_up_for_a_pause() -> None:
+    now = [0.0]
+    pacer = Pacer(lambda: now[0])
+    pacer.limit(10.0)
+    taken = []
+    for _ in range(5):
+        now[0] += pacer.wait()
+        taken.append(now[0])
+        pacer.stepped()
+    assert np.diff(taken) == pytest.approx(0.1)
+    now[0] += 60.0
+    late = 0
+    while pacer.wait() == 0.0:
+        pacer.stepped()
+        late += 1
+    assert late <= 2
+    pacer.limit(None)
+    assert pacer.wait() == 0.0
+
+
+def test_the_pace_can_be_changed_while_a_slow_step_is_waited_for(bench: Bench) -> None:
+    engine = bench.open()
+    engine.last_step = 50
+    bench.runner.post(SetPace(0.01))
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.runner.post(Go(2))
+    bench.wait(lambda: len(engine.states) >= 1)
+    bench.runner.post(SetPace(None))
+    snapshot = bench.settle()
+    assert snapshot is not None
+    assert snapshot.step == 50

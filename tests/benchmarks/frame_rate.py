@@ -1,0 +1,165 @@
+"""How smoothly the window runs with 5,000 particles and more and the engine flat out; prints the figures.
+
+Run by itself: ``python tests/benchmarks/frame_rate.py [seconds]``. A uniform grid of points starts on a 700 x 700 image
+of many discs. While the engine steps without a limit, each repaint of the canvas is timed, and a second thread presses
+an arrow key on the damping slider every tenth of a second: from the moment that it is sent to the moment that the
+document has changed is the reaction, and the next repaint after that is when the user sees it. The whole canvas is
+repainted in every frame, whether the engine has taken a step meanwhile or not.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import threading
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt, QTimer
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QWidget
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from app.model import edits
+from app.model.shapes import Points
+from app.session.session import FRAME, Session
+from app.views.application import make_application
+from app.views.main_window import MainWindow
+from cpm_core.initialization import uniform_grid
+
+SIDE = 700
+SPACING = 12.5
+KEY_EVERY = 0.1
+
+
+def say(line: str) -> None:
+    """Write a line of the report."""
+    sys.stdout.write(f"{line}\n")
+
+
+@dataclass
+class Times:
+    """Moments on one clock [s]."""
+
+    paints: list[float] = field(default_factory=list)
+    sent: list[float] = field(default_factory=list)
+    obeyed: list[float] = field(default_factory=list)
+    counts: list[int] = field(default_factory=list)
+    steps: list[int] = field(default_factory=list)
+
+
+class PaintClock(QObject):
+    """Notes when the canvas is painted."""
+
+    def __init__(self, times: Times) -> None:
+        super().__init__()
+        self.times = times
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802  # Qt's name
+        if event.type() == QEvent.Type.Paint:
+            self.times.paints.append(time.perf_counter())
+        return False
+
+
+def discs(side: int) -> np.ndarray:
+    """An image of many discs of several grey levels."""
+    rng = np.random.default_rng(1)
+    row, col = np.indices((side, side))
+    values = np.full((side, side), 40.0)
+    for center_row in range(50, side, 100):
+        for center_col in range(50, side, 100):
+            radius = rng.uniform(18, 42)
+            inside = (row - center_row) ** 2 + (col - center_col) ** 2 <= radius**2
+            values[inside] = rng.uniform(90, 240)
+    return values
+
+
+def press_keys(slider: QWidget, times: Times, end: threading.Event) -> None:
+    """Press an arrow key every now and then, back and forth."""
+    keys = (Qt.Key.Key_Right, Qt.Key.Key_Left)
+    while not end.wait(KEY_EVERY):
+        key = keys[len(times.sent) % 2]
+        event = QKeyEvent(QEvent.Type.KeyPress, key, Qt.KeyboardModifier.NoModifier)
+        times.sent.append(time.perf_counter())
+        QCoreApplication.postEvent(slider, event)
+
+
+def wait(application: QCoreApplication, condition, seconds: float) -> None:
+    """Let the event loop run until a condition holds."""
+    end = time.perf_counter() + seconds
+    while not condition() and time.perf_counter() < end:
+        application.processEvents()
+        time.sleep(0.001)
+
+
+def measure(seconds: float) -> Times:
+    """Run the window for some seconds."""
+    application = make_application()
+    session = Session()
+    window = MainWindow(session)
+    window.showMaximized()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "discs.npy"
+        np.save(path, discs(SIDE))
+        session.open(path)
+        wait(application, lambda: session.document.image is not None, 60)
+    session.warm_up()
+    wait(application, lambda: session.idle, 120)
+    points = Points(tuple(map(tuple, uniform_grid((SIDE, SIDE), SPACING))))
+    session.edit("grid", lambda document: edits.add_shape(document, points))
+    session.edit("one scale", lambda document: edits.set_parameter(document, "scales", 1))
+    session.edit("no insertion", lambda document: edits.set_parameter(document, "d_max", 0.0))
+    session.set_pace(None)
+    times = Times()
+    clock = PaintClock(times)
+    session.run()
+    wait(application, lambda: session.status.step > 0, 60)
+    window.stage.canvas.viewport().installEventFilter(clock)
+    session.document_changed.connect(lambda _: times.obeyed.append(time.perf_counter()))
+    session.snapshot_changed.connect(lambda s: s and (times.counts.append(len(s.position)), times.steps.append(s.step)))
+    end = threading.Event()
+    keys = threading.Thread(target=press_keys, args=(window.side.parameters.rows["beta"].slider, times, end))
+    keys.start()
+    # The engine may take fewer steps a second than there are frames; every frame is drawn all the same, as at worst.
+    frame = QTimer()
+    frame.setTimerType(Qt.TimerType.PreciseTimer)
+    frame.timeout.connect(window.stage.canvas.viewport().update)
+    frame.start(FRAME)
+    QTimer.singleShot(int(seconds * 1000), application.quit)
+    application.exec()
+    end.set()
+    keys.join()
+    say(
+        f"platform {application.platformName()}, "
+        f"canvas {window.stage.canvas.width()} x {window.stage.canvas.height()}, "
+        f"at the end: {session.resolved.state}"
+    )
+    window.close()
+    return times
+
+
+def report(times: Times) -> None:
+    """Print the figures."""
+    paints = np.array(times.paints)
+    gaps = 1e3 * np.diff(paints)
+    obeyed = np.array(times.obeyed)
+    sent = np.array(times.sent[: len(obeyed)])
+    reaction = 1e3 * (obeyed - sent)
+    following = np.searchsorted(paints, obeyed)
+    seen = 1e3 * (paints[following[following < len(paints)]] - sent[following < len(paints)])
+    duration = paints[-1] - paints[0]
+    say(
+        f"particles {min(times.counts)} to {max(times.counts)}, "
+        f"{(times.steps[-1] - times.steps[0]) / duration:.0f} steps/s"
+    )
+    say(f"frames/s {len(gaps) / duration:.1f}")
+    for name, values in (("between frames", gaps), ("key to document", reaction), ("key to repaint", seen)):
+        median, late = np.percentile(values, [50, 99])
+        say(f"{name}: median {median:.1f} ms, 99 % {late:.1f} ms, longest {values.max():.1f} ms ({len(values)})")
+
+
+if __name__ == "__main__":
+    report(measure(float(sys.argv[1]) if len(sys.argv) > 1 else 10.0))

@@ -1,0 +1,184 @@
+"""Bad files: whatever a file holds, it loads or is refused in one sentence; nothing else ever happens."""
+
+import os
+import re
+import struct
+import tempfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+import tifffile
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cpm_core.formats import load_image
+from cpm_core.image import Image
+
+VALUES = (np.add.outer(np.arange(24) * 7, np.arange(30) * 5) % 251).astype(np.uint8)
+
+
+def refusal(path):
+    """The sentence with which a file is refused; fails when it is not, or not in one sentence."""
+    with pytest.raises(ValueError, match=re.escape(Path(path).name)) as caught:
+        load_image(path)
+    text = str(caught.value)
+    assert "\n" not in text
+    assert text.endswith(".")
+    return text
+
+
+def save_as(kind):
+    return lambda path: PIL.Image.fromarray(VALUES).save(path, format=kind)
+
+
+def save_tiff(path):
+    tifffile.imwrite(path, VALUES)
+
+
+def save_packed_tiff(path):
+    PIL.Image.fromarray(VALUES).save(path, format="TIFF", compression="tiff_lzw")
+
+
+def save_array(path):
+    with path.open("wb") as stream:
+        np.save(stream, VALUES)
+
+
+SOUND = {
+    "tiff": save_tiff,
+    "packed tiff": save_packed_tiff,
+    "npy": save_array,
+    **{kind.lower(): save_as(kind) for kind in ("PNG", "JPEG", "BMP", "PPM", "GIF", "WEBP", "JPEG2000")},
+}
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    assert "does not exist" in refusal(tmp_path / "none.png")
+
+
+def test_a_folder(tmp_path):
+    assert "is a folder" in refusal(tmp_path)
+
+
+def test_an_empty_file(tmp_path):
+    (tmp_path / "empty.png").touch()
+    assert "is empty" in refusal(tmp_path / "empty.png")
+
+
+@pytest.mark.parametrize(
+    "content", [b"hello", b"\0" * 5000, "naïve text\n".encode() * 50, b"%PDF-1.4", b"%!PS-Adobe-3.0"]
+)
+@pytest.mark.parametrize("name", ["notes.txt", "notes.png", "notes"])
+def test_a_file_that_is_no_image(tmp_path, content, name):
+    (tmp_path / name).write_bytes(content)
+    assert "is not an image of a known kind" in refusal(tmp_path / name)
+
+
+def test_an_image_of_one_pixel(tmp_path):
+    PIL.Image.new("L", (1, 1)).save(tmp_path / "dot.png")
+    assert "is 1 x 1 px" in refusal(tmp_path / "dot.png")
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_an_image_with_a_pixel_that_is_no_number(tmp_path, value):
+    values = VALUES.astype(np.float32)
+    values[3, 4] = value
+    tifffile.imwrite(tmp_path / "a.tif", values)
+    assert "holds 1 value that is NaN or infinite" in refusal(tmp_path / "a.tif")
+
+
+def test_a_constant_image_is_an_image_all_the_same(tmp_path):
+    PIL.Image.new("L", (20, 10), 77).save(tmp_path / "flat.png")
+    assert np.all(load_image(tmp_path / "flat.png").values == 77)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="permissions are those of POSIX")
+def test_a_file_without_read_permission():
+    owner = os.geteuid()
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o755)
+        path = Path(folder) / "secret.png"
+        SOUND["png"](path)
+        path.chmod(0)
+        if owner == 0:  # the superuser may read everything, so be nobody for a moment
+            os.seteuid(65534)
+        try:
+            assert "must not be read by you" in refusal(path)
+        finally:
+            os.seteuid(owner)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="named pipes are those of POSIX")
+def test_a_pipe_does_not_make_the_program_wait(tmp_path):
+    os.mkfifo(tmp_path / "pipe.png")
+    assert "is not an ordinary file" in refusal(tmp_path / "pipe.png")
+
+
+def test_a_name_that_no_file_can_have():
+    with pytest.raises(ValueError, match="null"):
+        load_image("a\0b.png")
+
+
+@pytest.mark.parametrize("kind", SOUND)
+def test_a_sound_file_loads(tmp_path, kind):
+    SOUND[kind](tmp_path / "a")
+    assert load_image(tmp_path / "a").shape == VALUES.shape
+
+
+@pytest.mark.parametrize("kind", SOUND)
+@pytest.mark.parametrize("share", [0.15, 0.5, 0.75])
+def test_a_file_cut_short_is_refused(tmp_path, kind, share, capfd):
+    SOUND[kind](tmp_path / "a")
+    content = (tmp_path / "a").read_bytes()
+    (tmp_path / "a").write_bytes(content[: int(share * len(content))])
+    refusal(tmp_path / "a")
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("kind", SOUND)
+@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_damaged_bytes_load_or_are_refused_and_nothing_is_printed(tmp_path, capfd, kind, data):
+    SOUND[kind](tmp_path / "a")
+    content = bytearray((tmp_path / "a").read_bytes())
+    start = data.draw(st.sampled_from([0, len(content) // 2]))
+    for _ in range(data.draw(st.integers(1, 4))):
+        place = data.draw(st.integers(start, min(start + 200, len(content) - 1)))
+        content[place] = data.draw(st.sampled_from([0, 1, 0x7F, 0x80, 0xFF, content[place] ^ 1]))
+    (tmp_path / "a").write_bytes(content)
+    try:
+        assert isinstance(load_image(tmp_path / "a"), Image)
+    except ValueError as error:
+        assert "\n" not in str(error)
+    assert capfd.readouterr() == ("", "")
+
+
+def bomb_png(path, side):
+    """A PNG of some kilobytes that declares a picture of side x side pixels."""
+
+    def chunk(kind, content):
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    header = struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)
+    path.write_bytes(
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + chunk(b"IDAT", zlib.compress(bytes(10**6)))
+        + chunk(b"IEND", b"")
+    )
+
+
+@pytest.mark.parametrize("side", [9000, 12000, 100_000])
+def test_an_image_too_large_for_memory_is_refused_before_it_is_unpacked(tmp_path, side):
+    bomb_png(tmp_path / "bomb.png", side)
+    assert re.search("crop it or make it smaller", refusal(tmp_path / "bomb.png"))
+
+
+def test_a_tiff_too_large_for_memory_is_refused_before_it_is_unpacked(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", VALUES)
+    with tifffile.TiffFile(tmp_path / "a.tif", mode="r+") as file:
+        file.pages.first.tags["ImageLength"].overwrite(2**31)
+    assert "crop it or make it smaller" in refusal(tmp_path / "a.tif")

@@ -1,0 +1,66 @@
+"""CSV: the table holds every vertex, in words and numbers that a spreadsheet reads."""
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cpm_core.contour import Contour
+from cpm_core.formats import export, load_points
+from cpm_core.result import Result
+
+LINE = Contour(np.array([[1.0, 2.0], [3.25, 4.0], [5.0, 60.0]]), closed=False, strength=3.0)
+SQUARE = Contour(np.array([[10.0, 20.0], [10.0, 40.5], [30.125, 40.5], [30.125, 20.0]]), closed=True, strength=12.5)
+RESULT = Result(
+    particles=np.zeros((0, 2)),
+    contours=(LINE, SQUARE),
+    surface=None,
+    steps=1,
+    converged=True,
+    stop_reason="at rest",
+    shape=(50, 80),
+    spacing=(1.0, 1.0),
+    unit=None,
+    source="a.png",
+)
+
+
+def table(path, result=RESULT):
+    export(result, path)
+    with path.open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_each_vertex_is_a_row_in_order(tmp_path):
+    rows = table(tmp_path / "a.csv")
+    assert [int(row["contour"]) for row in rows] == [1] * 3 + [2] * 4
+    assert [int(row["vertex"]) for row in rows] == [1, 2, 3, 1, 2, 3, 4]
+    points = np.array([[float(row["row"]), float(row["col"])] for row in rows])
+    assert np.allclose(points, np.concatenate([LINE.points, SQUARE.points]), atol=1e-4)
+
+
+def test_each_row_tells_whether_its_contour_is_closed_how_strong_and_which_label_it_has(tmp_path):
+    rows = table(tmp_path / "a.csv")
+    assert [row["closed"] for row in rows] == ["FALSE"] * 3 + ["TRUE"] * 4
+    assert [float(row["strength"]) for row in rows] == [3.0] * 3 + [12.5] * 4
+    assert [int(row["label"]) for row in rows] == [0] * 3 + [1] * 4
+
+
+def test_columns_in_units_appear_only_where_the_size_of_a_pixel_is_known(tmp_path):
+    assert list(table(tmp_path / "a.csv")[0]) == ["contour", "closed", "label", "strength", "vertex", "row", "col"]
+    rows = table(tmp_path / "b.csv", replace(RESULT, spacing=(0.5, 0.25), unit="µm"))
+    assert list(rows[0])[-2:] == ["x_um", "y_um"]
+    for row in rows:
+        assert float(row["x_um"]) == pytest.approx(0.25 * float(row["col"]))
+        assert float(row["y_um"]) == pytest.approx(0.5 * float(row["row"]))
+
+
+def test_a_result_without_contours_is_a_header(tmp_path):
+    assert table(tmp_path / "a.csv", replace(RESULT, contours=())) == []
+    assert (tmp_path / "a.csv").read_text(encoding="utf-8").startswith("contour,closed,")
+
+
+def test_the_table_can_be_the_start_of_another_run(tmp_path):
+    export(RESULT, tmp_path / "a.csv")
+    assert np.allclose(load_points(tmp_path / "a.csv"), np.concatenate([LINE.points, SQUARE.points]), atol=1e-4)

@@ -1,0 +1,93 @@
+"""Export: by suffix, all or nothing, and never half a file."""
+
+import os
+import re
+
+import numpy as np
+import pytest
+
+from cpm_core.contour import Contour
+from cpm_core.formats import WRITABLE, check_export, export
+from cpm_core.result import Result
+
+TRIANGLE = np.array([[5.0, 5.0], [5.0, 20.0], [20.0, 5.0]])
+
+
+def result_of(closed):
+    contours = (Contour(TRIANGLE, closed=closed, strength=1.0),)
+    return Result(TRIANGLE, contours, None, 1, True, "at rest", (30, 30), (1.0, 1.0), None, "a.png")
+
+
+CLOSED = result_of(True)
+
+
+@pytest.mark.parametrize("suffix", WRITABLE)
+@pytest.mark.parametrize("change", [str.lower, str.upper])
+def test_the_suffix_chooses_the_format_in_small_and_capital_letters(tmp_path, suffix, change):
+    path = tmp_path / f"out{change(suffix)}"
+    export(CLOSED, path)
+    beginnings = {".svg": b"<?xml", ".csv": b"contour,", ".png": b"\x89PNG"}
+    assert path.read_bytes().startswith(beginnings[suffix])
+
+
+@pytest.mark.parametrize("name", ["out.stl", "out", "out.svg.gz", ".svg"])
+def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path, name):
+    with pytest.raises(ValueError, match=re.escape(name)) as caught:
+        export(CLOSED, tmp_path / name)
+    assert all(suffix in str(caught.value) for suffix in WRITABLE)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_same_result_makes_the_same_bytes(tmp_path):
+    for suffix in WRITABLE:
+        export(CLOSED, tmp_path / f"a{suffix}", tmp_path / f"b{suffix}")
+        assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
+
+
+def test_a_file_that_exists_is_replaced_and_nothing_else_is_left(tmp_path):
+    (tmp_path / "out.csv").write_text("old", encoding="utf-8")
+    export(CLOSED, tmp_path / "out.csv")
+    assert (tmp_path / "out.csv").read_text(encoding="utf-8").startswith("contour,")
+    assert [path.name for path in tmp_path.iterdir()] == ["out.csv"]
+
+
+def test_when_one_of_several_cannot_be_made_none_is_written(tmp_path):
+    with pytest.raises(ValueError, match="is closed"):
+        export(result_of(False), tmp_path / "a.svg", tmp_path / "b.csv", tmp_path / "c.png")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_that_fails_leaves_the_old_file_and_no_draft(tmp_path, monkeypatch):
+    (tmp_path / "out.csv").write_text("old", encoding="utf-8")
+
+    def full(_descriptor):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(ValueError, match=r"out\.csv cannot be written: No space left on device\."):
+        export(CLOSED, tmp_path / "out.csv")
+    assert (tmp_path / "out.csv").read_text(encoding="utf-8") == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["out.csv"]
+
+
+def test_a_link_stays_a_link_to_the_new_content(tmp_path):
+    (tmp_path / "real").mkdir()
+    target = tmp_path / "real" / "kept.csv"
+    target.write_text("old", encoding="utf-8")
+    (tmp_path / "link.csv").symlink_to(target)
+    export(CLOSED, tmp_path / "link.csv")
+    assert (tmp_path / "link.csv").is_symlink()
+    assert target.read_text(encoding="utf-8").startswith("contour,")
+
+
+@pytest.mark.parametrize("path", ["none/out.svg", "folder.svg"])
+def test_a_place_where_no_file_can_be_is_told_beforehand(tmp_path, path):
+    (tmp_path / "folder.svg").mkdir()
+    with pytest.raises(ValueError, match=re.escape(str(tmp_path / path))):
+        check_export(tmp_path / path)
+
+
+def test_a_folder_that_must_not_be_written_to_is_told_beforehand(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, mode: not (mode == os.W_OK and path == tmp_path))
+    with pytest.raises(ValueError, match="no permission to write"):
+        check_export(tmp_path / "out.svg")

@@ -1,0 +1,101 @@
+"""Label mask: the inside of each closed contour carries its own label."""
+
+import imageio.v3 as iio
+import numpy as np
+import pytest
+
+from cpm_core.contour import Contour
+from cpm_core.formats import export
+from cpm_core.result import Result
+
+
+def polygon_of(row, col, radius, count=40, rough=0.0, seed=0):
+    """A round contour about (row, col), its radius made rough by the share `rough`."""
+    angle = 2 * np.pi * np.arange(count) / count
+    radii = radius * (1 + rough * np.random.default_rng(seed).uniform(-1, 1, count))
+    return np.stack([row + radii * np.sin(angle), col + radii * np.cos(angle)], axis=1)
+
+
+def result_of(points, shape=(60, 90), closed=True):
+    contours = tuple(Contour(p, closed=closed, strength=1.0) for p in points)
+    return Result(np.zeros((0, 2)), contours, None, 1, True, "at rest", shape, (1.0, 1.0), None, "a.png")
+
+
+def mask_of(tmp_path, result):
+    export(result, tmp_path / "m.png")
+    return iio.imread(tmp_path / "m.png")
+
+
+def inside(points, shape):
+    """Whether each pixel centre lies inside, by the turns of the polygon around it: another way than the writer's."""
+    row, col = np.mgrid[: shape[0], : shape[1]]
+    around = np.arctan2(points[:, 0, None, None] - row, points[:, 1, None, None] - col)
+    turns = np.diff(np.concatenate([around, around[:1]]), axis=0)
+    turns -= 2 * np.pi * np.round(turns / (2 * np.pi))
+    return np.abs(turns.sum(axis=0)) > np.pi
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_pixels_whose_centre_is_inside_carry_the_label_and_no_others(tmp_path, seed):
+    points = polygon_of(27.3, 41.7, 20.2, rough=0.5, seed=seed)
+    mask = mask_of(tmp_path, result_of([points]))
+    assert mask.dtype == np.uint8
+    assert mask.shape == (60, 90)
+    assert np.array_equal(mask == 1, inside(points, mask.shape))
+    assert set(np.unique(mask)) == {0, 1}
+
+
+def test_labels_count_the_closed_contours_in_their_order(tmp_path):
+    centers = [(20, 20), (20, 60), (45, 40)]
+    mask = mask_of(tmp_path, result_of([polygon_of(r, c, 9.3 + i) for i, (r, c) in enumerate(centers)]))
+    assert [mask[center] for center in centers] == [1, 2, 3]
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
+def test_a_contour_inside_another_shows_on_top_whatever_their_order(tmp_path, order):
+    nested = [polygon_of(30.2, 45.1, radius) for radius in (28.3, 18.3, 8.3)]
+    points = [nested[index] for index in order]
+    mask = mask_of(tmp_path, result_of(points))
+    label = {index: order.index(index) + 1 for index in order}
+    innermost, middle, outermost = (inside(nested[index], mask.shape) for index in (2, 1, 0))
+    assert np.all(mask[innermost] == label[2])
+    assert np.all(mask[middle & ~innermost] == label[1])
+    assert np.all(mask[outermost & ~middle] == label[0])
+    assert np.all(mask[~outermost] == 0)
+
+
+def test_open_contours_leave_no_trace_and_take_no_label(tmp_path):
+    closed, other = polygon_of(30, 30, 10.3), polygon_of(30, 65, 10.3)
+    whole = result_of([other, closed])
+    line = Contour(other, closed=False)
+    mask = mask_of(tmp_path, Result(**{**vars(whole), "contours": (line, whole.contours[1])}))
+    assert mask[30, 30] == 1
+    assert mask[30, 65] == 0
+
+
+def test_what_reaches_over_the_border_is_cut_off(tmp_path):
+    points = polygon_of(2.2, 88.4, 15.3)
+    mask = mask_of(tmp_path, result_of([points]))
+    assert np.array_equal(mask == 1, inside(points, mask.shape))
+
+
+@pytest.mark.parametrize(("count", "kind"), [(255, np.uint8), (256, np.uint16), (300, np.uint16)])
+def test_more_labels_than_eight_bits_hold_make_sixteen(tmp_path, count, kind):
+    centers = [(4 + 6 * (k // 20), 4 + 6 * (k % 20)) for k in range(count)]
+    mask = mask_of(tmp_path, result_of([polygon_of(r, c, 2.2, 12) for r, c in centers], shape=(110, 130)))
+    assert mask.dtype == kind
+    assert [int(mask[center]) for center in centers] == list(range(1, count + 1))
+
+
+def test_more_labels_than_sixteen_bits_hold_are_refused(tmp_path):
+    dot = Contour(polygon_of(4, 4, 1, 3), closed=True)
+    result = result_of([])
+    with pytest.raises(ValueError, match="65536 closed contours"):
+        export(Result(**{**vars(result), "contours": (dot,) * 65536}), tmp_path / "m.png")
+
+
+@pytest.mark.parametrize("points", [[], [polygon_of(30, 30, 10)]])
+def test_without_a_closed_contour_nothing_is_written(tmp_path, points):
+    with pytest.raises(ValueError, match=r"No contour of a\.png is closed"):
+        export(result_of(points, closed=False), tmp_path / "m.png")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,84 @@
+"""SVG: what a browser draws are the very contours."""
+
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cpm_core.contour import Contour
+from cpm_core.formats import export
+from cpm_core.result import Result
+
+SVG = "{http://www.w3.org/2000/svg}"
+SQUARE = Contour(np.array([[10.0, 20.0], [10.0, 40.5], [30.125, 40.5], [30.125, 20.0]]), closed=True, strength=12.5)
+LINE = Contour(np.array([[1.0, 2.0], [3.25, 4.0], [5.0, 60.0]]), closed=False, strength=3.0)
+RESULT = Result(
+    particles=np.zeros((0, 2)),
+    contours=(SQUARE, LINE),
+    surface=None,
+    steps=1,
+    converged=True,
+    stop_reason="at rest",
+    shape=(50, 80),
+    spacing=(1.0, 1.0),
+    unit=None,
+    source="U & <me>.png",
+)
+
+
+def drawing(path, result=RESULT):
+    export(result, path)
+    return ET.parse(path).getroot()
+
+
+def vertices(path):
+    """Points (x, y) of a path, read as SVG means them: M and L absolute, Z closes."""
+    commands = re.findall(r"([MLZ])\s*([-\d.]+)?[\s,]*([-\d.]+)?", path.get("d"))
+    assert commands[0][0] == "M"
+    return [(float(x), float(y)) for letter, x, y in commands if letter in "ML"], commands[-1][0] == "Z"
+
+
+@pytest.mark.parametrize("index", [0, 1])
+def test_path_runs_through_the_points_of_the_contour_with_x_along_columns(tmp_path, index):
+    path = drawing(tmp_path / "a.svg").findall(f".//{SVG}path")[index]
+    points, closed = vertices(path)
+    contour = RESULT.contours[index]
+    assert np.allclose(points, contour.points[:, ::-1], atol=1e-3)
+    assert closed == contour.closed
+    assert path.get("fill") == "none"
+    assert path.get("data-closed") == ("true" if contour.closed else "false")
+    assert float(path.get("data-strength")) == contour.strength
+    assert float(path.get("data-length")) == pytest.approx(contour.length, abs=1e-3)
+
+
+def test_view_box_is_the_extent_of_the_pixels(tmp_path):
+    root = drawing(tmp_path / "a.svg")
+    assert [float(part) for part in root.get("viewBox").split()] == [-0.5, -0.5, 80, 50]
+    assert (root.get("width"), root.get("height")) == ("80", "50")
+
+
+@pytest.mark.parametrize(
+    ("spacing", "unit", "page"),
+    [
+        ((0.2, 0.2), "mm", ("16mm", "10mm")),
+        ((0.5, 0.25), "cm", ("200mm", "250mm")),
+        ((0.1, 0.1), "µm", ("80", "50")),
+        ((0.4, 0.1), "µm", ("80", "200")),
+    ],
+)
+def test_page_has_true_size_where_it_can_be_seen_and_true_proportions_always(tmp_path, spacing, unit, page):
+    root = drawing(tmp_path / "a.svg", replace(RESULT, spacing=spacing, unit=unit))
+    assert (root.get("width"), root.get("height")) == page
+    assert root.get("preserveAspectRatio") == "none"
+    assert (root.get("data-unit"), root.get("data-spacing")) == (unit, f"{spacing[0]} {spacing[1]}")
+
+
+def test_name_of_the_image_is_said_whatever_letters_it_has(tmp_path):
+    assert drawing(tmp_path / "a.svg").find(f"{SVG}title").text == "Contours of U & <me>.png"
+
+
+def test_a_result_without_contours_is_an_empty_drawing(tmp_path):
+    root = drawing(tmp_path / "a.svg", replace(RESULT, contours=()))
+    assert root.findall(f".//{SVG}path") == []

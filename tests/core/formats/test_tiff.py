@@ -1,0 +1,135 @@
+"""TIFF: depth, photometry, pages and the size of a pixel arrive as the file means them."""
+
+import numpy as np
+import PIL.Image
+import pytest
+import tifffile
+
+from cpm_core.formats import load_image
+
+RAMP = np.arange(12 * 20).reshape(12, 20)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.int16, np.uint32, np.float32, np.float64])
+@pytest.mark.parametrize("compression", [None, "zlib"])
+def test_values_of_every_type_are_kept_as_they_are(tmp_path, kind, compression):
+    values = (RAMP * 100 - 7000 if kind in (np.int16, np.float32, np.float64) else RAMP).astype(kind)
+    tifffile.imwrite(tmp_path / "a.tif", values, compression=compression)
+    assert np.array_equal(load_image(tmp_path / "a.tif").values, values)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+def test_packing_by_lzw_loses_nothing(tmp_path, kind):
+    values = RAMP.astype(kind)
+    PIL.Image.fromarray(values).save(tmp_path / "a.tif", compression="tiff_lzw")
+    assert np.array_equal(load_image(tmp_path / "a.tif").values, values)
+
+
+def test_big_endian_and_big_files_are_read_too(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", RAMP.astype(np.uint16), byteorder=">", bigtiff=True)
+    assert np.array_equal(load_image(tmp_path / "a.tif").values, RAMP)
+
+
+def test_where_white_is_zero_the_image_is_inverted(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", RAMP.astype(np.uint8), photometric="miniswhite")
+    image = load_image(tmp_path / "a.tif")
+    assert np.array_equal(image.values, 255 - RAMP)
+    assert any("inverted" in note for note in image.notes)
+
+
+@pytest.mark.parametrize("planar", ["contig", "separate"])
+def test_sixteen_bit_colour_becomes_luminance_in_full_depth(tmp_path, planar):
+    channels = np.stack([RAMP * 200, RAMP * 100, RAMP * 50]).astype(np.uint16)
+    stored = channels if planar == "separate" else np.moveaxis(channels, 0, -1)
+    tifffile.imwrite(tmp_path / "a.tif", stored, photometric="rgb", planarconfig=planar)
+    image = load_image(tmp_path / "a.tif")
+    assert np.allclose(image.values, 0.2125 * channels[0] + 0.7154 * channels[1] + 0.0721 * channels[2])
+
+
+def test_alpha_is_laid_on_white(tmp_path):
+    colours = np.full((10, 10, 4), 1000, dtype=np.uint16)
+    colours[:5, :, 3] = 65535
+    colours[5:, :, 3] = 0
+    tifffile.imwrite(tmp_path / "a.tif", colours, photometric="rgb", extrasamples=["unassalpha"])
+    image = load_image(tmp_path / "a.tif")
+    assert np.all(image.values[:5] == 1000)
+    assert np.all(image.values[5:] == 65535)
+
+
+def test_a_palette_gives_the_colours_it_stands_for(tmp_path):
+    table = np.zeros((3, 256), dtype=np.uint16)
+    table[:] = np.arange(256) ** 2 % 256 * 257
+    tifffile.imwrite(tmp_path / "a.tif", RAMP.astype(np.uint8), photometric="palette", colormap=table)
+    assert np.array_equal(load_image(tmp_path / "a.tif").values, RAMP**2 % 256)
+
+
+def test_one_bit_becomes_black_and_white(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", RAMP % 3 == 0, photometric="minisblack")
+    assert np.array_equal(load_image(tmp_path / "a.tif").values, 255 * (RAMP % 3 == 0))
+
+
+@pytest.mark.parametrize("imagej", [True, False])
+def test_of_a_stack_the_first_page_is_taken_and_the_others_are_mentioned(tmp_path, imagej):
+    stack = np.stack([RAMP, RAMP + 1, RAMP + 2]).astype(np.uint16)
+    tifffile.imwrite(tmp_path / "a.tif", stack, imagej=imagej, photometric="minisblack")
+    image = load_image(tmp_path / "a.tif")
+    assert np.array_equal(image.values, RAMP)
+    assert "Only the first of its 3 pages was taken." in image.notes
+
+
+def test_channels_without_a_meaning_are_left_out_and_mentioned(tmp_path):
+    channels = np.stack([RAMP, RAMP + 1], axis=2).astype(np.uint16)
+    tifffile.imwrite(
+        tmp_path / "a.tif", channels, photometric="minisblack", planarconfig="contig", extrasamples=["unspecified"]
+    )
+    image = load_image(tmp_path / "a.tif")
+    assert np.array_equal(image.values, RAMP)
+    assert "Only the first 1 of its 2 channels were taken." in image.notes
+
+
+@pytest.mark.parametrize("unit", ["um", "micron", "\\u00B5m"])
+def test_imagej_tells_the_size_of_a_pixel(tmp_path, unit):
+    tifffile.imwrite(
+        tmp_path / "a.tif", RAMP.astype(np.uint16), imagej=True, resolution=(4, 2), metadata={"unit": unit}
+    )
+    image = load_image(tmp_path / "a.tif")
+    assert image.spacing == pytest.approx((0.5, 0.25))
+    assert image.unit == "µm"
+
+
+def test_ome_tells_the_size_of_a_pixel(tmp_path):
+    metadata = {"axes": "YX", "PhysicalSizeX": 65.0, "PhysicalSizeY": 130.0}
+    metadata |= {"PhysicalSizeXUnit": "nm", "PhysicalSizeYUnit": "nm"}
+    tifffile.imwrite(tmp_path / "a.ome.tif", RAMP.astype(np.uint16), metadata=metadata)
+    image = load_image(tmp_path / "a.ome.tif")
+    assert (image.spacing, image.unit) == ((130.0, 65.0), "nm")
+
+
+@pytest.mark.parametrize(
+    ("resolution", "unit", "spacing"),
+    [((20000, 20000), "centimeter", 0.5), ((300, 300), "inch", None), ((28.35, 28.35), "centimeter", None)],
+)
+def test_a_plain_resolution_is_believed_only_when_too_fine_for_print(tmp_path, resolution, unit, spacing):
+    tifffile.imwrite(tmp_path / "a.tif", RAMP.astype(np.uint8), resolution=resolution, resolutionunit=unit)
+    image = load_image(tmp_path / "a.tif")
+    assert image.unit == (None if spacing is None else "µm")
+    assert image.spacing == pytest.approx((spacing or 1.0,) * 2)
+
+
+def test_a_scan_on_its_side_is_turned_with_its_spacing(tmp_path):
+    tifffile.imwrite(
+        tmp_path / "a.tif",
+        RAMP.astype(np.uint8),
+        resolution=(40000, 20000),
+        resolutionunit="centimeter",
+        extratags=[(274, "H", 1, 6, True)],
+    )
+    image = load_image(tmp_path / "a.tif")
+    assert np.array_equal(image.values, np.rot90(RAMP, -1))
+    assert image.spacing == pytest.approx((0.25, 0.5))
+
+
+def test_a_volume_is_refused(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", np.zeros((16, 16, 16), np.uint8), volumetric=True, tile=(16, 16, 16))
+    with pytest.raises(ValueError, match=r"a\.tif is a volume"):
+        load_image(tmp_path / "a.tif")

@@ -1,0 +1,63 @@
+"""Image: the grid of grey levels that everything stands on."""
+
+import re
+
+import numpy as np
+import pytest
+
+from cpm_core.image import MINIMUM_SIDE, Image
+
+
+def test_values_become_a_float64_copy_that_nobody_can_write_to():
+    given = np.arange(120, dtype=np.uint16).reshape(10, 12)
+    image = Image(given)
+    given[0, 0] = 999
+    assert image.values.dtype == np.float64
+    assert image.values[0, 0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        image.values[0, 0] = 1
+
+
+def test_shape_counts_rows_then_columns():
+    image = Image(np.zeros((9, 20)))
+    assert image.shape == (9, 20)
+    assert image.ndim == 2
+
+
+def test_size_of_a_pixel_is_unknown_unless_given():
+    image = Image(np.zeros((8, 8)))
+    assert (image.spacing, image.unit) == ((1.0, 1.0), None)
+
+
+@pytest.mark.parametrize("kind", [bool, np.uint8, np.int16, np.uint32, np.float32, np.float64])
+def test_every_kind_of_real_number_keeps_its_value(kind):
+    values = np.arange(100).reshape(10, 10) % 2 if kind is bool else np.arange(100).reshape(10, 10)
+    assert np.array_equal(Image(values.astype(kind)).values, values)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        (np.zeros(64), "dot.png has 1 dimension (64,)"),
+        (np.zeros((8, 8, 3)), "dot.png has 3 dimensions (8, 8, 3)"),
+        (np.zeros((2, 8, 8, 3)), "dot.png has 4 dimensions"),
+        (np.zeros((1, 1)), "dot.png is 1 x 1 px"),
+        (np.zeros((MINIMUM_SIDE - 1, 100)), "dot.png is 7 x 100 px"),
+        (np.zeros((100, 0)), "dot.png is 100 x 0 px"),
+        (np.full((8, 8), np.nan), "dot.png holds 64 values that are NaN or infinite"),
+        (np.where(np.eye(8) == 1, -np.inf, 0), "dot.png holds 8 values that are NaN or infinite"),
+        (np.zeros((8, 8), dtype=complex), "dot.png holds values of type complex128"),
+        (np.full((8, 8), "a"), "dot.png holds values of type <U1"),
+    ],
+)
+def test_what_is_no_image_is_refused_in_one_sentence_that_names_it(values, words):
+    with pytest.raises(ValueError, match=re.escape(words)) as caught:
+        Image(values, source="dot.png")
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).endswith(".")
+
+
+@pytest.mark.parametrize("spacing", [(1.0,), (1.0, 0.0), (1.0, -2.0), (np.nan, 1.0), (1.0, 1.0, 1.0)])
+def test_spacing_must_be_one_positive_number_for_each_axis(spacing):
+    with pytest.raises(ValueError, match="spacing"):
+        Image(np.zeros((8, 8)), spacing=spacing)

@@ -1,0 +1,102 @@
+"""Parameters: every number said once, and refused when it makes no sense."""
+
+import dataclasses
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+
+NAMES = [field.name for field in dataclasses.fields(Parameters)]
+
+
+def changed(name, value):
+    """Default parameters but for one, which must not fail for w1 and w2 being out of order."""
+    others = {"w1": {"w2": 100.0}, "w2": {"w1": 0.0}}.get(name, {})
+    return Parameters(**{**others, name: value})
+
+
+def test_every_parameter_is_described_and_nothing_else():
+    assert list(PARAMETERS) == NAMES
+    assert all(info.name == name for name, info in PARAMETERS.items())
+
+
+def test_defaults_are_those_of_the_published_experiments():
+    assert dataclasses.astuple(Parameters())[:7] == (0.8, 1.6, 1.75, 0.99, 0.5, 2.0, 3.0)
+    automatic = PRESETS["automatic"]
+    assert (automatic.w1, automatic.w2, automatic.beta) == (0.6, 0.7, 0.4)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_description_says_what_it_is_and_what_more_of_it_does(name):
+    info = PARAMETERS[name]
+    assert info.title
+    assert info.symbol
+    for sentence in (info.meaning, info.more):
+        assert sentence[0].isupper()
+        assert sentence.endswith(".")
+    assert info.default == getattr(Parameters(), name)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_slider_stays_within_what_is_allowed_and_reaches_the_default(name):
+    info = PARAMETERS[name]
+    assert info.low <= info.slider_low <= info.default <= info.slider_high <= info.high
+    assert 0 < info.step <= info.slider_high - info.slider_low
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_both_ends_of_the_range_are_allowed(name):
+    info = PARAMETERS[name]
+    low = 2e-3 if name == "w2" else info.low
+    assert getattr(changed(name, low), name) == low
+    if name != "w1":
+        assert getattr(changed(name, info.high), name) == info.high
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("value", ["below", "above", float("nan"), float("inf"), "much", None, True])
+def test_a_bad_value_is_refused_by_name_value_and_range(name, value):
+    info = PARAMETERS[name]
+    bad = {"below": info.low - 1, "above": info.high * 2 + 1}.get(value, value)
+    with pytest.raises(ValueError, match=rf"^{name} is .* must be .* from {re.escape(f'{info.low:g}')} to ") as caught:
+        Parameters(**{name: bad})
+    assert "\n" not in str(caught.value)
+
+
+@given(st.floats(0, 4), st.floats(0, 99), st.floats(0.01, 1))
+def test_whatever_is_in_range_is_taken_as_it_is(beta, w1, time_step):
+    parameters = Parameters(beta=beta, w1=w1, w2=w1 + 1, time_step=time_step)
+    assert (parameters.beta, parameters.w1, parameters.time_step) == (beta, w1, time_step)
+
+
+@pytest.mark.parametrize("w1", [1.75, 2.0])
+def test_repulsion_must_stay_weaker_than_attraction(w1):
+    with pytest.raises(ValueError, match=r"w2 is 1\.75 but must be above w1"):
+        Parameters(w1=w1, w2=1.75)
+
+
+def test_scales_are_whole():
+    with pytest.raises(ValueError, match=r"scales is 2\.5 but must be a whole number"):
+        Parameters(scales=2.5)
+
+
+def test_only_smoothing_can_be_left_to_the_image():
+    assert Parameters(smoothing="auto").smoothing == "auto"
+    with pytest.raises(ValueError, match="beta is 'auto'"):
+        Parameters(beta="auto")
+
+
+def test_parameters_cannot_be_changed_in_place_and_compare_by_value():
+    parameters = Parameters()
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        parameters.beta = 1.0
+    assert dataclasses.replace(parameters, beta=0.8) == parameters
+    assert dataclasses.replace(parameters, beta=1.0) != parameters
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_presets_are_parameters(name):
+    assert isinstance(PRESETS[name], Parameters)

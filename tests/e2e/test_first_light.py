@@ -1,0 +1,92 @@
+"""From the start of the window to the exported files, as a new user goes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from PIL import Image as Picture
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QFileDialog
+
+from app.model.samples import samples
+from app.views.application import make_application, open_window
+from app.views.main_window import MainWindow
+
+PATIENCE = 60_000
+
+
+@pytest.fixture
+def window(qtbot) -> Iterator[MainWindow]:
+    make_application()
+    made = open_window()
+    made.session.set_pace(None)
+    qtbot.waitExposed(made)
+    qtbot.waitUntil(lambda: made.session.document.image is not None, timeout=PATIENCE)
+    qtbot.waitUntil(lambda: made.session.idle, timeout=PATIENCE)
+    yield made
+    made.close()
+    made.deleteLater()
+
+
+def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbot, tmp_path, monkeypatch) -> None:
+    session = window.session
+    assert session.document.image.name == "u_shape.png"
+    assert window.side.status.state == "Ready"
+    values = window._image.values
+    qtbot.keyClick(window.stage.canvas, Qt.Key.Key_Space)
+    qtbot.waitUntil(lambda: session.status.phase == "finished", timeout=PATIENCE)
+    qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
+    assert window.stage.canvas.contours.counts == (1, 0)
+    for suffix in (".svg", ".csv", ".png"):
+        path = tmp_path / f"u{suffix}"
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=path: (str(path), ""))
+        qtbot.keyClick(window.stage.canvas, Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier)
+        qtbot.waitUntil(path.exists, timeout=PATIENCE)
+        qtbot.waitUntil(lambda path=path: str(path) in window.stage.messages.text, timeout=PATIENCE)
+    mask = np.asarray(Picture.open(tmp_path / "u.png"))
+    assert mask.shape == values.shape
+    inside, bright = mask > 0, values > 0.5 * (values.min() + values.max())
+    # The mask is the bright U up to the pixels that its rim runs through.
+    assert (inside != bright).sum() < 0.03 * bright.sum()
+
+
+def test_what_is_seen_changes_as_the_particles_move(window, qtbot) -> None:
+    canvas = window.stage.canvas
+    before = canvas.grab().toImage()
+    qtbot.keyClick(canvas, Qt.Key.Key_Space)
+    qtbot.waitUntil(lambda: window.session.status.phase == "finished", timeout=PATIENCE)
+    qtbot.waitUntil(lambda: window.session.idle, timeout=PATIENCE)
+    assert canvas.grab().toImage() != before
+    row, col = window.session.document.shapes[0].center
+    point = canvas.point((row, col)).toPoint()
+    ratio = canvas.devicePixelRatioF()
+    shown = canvas.grab().toImage().pixelColor(QPoint(point) * ratio)
+    value = window._image.values[round(row), round(col)]
+    low, high = window._image.values.min(), window._image.values.max()
+    assert shown.value() == pytest.approx(255 * (value - low) / (high - low), abs=2)
+
+
+def test_every_sample_opens_ready_and_runs(window, qtbot) -> None:
+    for sample in samples():
+        window.session.open(sample.path)
+        qtbot.waitUntil(lambda: window.session.idle, timeout=PATIENCE)
+        assert window.session.document.image.name == sample.path.name
+        assert window.session.document.parameters == sample.parameters
+        assert window.session.document.shapes == sample.shapes
+        window.session.run()
+        qtbot.waitUntil(lambda: window.session.status.step >= 5, timeout=PATIENCE)
+        window.session.reset()
+
+
+def test_a_named_file_that_is_no_image_is_told_and_the_window_starts_on_the_sample(qtbot, tmp_path) -> None:
+    path = tmp_path / "notes.txt"
+    path.write_text("no picture")
+    make_application()
+    window = open_window(str(path))
+    qtbot.waitUntil(lambda: window.session.document.image is not None, timeout=PATIENCE)
+    assert window.session.document.image.name == "u_shape.png"
+    assert "notes.txt" in window.stage.messages.text
+    window.close()
+    window.deleteLater()

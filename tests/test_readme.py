@@ -1,0 +1,102 @@
+"""The README promises nothing that is not so: its commands, its example and its table are run and compared."""
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+
+from cpm_core import cli
+from cpm_core.formats import READABLE, WRITABLE
+from cpm_core.parameters import PARAMETERS, PRESETS
+
+ROOT = Path(__file__).parent.parent
+TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", TEXT, flags=re.MULTILINE | re.DOTALL)
+COMMANDS = [line for kind, block in BLOCKS if kind == "sh" for line in block.splitlines()]
+RUNS = [line for line in COMMANDS if line.startswith("cpm ")]
+EXAMPLES = [block for kind, block in BLOCKS if kind == "python"]
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A folder that looks like the project's, where files may be written."""
+    shutil.copytree(ROOT / "assets" / "samples", tmp_path / "assets" / "samples")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def table_line(name):
+    """Line of the table that tells about a parameter."""
+    info = PARAMETERS[name]
+    unit = f" {info.unit}" if info.unit else ""
+    allowed = f"{info.low:g} or more" if info.high >= 1e9 else f"{info.low:g} to {info.high:g}"
+    default = f"{info.default:g}"
+    return f"| `{name}`: {info.title.lower()} | {info.symbol} | {default}{unit} | {allowed} | {info.more} |"
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_the_table_says_of_each_parameter_what_the_program_says(name):
+    assert table_line(name) in TEXT.splitlines()
+
+
+def test_the_table_has_no_other_parameters():
+    assert len(re.findall(r"^\| `\w+`: ", TEXT, flags=re.MULTILINE)) == len(PARAMETERS)
+
+
+def test_presets_and_formats_are_named():
+    assert all(f"`{name}`" in TEXT for name in PRESETS)
+    assert all(f"| `{suffix}` |" in TEXT for suffix in WRITABLE)
+    names = {
+        "PNG": ".png",
+        "TIFF": ".tif .tiff",
+        "JPEG": ".jpg .jpeg",
+        "BMP": ".bmp",
+        "PNM": ".pbm .pgm .ppm .pnm",
+        "GIF": ".gif",
+        "WebP": ".webp",
+        "JPEG 2000": ".jp2",
+        "NumPy arrays": ".npy",
+    }
+    assert {suffix for suffixes in names.values() for suffix in suffixes.split()} == set(READABLE)
+    assert all(name in " ".join(TEXT.split()) for name in names)
+
+
+@pytest.mark.parametrize("line", RUNS)
+def test_commands_of_the_tour_work_as_they_stand(place, capsys, line):
+    assert cli.main(shlex.split(line)[1:]) == 0
+    output = capsys.readouterr()
+    assert output.out
+    assert output.err == ""
+    for name in re.findall(r"\b\w+\.(?:svg|csv)\b", line):
+        assert (place / name).stat().st_size > 0
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_the_library_example_works_as_it_stands(place, capsys, example):
+    exec(compile(example, "README.md", "exec"), {})
+    output = capsys.readouterr().out
+    assert output.count("closed: True") == 5
+    assert "at rest" in output
+    assert (place / "rings.svg").exists()
+
+
+def test_the_tour_has_commands_and_an_example():
+    assert len(RUNS) >= 3
+    assert len(EXAMPLES) == 1
+
+
+def test_pictures_and_files_that_it_points_to_are_there():
+    for target in re.findall(r"\]\((?!http)([^)]+)\)", TEXT):
+        assert (ROOT / target).is_file(), target
+
+
+def test_each_command_stands_on_one_line_and_the_continuous_check_runs_the_second():
+    assert "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/cpm" in COMMANDS
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    pattern = re.search(r"grep -m 1 '(.*)' README.md", script).group(1)
+    assert [line for line in TEXT.splitlines() if re.search(pattern, line)] == [
+        "python3 -m venv .venv && .venv/bin/pip install -e '.[test]' && .venv/bin/python -m pytest"
+    ]
+    assert len(re.findall(r"^sudo apt-get install -y ", TEXT, flags=re.MULTILINE)) == 1
