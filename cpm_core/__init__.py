@@ -1,4 +1,36 @@
-"""CPM: contours by charged particles."""
+"""CPM: contours by charged particles.
+
+The charged-particle model of Jalba, Wilkinson and Roerdink (2004): arrays in, arrays out, nothing of a window.
+
+The model on one page
+---------------------
+1. The image is smoothed by a Gaussian of width sigma; the length of its gradient is the **edge map** f. Every pixel
+   carries a **fixed charge** -f (`edge_map`).
+2. The fixed charges make an **electric field**, E(r) = sum_k -f_k (r - R_k) / |r - R_k|^3, eq. (8), which pulls
+   positive charges to edges (`electric_field`). Its direction is the **Lorentz force** F_l; on an edge it falls
+   linearly through zero (`level`).
+3. The **particles**, all of one positive charge, repel one another: the **Coulomb force** F_c, eq. (9)
+   (`coulomb_force`), scaled by the local spacing and cut at one.
+4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), the last term being the **damping**; one **step** advances
+   them by eq. (14)-(15) (`dynamics`). Who leaves the image is removed.
+5. **Insertion**: two neighbours at rest on an edge, d_min < d <= d_min + d_max apart, get a particle between them,
+   and a particle that sees its edge go on without anybody on it gets one ahead. **Deletion**: of two nearer than
+   d_min / 2 one goes. **Annealing**: d_max is multiplied by a at every step (`population`).
+6. Where no new ground is gained, repulsion fades and friction grows; a run is in **equilibrium** when eq. (23) holds
+   and hardly anything has moved, appeared or vanished for twenty steps (`ground`, `equilibrium`).
+7. All this happens on one **scale** after the other, from coarse to fine; each begins with what the coarser one found
+   and with the **initialization**, the particles that were drawn (`multiscale`, `initialization`).
+8. The **reconstruction** moves points to the crest of the edge, fills it up, joins them by the crust, and walks along
+   the edges to closed and open **contours** with **junctions** (`reconstruction`).
+
+`Engine` composes 1 to 7, step by step; `segment` is all of it in one call.
+
+Words
+-----
+Positions are (row, col) in pixels, pixel centres at integers. A *seated* particle sits on an edge. *Idle* counts steps
+without new ground. A `State` is a moment of a run, from which the next follows without any other memory; a `Result` is
+what a run has found; a `Level` is what particles feel at one scale.
+"""
 
 from cpm_core.contour import Contour
 from cpm_core.coulomb import coulomb_force

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,11 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.kernels import compiled
 
 Array = NDArray[np.float64]
+Real = np.floating[Any]
+Reals = NDArray[Real]
 
 _WORTH_A_THREAD = 600
 """Particles from which on two threads finish earlier than one."""
 
-_SAME_SPOT = 1e-60
+_SAME_SPOT = {np.float32: 1e-10, np.float64: 1e-60}
 """Squared distance below which two particles stand on the same spot; a bound instead of a branch keeps the loop on
 vector registers, and a pair on one spot adds its vanishing distance, which is nothing."""
 
@@ -27,8 +30,9 @@ def coulomb_force(positions: ArrayLike, method: str = "auto", targets: NDArray[n
     ----------
     positions : array_like, shape (N, 2)
         Positions of the particles [px].
-    method : {"auto", "exact"}
-        How the sum is carried out; "auto" takes the fastest, which so far is the exact sum.
+    method : {"auto", "exact", "single"}
+        How the sum is carried out: "exact" in double precision; "single" in single precision, about four times as
+        fast, with a relative error around 1e-5 for positions below some thousand px. "auto" is "exact".
     targets : ndarray of int64, shape (M,), optional
         Indices of the particles whose force is wanted; all of them unless given.
 
@@ -45,19 +49,23 @@ def coulomb_force(positions: ArrayLike, method: str = "auto", targets: NDArray[n
     points = np.asarray(positions, dtype=float)
     if points.ndim != 2 or points.shape[1] != 2:
         raise ValueError(f"positions have the shape {points.shape} but must be (N, 2).")
-    if method not in ("auto", "exact"):
-        raise ValueError(f'method is {method!r} but must be "auto" or "exact".')
+    if method not in ("auto", "exact", "single"):
+        raise ValueError(f'method is {method!r} but must be "auto", "exact" or "single".')
     wanted = np.arange(len(points)) if targets is None else targets
-    force = np.empty((len(wanted), 2))
-    columns = np.ascontiguousarray(points.T)
+    precision = np.float32 if method == "single" else np.float64
+    columns: Reals = np.ascontiguousarray(
+        (points - points.mean(axis=0)).T if len(points) else points.T, dtype=precision
+    )
+    one, tiny = precision(1.0), precision(_SAME_SPOT[precision])
+    force = np.empty((len(wanted), 2), dtype=precision)
     if len(points) * len(wanted) < _WORTH_A_THREAD**2:
-        _exact_sum(columns, wanted, force)
+        _pair_sum(columns, one, tiny, wanted, force)
     else:
         middle = len(wanted) // 2
-        other = _thread().submit(_exact_sum, columns, wanted[:middle], force[:middle])
-        _exact_sum(columns, wanted[middle:], force[middle:])
+        other = _thread().submit(_pair_sum, columns, one, tiny, wanted[:middle], force[:middle])
+        _pair_sum(columns, one, tiny, wanted[middle:], force[middle:])
         other.result()
-    return force
+    return force.astype(np.float64, copy=False)
 
 
 @lru_cache(maxsize=1)
@@ -66,18 +74,16 @@ def _thread() -> ThreadPoolExecutor:
 
 
 @compiled
-def _exact_sum(columns: Array, targets: NDArray[np.int64], force: Array) -> None:
+def _pair_sum(columns: Reals, one: Real, tiny: Real, targets: NDArray[np.int64], force: Reals) -> None:
+    """Sum eq. (9) for some targets, in the precision of all its arguments alike."""
     y, x = columns[0], columns[1]
-    count = y.size
     for n in range(targets.size):
-        i = targets[n]
-        y_i, x_i = y[i], x[i]
-        f_y, f_x = 0.0, 0.0
-        for j in range(count):
+        y_i, x_i = y[targets[n]], x[targets[n]]
+        f_y, f_x = one - one, one - one
+        for j in range(y.size):
             d_y, d_x = y_i - y[j], x_i - x[j]
-            squared = d_y * d_y + d_x * d_x
-            squared = max(squared, _SAME_SPOT)
-            weight = 1.0 / (squared * np.sqrt(squared))
+            squared = max(d_y * d_y + d_x * d_x, tiny)
+            weight = one / (squared * np.sqrt(squared))
             f_y += weight * d_y
             f_x += weight * d_x
         force[n, 0] = f_y

@@ -95,7 +95,7 @@ def damping(beta: float, idle: NDArray[np.int64]) -> Array:
         Coefficients.
     """
     late = np.clip(idle - 1.0 / _FADING, 0.0, _LONGEST_COOLING)
-    return np.asarray(max(beta, _LEAST_DAMPING) * np.exp2(late / _COOLING) if late.any() else np.full(len(idle), beta))
+    return np.asarray(np.where(late > 0.0, max(beta, _LEAST_DAMPING) * np.exp2(late / _COOLING), beta))
 
 
 def advance(particles: Particles, force: Array, beta: Array, dt: float) -> Particles:

@@ -17,7 +17,7 @@ _DEVIATIONS = 4.0
 _RAYLEIGH_QUARTILE = 0.7585276164
 """Lower quartile of the Rayleigh distribution of unit width, ``sqrt(2 ln(4/3))``."""
 
-_SERIES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+_SERIES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
 """Widths that the automatic smoothing tries [px]."""
 
 _STRONG_PERCENTILE = 99.0

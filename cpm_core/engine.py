@@ -66,7 +66,8 @@ class Engine:
         array = self.image.values
         if array.min() == array.max():
             raise ValueError(
-                f"the image is constant ({array.flat[0]:g} everywhere) and has no edges: open one that shows something."
+                f"{self.image.source} is constant ({array.flat[0]:g} everywhere) and has no edges: "
+                "open an image that shows something."
             )
         self._pyramid = pyramid(array, parameters.scales)
         self._levels: OrderedDict[tuple[int, float | str, float], Level] = OrderedDict()
@@ -216,13 +217,17 @@ class Engine:
         )
 
     def _repulsion(self, position: Array, left: Array, level: Level, parameters: Parameters) -> Array:
-        """Normalised Coulomb force; particles on which none of it is left are passed over."""
+        """Normalised Coulomb force; particles on which none of it is left are passed over.
+
+        Single precision is enough for it: the normalised force is cut at one, and contours do not depend on its digits.
+        """
         out = np.zeros_like(position)
         awake = np.flatnonzero(left > 0.0)
         if len(awake):
             size = parameters.d_min + parameters.d_max
             spacing = nearest_spacing(position, awake, np.array(level.shape), size)
-            force = normalised_coulomb(coulomb_force(position, targets=awake), spacing, parameters.d_min)
+            sums = coulomb_force(position, method="single", targets=awake)
+            force = normalised_coulomb(sums, spacing, parameters.d_min)
             out[awake] = force * left[awake, None]
         return out
 
@@ -260,7 +265,7 @@ class Engine:
         most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(level.shape)))
         if state.scale > 0:
             if state.count == 0 or state.idle >= IDLE_STEPS or state.step_of_scale >= most:
-                return self._enter(state, state.scale - 1)
+                return self._enter(self._settled(state, level), state.scale - 1)
             return state
         if state.count == 0:
             return state.stopped("all particles left the image")
@@ -269,6 +274,12 @@ class Engine:
         if state.step_of_scale >= most:
             return state.stopped(f"not at rest after {most} steps at full size")
         return state
+
+    @staticmethod
+    def _settled(state: State, level: Level) -> State:
+        """Leave out the particles still in flight, which the finer scale launches anew from the drawing."""
+        seated = on_edge(interpolate(level.felt, state.particles.position), level.floor)
+        return replace(state, particles=state.particles.where(seated))
 
     def _enter(self, state: State, scale: int) -> State:
         """Begin a scale with what the coarser one found and with the drawing itself."""

@@ -11,6 +11,9 @@ Array = NDArray[np.float64]
 
 _LEAST_ON_CIRCLE = 5
 
+_LARGEST_RADIUS = 1e5
+"""Radius beyond which a circle reaches out of any image that could be worked on [px]."""
+
 
 def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> Array:
     """Particles on a circle.
@@ -38,6 +41,8 @@ def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> 
         raise ValueError(f"center is {center!r} but must be two finite numbers, (row, col).")
     _positive("radius", radius)
     _positive("spacing", spacing)
+    if radius > _LARGEST_RADIUS:
+        raise ValueError(f"radius is {radius:g} px but must be at most {_LARGEST_RADIUS:g} px.")
     count = max(_LEAST_ON_CIRCLE, round(2.0 * np.pi * radius / spacing))
     angle = 2.0 * np.pi * np.arange(count) / count
     return np.stack([center[0] + radius * np.sin(angle), center[1] + radius * np.cos(angle)], axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from cpm_core.field.interpolation import flattened, sample, sample_one
 from cpm_core.kernels import compiled
 from cpm_core.level import GATE, Level
-from cpm_core.neighbors import block, build_cells, cell_of, crowded, squared_distance
+from cpm_core.neighbors import Cells, block, build_cells, count_near, sort_in, squared_distance
 from cpm_core.parameters import Parameters
 
 Array = NDArray[np.float64]
@@ -24,6 +25,9 @@ _ROOM = 0.55
 
 _STRIDE, _STRIDE_ROOM = 0.9, 0.8
 """Distance, in d_min, of a place ahead of a particle, and what it must keep from all others."""
+
+_CROWD_RANGE, _CROWD = 1.5, 3
+"""Distance, in d_min, within which a place may have at most so many particles: more are two rows on one edge."""
 
 _DIRECTIONS = 8
 """Directions in which a particle looks for a place ahead."""
@@ -43,6 +47,32 @@ class Births:
     position: Array
     parent: Index
     other: Index
+
+
+class _Terrain(NamedTuple):
+    """What the search for places needs, as a plain tuple for the compiled loops.
+
+    Attributes
+    ----------
+    felt : ndarray, shape (2 D + 1, M)
+        `Level.felt`, flattened.
+    shape : ndarray of int64, shape (D,)
+        Shape of the image.
+    floor : float
+        Weakest edge strength that counts.
+    d_min, d_max : float
+        Spacing and annealed insertion range [px].
+    place, there : ndarray, shapes (D,) and (2 D + 1,)
+        Scratch for the place that is looked at, and for what a particle would feel there.
+    """
+
+    felt: Array
+    shape: Index
+    floor: float
+    d_min: float
+    d_max: float
+    place: Array
+    there: Array
 
 
 def on_edge(felt: Array, floor: float) -> NDArray[np.bool_]:
@@ -89,18 +119,14 @@ def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: f
 
 
 @compiled
-def _thin(positions: Array, order: Index, extent: Index, distance: float) -> NDArray[np.bool_]:
-    count, dimension = positions.shape
-    cells, head, following = build_cells(positions[:0], extent, distance, count)
-    near = np.empty(3**dimension, np.int64)
-    kept = np.zeros(count, np.bool_)
-    for n in range(count):
+def _thin(position: Array, order: Index, extent: Index, distance: float) -> NDArray[np.bool_]:
+    cells = build_cells(position, 0, extent, distance)
+    kept = np.zeros(len(position), np.bool_)
+    for n in range(order.size):
         i = order[n]
-        if not crowded(positions[i], distance, positions, distance, cells, head, following, near):
+        if count_near(cells, position[i], distance) == 0:
             kept[i] = True
-            cell = cell_of(positions[i], distance, cells)
-            following[i] = head[cell]
-            head[cell] = i
+            sort_in(cells, i)
     return kept
 
 
@@ -139,17 +165,21 @@ def insertion(
     Births
         The new particles.
     """
-    d_min = parameters.d_min
-    reach = d_min + d_max
-    room = 3 * len(positions) + 16
-    position = np.empty((room, positions.shape[1]))
-    position[: len(positions)] = positions
-    parent = np.empty((room - len(positions), 2), np.int64)
-    shape = np.array(level.shape, dtype=np.int64)
-    felt, turns = flattened(level.felt), _turns(positions.shape[1])
-    first = len(positions)
-    last = _find_places(position, first, seated, looking, felt, shape, d_min, reach, level.floor, turns, parent)
-    return Births(position[first:last].copy(), parent[: last - first, 0].copy(), parent[: last - first, 1].copy())
+    count, dimension = positions.shape
+    position = np.empty((3 * count + 16, dimension))
+    position[:count] = positions
+    parent = np.empty((len(position), 2), np.int64)
+    terrain = _Terrain(
+        felt=flattened(level.felt),
+        shape=np.array(level.shape, dtype=np.int64),
+        floor=level.floor,
+        d_min=parameters.d_min,
+        d_max=d_max,
+        place=np.empty(dimension),
+        there=np.empty(2 * dimension + 1),
+    )
+    last = _find_places(position, count, seated, looking, terrain, _turns(dimension), parent)
+    return Births(position[count:last].copy(), parent[count:last, 0].copy(), parent[count:last, 1].copy())
 
 
 def _turns(dimension: int) -> Array:
@@ -166,97 +196,111 @@ def _find_places(
     count: int,
     seated: NDArray[np.bool_],
     looking: NDArray[np.bool_],
-    flat: Array,
-    shape: Index,
-    d_min: float,
-    reach: float,
-    floor: float,
+    terrain: _Terrain,
     turns: Array,
     parent: Index,
 ) -> int:
     """Append the places of new particles to `position` and return how many particles there are then."""
-    dimension = shape.size
-    size = max(reach, d_min)
-    cells, head, following = build_cells(position[:count], shape, size, len(position))
-    near = np.empty(3**dimension, np.int64)
-    far = np.empty(3**dimension, np.int64)
-    felt = np.empty(len(flat))
-    place = np.empty(dimension)
+    size = max(terrain.d_min + terrain.d_max, _CROWD_RANGE * terrain.d_min)
+    cells = build_cells(position, count, terrain.shape, size)
     last = count
     for i in range(count):
-        if not seated[i]:
-            continue
-        faintest = max(floor, _FAINTEST_STEP * sample_one(flat[-1], shape, position[i]))
-        for n in range(block(position[i], size, cells, 1, far)):
-            j = head[far[n]]
-            while j >= 0:
-                if i < j < count and seated[j] and last < len(position):
-                    squared = squared_distance(position[i], position[j])
-                    if d_min * d_min < squared <= reach * reach:
-                        for k in range(dimension):
-                            place[k] = 0.5 * (position[i, k] + position[j, k])
-                        # nothing between: neither near the midpoint nor in the circle over the pair
-                        free = max(_ROOM * d_min, 0.5 * np.sqrt(squared) - 1e-9)
-                        if sample_one(flat[-1], shape, place) >= faintest and not crowded(
-                            place, free, position, size, cells, head, following, near
-                        ):
-                            last = _settle(place, i, j, position, last, parent, count, size, cells, head, following)
-                j = following[j]
-        if not looking[i]:
-            continue
-        for t in range(len(turns)):
-            for k in range(dimension):
-                place[k] = position[i, k] + _STRIDE * d_min * turns[t, k]
-            if last == len(position) or sample_one(flat[-1], shape, place) < faintest:
-                continue
-            if crowded(place, _STRIDE_ROOM * d_min, position, size, cells, head, following, near):
-                continue
-            if not _relax(flat, shape, place, felt, faintest, 0.5 * d_min):
-                continue
-            if not crowded(place, _STRIDE_ROOM * d_min, position, size, cells, head, following, near):
-                last = _settle(place, i, i, position, last, parent, count, size, cells, head, following)
+        if seated[i]:
+            faintest = max(terrain.floor, _FAINTEST_STEP * sample_one(terrain.felt[-1], terrain.shape, position[i]))
+            last = _fill_between(cells, i, count, last, seated, terrain, faintest, parent)
+            if looking[i]:
+                last = _look_ahead(cells, i, last, terrain, faintest, turns, parent)
     return last
 
 
 @compiled
-def _settle(
-    place: Array,
-    one: int,
-    two: int,
-    position: Array,
-    last: int,
-    parent: Index,
+def _fill_between(
+    cells: Cells,
+    i: int,
     count: int,
-    size: float,
-    cells: Index,
-    head: Index,
-    following: Index,
+    last: int,
+    seated: NDArray[np.bool_],
+    terrain: _Terrain,
+    faintest: float,
+    parent: Index,
 ) -> int:
-    position[last] = place
-    parent[last - count, 0] = one
-    parent[last - count, 1] = two
-    cell = cell_of(place, size, cells)
-    following[last] = head[cell]
-    head[cell] = last
+    """Places halfway between particle `i` and later ones."""
+    position, place, d_min = cells.position, terrain.place, terrain.d_min
+    reach = d_min + terrain.d_max
+    around = np.empty(cells.around.size, np.int64)
+    for n in range(block(cells, position[i], 1, around)):
+        j = cells.head[around[n]]
+        while j >= 0:
+            if i < j < count and seated[j]:
+                squared = squared_distance(position[i], position[j])
+                if d_min * d_min < squared <= reach * reach:
+                    for k in range(place.size):
+                        place[k] = 0.5 * (position[i, k] + position[j, k])
+                    # nothing between: neither near the midpoint nor in the circle over the pair
+                    free = max(_ROOM * d_min, 0.5 * np.sqrt(squared) - 1e-9)
+                    if sample_one(terrain.felt[-1], terrain.shape, place) >= faintest and _is_free(
+                        cells, place, free, d_min
+                    ):
+                        last = _occupy(cells, last, place, i, j, parent)
+            j = cells.following[j]
+    return last
+
+
+@compiled
+def _look_ahead(
+    cells: Cells, i: int, last: int, terrain: _Terrain, faintest: float, turns: Array, parent: Index
+) -> int:
+    """Places one stride from particle `i` where its edge, or one that meets it, goes on."""
+    place, d_min = terrain.place, terrain.d_min
+    room = _STRIDE_ROOM * d_min
+    for t in range(len(turns)):
+        for k in range(place.size):
+            place[k] = cells.position[i, k] + _STRIDE * d_min * turns[t, k]
+        # the cheap tests first: hardly any direction passes them
+        if (
+            sample_one(terrain.felt[-1], terrain.shape, place) >= faintest
+            and count_near(cells, place, room) == 0
+            and _relax(terrain, faintest, 0.5 * d_min)
+            and _is_free(cells, place, room, d_min)
+        ):
+            last = _occupy(cells, last, place, i, i, parent)
+    return last
+
+
+@compiled
+def _is_free(cells: Cells, place: Array, room: float, d_min: float) -> bool:
+    """Whether a place keeps its distance, and is not beside a second row of particles on the same edge."""
+    return count_near(cells, place, room) == 0 and count_near(cells, place, _CROWD_RANGE * d_min) <= _CROWD
+
+
+@compiled
+def _occupy(cells: Cells, last: int, place: Array, one: int, other: int, parent: Index) -> int:
+    """Put a particle on a place, if there is room for one more; return how many there are then."""
+    if last == len(cells.position):
+        return last
+    cells.position[last] = place
+    parent[last, 0] = one
+    parent[last, 1] = other
+    sort_in(cells, last)
     return last + 1
 
 
 @compiled
-def _relax(flat: Array, shape: Index, place: Array, felt: Array, faintest: float, farthest: float) -> bool:
-    """Let a place slide along the Lorentz force; tell whether it comes to rest on an edge within reach."""
-    dimension = shape.size
+def _relax(terrain: _Terrain, faintest: float, farthest: float) -> bool:
+    """Let the place slide along the Lorentz force; tell whether it comes to rest on an edge within reach."""
+    place, there = terrain.place, terrain.there
     start = place.copy()
     for slide in range(_SLIDES + 1):
-        for k in range(dimension):
-            if place[k] < 0.0 or place[k] > shape[k] - 1.0:
+        for k in range(place.size):
+            if place[k] < 0.0 or place[k] > terrain.shape[k] - 1.0:
                 return False
-        sample(flat, shape, place, felt)
-        if felt[-1] < faintest:
+        sample(terrain.felt, terrain.shape, place, there)
+        if there[-1] < faintest:
             return False
         if slide < _SLIDES:
-            for k in range(dimension):
-                place[k] += _SLIDE * felt[k]
+            for k in range(place.size):
+                place[k] += _SLIDE * there[k]
     size = 0.0
-    for k in range(dimension):
-        size += felt[k] ** 2
+    for k in range(place.size):
+        size += there[k] ** 2
     return size < _RESTING**2 and squared_distance(place, start) < farthest * farthest

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QFontMetrics, QGuiApplication
 from PySide6.QtWidgets import QDockWidget, QLabel, QMainWindow, QToolBar, QToolButton, QWidget
 
@@ -39,6 +39,9 @@ _SHORT = {
 }
 """Texts of the tool bar where those of the menu are too long."""
 
+_SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
+"""Size of the window where the screen has room for it, and what its frame may take of the screen."""
+
 _FIGURES_EVERY = 250
 """Time between two looks at the frame counter [ms]."""
 
@@ -56,7 +59,7 @@ class MainWindow(QMainWindow):
         super().__init__()
         self.session = session
         self.setAcceptDrops(True)
-        self.resize(1280, 800)
+        self.resize(self._roomy_size())
         self.stage = Stage(session)
         self.side = SideColumn(session)
         self.speed = SpeedControl(session)
@@ -110,6 +113,10 @@ class MainWindow(QMainWindow):
             )
 
     # Building
+
+    def _roomy_size(self) -> QSize:
+        """The size to open with: no larger than the screen, with room for the frame that the desktop puts around it."""
+        return _SIZE.boundedTo(self.screen().availableSize() - _FRAME)
 
     def _build_menus(self) -> None:
         for title in MENUS:

@@ -15,6 +15,9 @@ Array = NDArray[np.float64]
 _FAINTEST = 0.35
 """Edge strength along a bridge, as a fraction of that at its weaker end."""
 
+_DETOUR = 3.0
+"""How many times as long as the bridge the way along the curve must be for an end to be joined to its own curve."""
+
 
 def close_gaps(graph: Graph, level: Level, reach: float) -> None:
     """Join loose ends to each other, and to curves that they run into.
@@ -38,15 +41,21 @@ def close_gaps(graph: Graph, level: Level, reach: float) -> None:
     tree = cKDTree(graph.points[used])
     pairs = []
     for end in ends:
-        own = set(graph.branch(end)[:4]) if graph.degree(end) else {end}
+        way = _lengths(graph, graph.branch(end))
         for n in tree.query_ball_point(graph.points[end], reach):
             other = used[n]
-            if other not in own:
+            if way.get(other, np.inf) > _DETOUR * graph.distance(end, other):
                 # ends first among equals: joining two ends closes a curve, joining to a side makes a junction
                 pairs.append((graph.distance(end, other) * (1.0 if graph.degree(other) == 1 else 1.5), end, other))
     for _, end, other in sorted(pairs):
         if graph.degree(end) == 1 and _edge_between(graph.points[end], graph.points[other], level):
             graph.link(end, other)
+
+
+def _lengths(graph: Graph, path: list[int]) -> dict[int, float]:
+    """Length of the way along a path to each of its vertices."""
+    steps = np.linalg.norm(np.diff(graph.points[path], axis=0), axis=1)
+    return dict(zip(path, [0.0, *np.cumsum(steps).tolist()], strict=True))
 
 
 def _edge_between(a: Array, b: Array, level: Level) -> bool:

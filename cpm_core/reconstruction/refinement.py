@@ -43,7 +43,7 @@ def crest(positions: Array, level: Level) -> tuple[Array, NDArray[np.bool_]]:
     spline = level.spline
     start = positions
     place = positions.copy()
-    move = np.zeros(len(place))
+    move = bend = np.zeros(len(place))
     for _ in range(_ITERATIONS):
         normal = interpolate(level.gradient, place)
         normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
@@ -57,7 +57,7 @@ def crest(positions: Array, level: Level) -> tuple[Array, NDArray[np.bool_]]:
         if np.abs(move).max(initial=0.0) < _DONE:
             break
     inside = ((place >= 0.0) & (place <= np.array(level.shape) - 1.0)).all(axis=1)
-    found = inside & (np.abs(move) < 0.1) & (np.linalg.norm(place - start, axis=1) < FARTHEST)
+    found = inside & (bend < 0.0) & (np.abs(move) < 0.1) & (np.linalg.norm(place - start, axis=1) < FARTHEST)
     return place, found
 
 

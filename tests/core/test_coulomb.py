@@ -1,0 +1,131 @@
+"""The Coulomb force of eq. (9), against two nested loops and the laws that any such force obeys."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cpm_core import coulomb_force
+
+
+def naive(points):
+    """Eq. (9) term by term, summed without rounding; and the sum of the terms' sizes."""
+    force, size = np.zeros((len(points), 2)), np.zeros(len(points))
+    for i, (y, x) in enumerate(points.tolist()):
+        terms = []
+        for j, (v, u) in enumerate(points.tolist()):
+            distance = math.hypot(y - v, x - u)
+            if i != j and distance > 0.0:
+                terms.append(((y - v) / distance**3, (x - u) / distance**3))
+        force[i] = math.fsum(t[0] for t in terms), math.fsum(t[1] for t in terms)
+        size[i] = math.fsum(math.hypot(*t) for t in terms)
+    return force, size
+
+
+def crowd(count, seed=0, extent=300.0):
+    return np.random.default_rng(seed).uniform(0.0, extent, (count, 2))
+
+
+coordinate = st.integers(0, 64 * 200).map(lambda n: n / 64.0)
+clouds = st.lists(st.tuples(coordinate, coordinate), min_size=0, max_size=24).map(
+    lambda points: np.array(points, dtype=float).reshape(-1, 2)
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(clouds, st.data())
+def test_force_is_the_sum_over_all_pairs(points, data):
+    """To 1e-10 of the terms' sizes (seen: 4e-14), with any number of particles on the same spot."""
+    if len(points):
+        twice = data.draw(st.lists(st.integers(0, len(points) - 1), max_size=4))
+        points = np.concatenate([points, points[twice]])
+    force, size = naive(points)
+    assert np.all(np.linalg.norm(coulomb_force(points) - force, axis=1) <= 1e-10 * size)
+
+
+def test_force_of_a_large_crowd_is_the_sum_over_all_pairs():
+    points = crowd(700)
+    force, _ = naive(points)
+    error = np.linalg.norm(coulomb_force(points) - force, axis=1)
+    assert np.all(error <= 1e-10 * np.linalg.norm(force, axis=1))
+
+
+def test_two_particles_repel_with_the_inverse_square():
+    force = coulomb_force([(10.0, 20.0), (13.0, 24.0)])
+    np.testing.assert_allclose(force, [(-0.6 / 25.0, -0.8 / 25.0), (0.6 / 25.0, 0.8 / 25.0)], rtol=1e-14)
+
+
+def test_particles_on_one_spot_do_not_act_on_each_other():
+    assert not coulomb_force(np.full((5, 2), 7.25)).any()
+
+
+@pytest.mark.parametrize("count", [1, 2, 50, 1500])
+def test_forces_sum_to_zero(count):
+    force = coulomb_force(crowd(count))
+    assert np.all(np.abs(force.sum(axis=0)) <= 1e-12 * max(np.abs(force).sum(), 1e-300))
+
+
+@pytest.mark.parametrize("count", [0, 1, 100, 599, 600, 601, 1300, 3000])
+def test_same_bits_at_every_call(count):
+    points = crowd(count)
+    first = coulomb_force(points)
+    for _ in range(3):
+        assert coulomb_force(points).tobytes() == first.tobytes()
+
+
+@pytest.mark.parametrize("count", [100, 700, 3000])
+def test_force_on_some_is_that_part_of_the_force_on_all(count):
+    """Bit for bit, though so few are summed in one thread and all of a large crowd in two."""
+    points = crowd(count, seed=1)
+    targets = np.random.default_rng(2).integers(0, count, 37)
+    assert coulomb_force(points, targets=targets).tobytes() == coulomb_force(points)[targets].tobytes()
+    assert coulomb_force(points, targets=targets[:0]).shape == (0, 2)
+
+
+def test_force_turns_with_the_particles_and_does_not_mind_where_they_are():
+    points = crowd(80)
+    angle = 0.7
+    turn = np.array([(np.cos(angle), -np.sin(angle)), (np.sin(angle), np.cos(angle))])
+    force = coulomb_force(points)
+    largest = np.abs(force).max()
+    np.testing.assert_allclose(coulomb_force(points @ turn.T), force @ turn.T, rtol=0, atol=1e-10 * largest)
+    np.testing.assert_allclose(coulomb_force(points + np.array([512.0, -64.0])), force, rtol=0, atol=1e-10 * largest)
+
+
+def test_force_falls_with_the_square_of_the_scale():
+    points = crowd(40)
+    np.testing.assert_allclose(coulomb_force(4.0 * points), coulomb_force(points) / 16.0, rtol=1e-11)
+
+
+@settings(max_examples=60, deadline=None)
+@given(clouds, st.data())
+def test_single_precision_gives_the_same_sum_in_fewer_digits(points, data):
+    """To 1e-4 of the terms' sizes, finite however near particles are; for steps that need no more."""
+    if len(points):
+        twice = data.draw(st.lists(st.integers(0, len(points) - 1), max_size=4))
+        points = np.concatenate([points, points[twice]])
+    force, size = naive(points)
+    found = coulomb_force(points, method="single")
+    assert found.dtype == np.float64
+    assert np.all(np.linalg.norm(found - force, axis=1) <= 1e-4 * size)
+
+
+def test_single_precision_of_a_crowd_is_finite_and_repeatable():
+    points = crowd(1500)
+    first, second = coulomb_force(points, method="single"), coulomb_force(points, method="single")
+    assert first.tobytes() == second.tobytes()
+    exact = coulomb_force(points)
+    assert np.abs(first - exact).max() < 1e-4 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("points", [np.zeros(4), np.zeros((3, 3)), np.zeros((2, 2, 2))], ids=str)
+def test_other_shapes_are_refused(points):
+    with pytest.raises(ValueError, match=r"positions have the shape .* must be \(N, 2\)"):
+        coulomb_force(points)
+
+
+def test_unknown_method_is_refused():
+    with pytest.raises(ValueError, match="method is 'magic'"):
+        coulomb_force(np.zeros((3, 2)), method="magic")

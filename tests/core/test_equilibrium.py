@@ -1,0 +1,85 @@
+"""Eq. (23) term by term, and the laws of rest."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cpm_core.equilibrium import EPSILON, STILL, epsilon, is_idle, is_quiet
+
+T = 4
+histories = st.lists(st.lists(st.floats(0.0, 500.0), min_size=T, max_size=T), min_size=1, max_size=20)
+
+
+@settings(max_examples=60, deadline=None)
+@given(histories)
+def test_epsilon_is_eq_23(history):
+    total = 0.0
+    for i in range(1, T + 1):
+        total += (-1) ** i * sum(row[i - 1] for row in history)
+    assert epsilon(np.array(history)) == pytest.approx(abs(total) / len(history), abs=1e-9)
+
+
+@settings(max_examples=30, deadline=None)
+@given(histories, st.integers(1, 5))
+def test_the_young_do_not_count(history, newborn):
+    old = np.array(history)
+    young = np.full((newborn, T), 123.0)
+    young[:, 1:] = np.nan
+    young[0, 2] = 5.0
+    together = np.concatenate([young, old])
+    assert epsilon(together) == pytest.approx(epsilon(old), abs=1e-9)
+
+
+def test_no_history_no_epsilon():
+    assert math.isnan(epsilon(np.zeros((0, T))))
+    assert math.isnan(epsilon(np.full((3, T), np.nan)))
+
+
+def test_particles_at_rest_have_no_epsilon_and_steady_motion_has():
+    rest = np.repeat(np.array([[3.0], [40.0], [17.5]]), T, axis=1)
+    assert epsilon(rest) == 0.0
+    moving = rest + 0.1 * np.arange(T)[::-1]
+    assert epsilon(moving) == pytest.approx(0.2)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.floats(0, 0.01), st.integers(0, 40), st.integers(0, 40), st.integers(1, 5000))
+def test_a_quieter_step_is_never_less_quiet(value, moving, changed, count):
+    if is_quiet(value, moving, changed, count):
+        assert value < EPSILON
+        assert is_quiet(0.5 * value, moving, changed, count)
+        assert is_quiet(value, moving // 2, changed, count)
+        assert is_quiet(value, moving, changed // 2, count)
+        assert is_quiet(value, moving, changed, 2 * count)
+    else:
+        assert not is_quiet(value + 0.001, moving, changed, count)
+        assert not is_quiet(value, moving + 1, changed, count)
+        assert not is_quiet(value, moving, changed + 1, count)
+
+
+def test_one_restless_particle_of_a_few_is_no_quiet():
+    assert is_quiet(0.0, 0, 0, 50)
+    assert not is_quiet(0.0, 1, 0, 50)
+    assert not is_quiet(0.0, 0, 1, 50)
+    assert not is_quiet(EPSILON, 0, 0, 50)
+
+
+def test_an_unknown_epsilon_is_no_quiet():
+    assert not is_quiet(float("nan"), 0, 0, 50)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 100), st.integers(0, 10**5))
+def test_nothing_new_is_idle_and_more_news_never_more_idle(new, ground):
+    assert is_idle(0, ground)
+    if is_idle(new, ground):
+        assert is_idle(new // 2, ground)
+        assert is_idle(new, 2 * ground)
+    assert not is_idle(ground // 2 + 1, ground)
+
+
+def test_still_is_finer_than_what_eyes_see():
+    assert 0.0 < STILL < 0.1

@@ -1,0 +1,114 @@
+"""What particles feel: the normalised Lorentz force on known edges."""
+
+import numpy as np
+import pytest
+from scipy import ndimage, special
+
+from cpm_core import edge_map, electric_field
+from cpm_core.field.interpolation import interpolate
+from cpm_core.level import WEAKEST_EDGE, build_level
+
+from .scenes import disk
+
+
+def straight_edge(shape, angle, offset, width=0.6):
+    """Smooth step from 0 to 100 across a line through the centre, moved by `offset` along its normal."""
+    row, col = np.indices(shape).astype(float)
+    centre = 0.5 * (np.array(shape) - 1.0)
+    across = (row - centre[0]) * np.sin(angle) + (col - centre[1]) * np.cos(angle) - offset
+    return 50.0 * (1.0 + special.erf(across / (np.sqrt(2.0) * width)))
+
+
+def uneven_edge():
+    """An upright edge whose contrast doubles from top to bottom: the field has a part along it."""
+    return straight_edge((60, 60), 0.0, 0.2) * np.linspace(1.0, 2.0, 60)[:, None]
+
+
+def test_force_on_an_edge_has_no_part_along_it():
+    level = build_level(uneven_edge(), 1.0, 0.0)
+    summit = ndimage.maximum_filter(level.edge_map, size=5)
+    crest = (level.edge_map > 0.9 * summit) & (summit > 0.5 * level.edge_map.max())
+    # the ends of the edge at the border are no straight edge
+    crest[:5] = crest[-5:] = False
+    normal = level.gradient / np.maximum(np.hypot(*level.gradient), 1e-300)
+    along = level.lorentz[0] * normal[1] - level.lorentz[1] * normal[0]
+    field = electric_field(level.edge_map)
+    plain = (field[0] * normal[1] - field[1] * normal[0]) / np.hypot(*field)
+    assert crest.sum() > 40
+    assert np.abs(plain[crest]).max() > 0.1  # it would have one otherwise
+    assert np.abs(along[crest]).max() < 1e-12
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 0.8, 1.4, 2.5])
+def test_force_is_a_unit_vector_of_the_field_away_from_edges(angle):
+    level = build_level(straight_edge((50, 56), angle, 0.3), 1.0, 0.0)
+    field = electric_field(level.edge_map)
+    away = ndimage.maximum_filter(level.edge_map, size=7) < 0.05 * level.edge_map.max()
+    assert away.sum() > 500
+    np.testing.assert_allclose(level.lorentz[:, away], (field / np.hypot(*field))[:, away], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("image", [uneven_edge(), disk((60, 50), (29.3, 25.1), 17.0).values], ids=["edge", "disk"])
+def test_force_is_at_most_of_unit_size(image):
+    level = build_level(image, 1.0, 0.0)
+    assert np.hypot(*level.lorentz).max() <= 1.0 + 1e-12
+
+
+@pytest.mark.parametrize("offset", [-0.4, -0.2, 0.0, 0.25, 0.5])
+def test_force_points_to_a_straight_edge_and_vanishes_on_it(offset):
+    """Its zero lies within 0.1 px of the edge, wherever between the pixels that is."""
+    level = build_level(straight_edge((61, 61), 0.0, offset), 1.0, 0.0)
+    edge = 30.0 + offset
+    col = np.linspace(edge - 6.0, edge + 6.0, 481)
+    across = interpolate(level.lorentz, np.stack([np.full(481, 30.0), col], axis=1))[:, 1]
+    assert np.all(across[col < edge - 0.1] > 0.0)
+    assert np.all(across[col > edge + 0.1] < 0.0)
+
+
+def test_edge_floor_removes_weak_charges_and_no_others():
+    image = np.zeros((48, 64))
+    image[:, 20:] += 100.0
+    image[:, 44:] += 30.0
+    whole, some = build_level(image, 1.0, 0.0), build_level(image, 1.0, 0.5)
+    f = edge_map(image, 1.0)
+    np.testing.assert_array_equal(whole.edge_map, f)
+    np.testing.assert_array_equal(some.edge_map, np.where(f >= 0.5 * f.max(), f, 0.0))
+    assert whole.edge_map[24, 44] > 0.0
+    assert not some.edge_map[:, 35:].any()
+    # between the two edges the weak one pulls to itself only as long as it is charged
+    assert whole.lorentz[1, 24, 40] > 0.9
+    assert some.lorentz[1, 24, 40] < -0.9
+    assert some.floor >= 0.5 * f.max()
+
+
+def test_floor_is_above_the_background_of_a_noisy_image():
+    image = disk((96, 96), (48.0, 47.0), 25.0).values + np.random.default_rng(0).normal(0.0, 15.0, (96, 96))
+    level = build_level(image, 1.0, 0.0)
+    away = np.hypot(*(np.indices(image.shape) - 47.5)) > 32.0
+    assert np.mean(level.edge_map[away] > level.floor) < 0.005
+    assert level.floor >= WEAKEST_EDGE * level.edge_map.max()
+    assert level.floor < 0.5 * level.edge_map.max()
+
+
+def test_one_interpolation_gets_all_that_is_felt():
+    level = build_level(disk((40, 44), (20.0, 21.0), 11.0).values, 1.0, 0.0)
+    np.testing.assert_array_equal(level.felt[:2], level.lorentz)
+    np.testing.assert_array_equal(level.felt[2:4], level.gradient)
+    np.testing.assert_array_equal(level.felt[4], level.edge_map)
+    assert level.shape == (40, 44)
+
+
+def test_mirrored_and_turned_images_have_such_forces():
+    image = disk((40, 47), (18.3, 21.7), 11.0).values + np.random.default_rng(1).normal(0.0, 5.0, (40, 47))
+    row, col = build_level(image, 1.0, 0.0).lorentz
+    np.testing.assert_allclose(build_level(image[::-1], 1.0, 0.0).lorentz, [-row[::-1], col[::-1]], atol=1e-9)
+    np.testing.assert_allclose(build_level(image.T, 1.0, 0.0).lorentz, [col.T, row.T], atol=1e-9)
+    turned = build_level(np.rot90(image), 1.0, 0.0).lorentz
+    np.testing.assert_allclose(turned, [-np.rot90(col), np.rot90(row)], atol=1e-9)
+
+
+def test_automatic_smoothing_is_told():
+    image = disk((64, 64), (32.0, 31.0), 18.0).values
+    assert build_level(image, 2.5, 0.0).smoothing == 2.5
+    noisy = image + np.random.default_rng(2).normal(0.0, 60.0, image.shape)
+    assert build_level(noisy, "auto", 0.0).smoothing > build_level(image, "auto", 0.0).smoothing
