@@ -120,8 +120,15 @@ class Engine:
         points = np.asarray(seeds, dtype=float)
         if points.size == 0:
             raise ValueError("there are no particles to start with: draw a circle or click some points first.")
-        if points.ndim != 2 or points.shape[1] != self.image.ndim or not np.isfinite(points).all():
-            raise ValueError(f"the starting particles have the shape {points.shape} but must be (N, 2) finite numbers.")
+        if points.ndim != 2 or points.shape[1] != self.image.ndim:
+            raise ValueError(
+                f"the starting particles have the shape {points.shape} but must be (N, {self.image.ndim})."
+            )
+        if not np.isfinite(points).all():
+            wrong = int((~np.isfinite(points)).sum())
+            raise ValueError(
+                f"{wrong} coordinates of the starting particles are not finite: leave those particles out."
+            )
         inside = self._inside(points, self.image.shape)
         if not inside.any():
             size = " x ".join(map(str, self.image.shape))

@@ -20,9 +20,6 @@ Index = NDArray[np.int64]
 _FAINTEST_STEP = 0.35
 """Edge strength that a new particle's place must have, as a fraction of its parents'."""
 
-_ROOM = 0.55
-"""Distance, in d_min, that a place between two particles must keep from all others."""
-
 _STRIDE, _STRIDE_ROOM = 0.9, 0.8
 """Distance, in d_min, of a place ahead of a particle, and what it must keep from all others."""
 
@@ -236,8 +233,8 @@ def _fill_between(
                 if d_min * d_min < squared <= reach * reach:
                     for k in range(place.size):
                         place[k] = 0.5 * (position[i, k] + position[j, k])
-                    # nothing between: neither near the midpoint nor in the circle over the pair
-                    free = max(_ROOM * d_min, 0.5 * np.sqrt(squared) - 1e-9)
+                    # nothing between: nobody in the circle over the pair
+                    free = 0.5 * np.sqrt(squared) - 1e-9
                     if sample_one(terrain.felt[-1], terrain.shape, place) >= faintest and _is_free(
                         cells, place, free, d_min
                     ):

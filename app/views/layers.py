@@ -62,8 +62,9 @@ class EdgeMapLayer:
 
     def show(self, edge_map: Array | None) -> None:
         """Show an edge map, or nothing."""
+        # hidden, not cleared: what is cached of an item would stay on screen when its extent vanishes
+        self._item.setVisible(edge_map is not None)
         if edge_map is None:
-            self._item.clear()
             return
         # The square root brings out weak edges, which are the ones a user wants to judge.
         strength = np.sqrt(np.clip(edge_map / max(float(edge_map.max()), 1e-300), 0.0, 1.0))
@@ -89,8 +90,8 @@ class FieldLayer:
         self._draw()
 
     def _draw(self) -> None:
+        self._item.setVisible(self._field is not None)
         if self._field is None:
-            self._item.clear()
             return
         starts, ends = arrows(self._field, self._view.viewRect(), self._view.viewPixelSize()[0])
         lines = arrow_lines(starts, ends)

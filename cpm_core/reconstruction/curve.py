@@ -83,7 +83,11 @@ def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
         For an array of another shape, or values that are not finite.
     """
     array = np.asarray(points, dtype=float)
-    if array.ndim != 2 or array.shape[1] != 2 or not np.isfinite(array).all():
-        raise ValueError(f"points have the shape {array.shape} but must be (N, 2) finite numbers.")
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise ValueError(f"points have the shape {array.shape} but must be (N, 2).")
+    if not np.isfinite(array).all():
+        raise ValueError(
+            f"points hold {int((~np.isfinite(array)).sum())} values that are not finite: leave those points out."
+        )
     distinct = np.unique(array, axis=0)
     return chains(distinct, crust(distinct))

@@ -7,6 +7,7 @@ import threading
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage
 
 from app.model import edits
 from app.model.shapes import Circle
@@ -211,3 +212,18 @@ def test_a_slider_drag_is_one_step_of_undo(window, hand, name) -> None:
     hand.key(KEY.Key_Z, CONTROL)
     assert window.session.document.parameters == before
     assert not window.actions_by_name["undo"].isEnabled()
+
+
+@pytest.mark.parametrize("key", [KEY.Key_4, KEY.Key_5], ids=["edge map", "field"])
+def test_an_overlay_that_is_switched_off_again_leaves_nothing_on_the_canvas(window, hand, key) -> None:
+    def seen() -> QImage:
+        return hand.canvas.viewport().grab().toImage()
+
+    arrived = []
+    window.session.overlays_changed.connect(arrived.append)
+    hand.wait(lambda: window.session.idle)
+    without = seen()
+    hand.key(key, CONTROL)
+    hand.wait(lambda: bool(arrived) and seen() != without)
+    hand.key(key, CONTROL)
+    hand.wait(lambda: seen() == without)

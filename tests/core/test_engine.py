@@ -224,10 +224,12 @@ def test_the_first_step_is_eq_12_to_15(beta):
 def test_another_beta_acts_at_the_very_next_step(engine, states):
     state = states[3]
     plain, heavy = engine.step(state, Parameters()), engine.step(state, Parameters(beta=3.0))
-    assert plain.count == heavy.count
-    speed, slowed = (np.linalg.norm(s.particles.velocity, axis=1) for s in (plain, heavy))
+    both = set.intersection(*(set(s.particles.identity.tolist()) for s in (state, plain, heavy)))
+    assert len(both) > 0.9 * state.count
+    same = [s.particles.where(np.isin(s.particles.identity, list(both))) for s in (plain, heavy)]
+    speed, slowed = (np.linalg.norm(particles.velocity, axis=1) for particles in same)
     assert slowed.mean() < 0.8 * speed.mean()
-    np.testing.assert_array_equal(plain.particles.force, heavy.particles.force)
+    np.testing.assert_array_equal(same[0].force, same[1].force)
 
 
 def test_another_time_step_or_weight_acts_at_the_very_next_step(engine, states):
@@ -272,11 +274,15 @@ def test_particles_outside_the_image_cannot_start(engine):
         engine.start(circle((-50.0, 500.0), 10.0))
 
 
-@pytest.mark.parametrize(
-    "seeds", [np.zeros(4), np.zeros((4, 3)), np.array([(1.0, np.nan)]), np.array([(np.inf, 1.0)])], ids=str
-)
+@pytest.mark.parametrize("seeds", [np.zeros(4), np.zeros((4, 3))], ids=str)
 def test_what_are_no_positions_cannot_start(engine, seeds):
-    with pytest.raises(ValueError, match=r"starting particles have the shape .* must be \(N, 2\) finite numbers"):
+    with pytest.raises(ValueError, match=r"starting particles have the shape .* must be \(N, 2\)"):
+        engine.start(seeds)
+
+
+@pytest.mark.parametrize("seeds", [np.array([(1.0, np.nan)]), np.array([(np.inf, 1.0)])], ids=str)
+def test_positions_that_are_not_finite_cannot_start(engine, seeds):
+    with pytest.raises(ValueError, match=r"1 coordinates of the starting particles are not finite"):
         engine.start(seeds)
 
 

@@ -167,11 +167,15 @@ def test_a_point_given_twice_counts_once():
     assert reconstruct_curve(np.full((9, 2), 4.0)) == ()
 
 
-@pytest.mark.parametrize(
-    "points", [np.full((5, 2), np.nan), np.array([(1.0, np.inf)] * 5), np.zeros(6), np.zeros((4, 3))], ids=str
-)
+@pytest.mark.parametrize("points", [np.zeros(6), np.zeros((4, 3))], ids=str)
 def test_points_that_are_none_are_refused(points):
-    with pytest.raises(ValueError, match=r"points have the shape .* must be \(N, 2\) finite numbers"):
+    with pytest.raises(ValueError, match=r"points have the shape .* must be \(N, 2\)"):
+        reconstruct_curve(points)
+
+
+@pytest.mark.parametrize("points", [np.full((5, 2), np.nan), np.array([(1.0, np.inf)] * 5)], ids=str)
+def test_points_that_are_not_finite_are_refused(points):
+    with pytest.raises(ValueError, match=r"points hold (10|5) values that are not finite"):
         reconstruct_curve(points)
 
 
