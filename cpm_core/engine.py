@@ -17,7 +17,7 @@ from cpm_core.coulomb import coulomb_force
 from cpm_core.dynamics import advance, damping, normalised_coulomb, repulsion_left, stick
 from cpm_core.equilibrium import IDLE_STEPS, QUIET_STEPS, STILL, epsilon, is_idle, is_quiet
 from cpm_core.field.interpolation import interpolate
-from cpm_core.ground import explore, idle_steps, unvisited
+from cpm_core.ground import explore, idle_steps, renewed, unvisited
 from cpm_core.image import Image
 from cpm_core.level import Level, build_level
 from cpm_core.multiscale import pyramid, to_image, to_scale
@@ -30,8 +30,8 @@ from cpm_core.result import Result
 
 Array = NDArray[np.float64]
 
-_KEPT_LEVELS = 16
-"""Levels kept for reuse, so that going back to an earlier smoothing costs nothing."""
+_KEPT_SETTINGS = 2
+"""Settings whose levels are kept for reuse, so that going back to the last one costs nothing."""
 
 _STEPS_A_PIXEL = 2.0
 """Steps that a scale may take, for each pixel of the longest side: a front advances about two pixels a step."""
@@ -86,7 +86,7 @@ class Engine:
         with self._lock:
             if key not in self._levels:
                 self._levels[key] = build_level(self._pyramid[scale], parameters.smoothing, parameters.edge_floor)
-                while len(self._levels) > _KEPT_LEVELS:
+                while len(self._levels) > _KEPT_SETTINGS * self.scales:
                     self._levels.popitem(last=False)
             self._levels.move_to_end(key)
             return self._levels[key]
@@ -147,7 +147,8 @@ class Engine:
         state : State
             Any state of a run on this image.
         parameters : Parameters
-            Obeyed at once; `scales` from the next start on.
+            Obeyed at once, `scales` from the next start on. Other values than in the last step set particles that have
+            come to rest going again.
 
         Returns
         -------
@@ -157,8 +158,8 @@ class Engine:
         if state.stop_reason:
             return state
         level = self.level(parameters, state.scale)
-        if state.step_of_scale == 0:
-            state = replace(state, d_max=parameters.d_max)
+        if state.steering != parameters.steering:
+            state = self._heated(state, parameters)
         state = self._move(state, level, parameters)
         if len(state.particles):
             state = self._populate(state, level, parameters)
@@ -194,6 +195,19 @@ class Engine:
             spacing=self.image.spacing,
             unit=self.image.unit,
             source=self.image.source,
+        )
+
+    @staticmethod
+    def _heated(state: State, parameters: Parameters) -> State:
+        """Set the particles going again under other parameters: what has come to rest must be able to obey them."""
+        return replace(
+            state,
+            steering=parameters.steering,
+            ground=renewed(state.ground, state.step_of_scale),
+            annealed=1.0,
+            heated=state.step_of_scale,
+            idle=0,
+            quiet=0,
         )
 
     def _move(self, state: State, level: Level, parameters: Parameters) -> State:
@@ -250,14 +264,14 @@ class Engine:
         ground, new = explore(state.ground, particles.position[seated], state.step_of_scale)
         idle = idle_steps(ground, particles.position, state.step_of_scale, state.idle)
         looking = (idle < _AWAKE) | ((particles.identity + state.step) % _LOOK_EVERY == 0)
-        births = insertion(particles.position, seated, looking, level, state.d_max, parameters)
+        births = insertion(particles.position, seated, looking, level, state.annealed * parameters.d_max, parameters)
         born = len(births.position)
         if born:
             particles = particles.joined_by(births.position, births.parent, births.other, state.next_identity)
         return replace(
             state,
             particles=particles,
-            d_max=state.d_max * parameters.annealing,
+            annealed=state.annealed * parameters.annealing,
             next_identity=state.next_identity + born,
             born=born,
             deleted=state.deleted + deleted,
@@ -271,14 +285,14 @@ class Engine:
         state = replace(state, quiet=state.quiet + 1 if quiet else 0)
         most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(level.shape)))
         if state.scale > 0:
-            if state.count == 0 or state.idle >= IDLE_STEPS or state.step_of_scale >= most:
+            if state.count == 0 or state.idle >= IDLE_STEPS or state.step_of_scale - state.heated >= most:
                 return self._enter(self._settled(state, level), state.scale - 1)
             return state
         if state.count == 0:
             return state.stopped("all particles left the image")
         if state.quiet >= QUIET_STEPS:
             return state.stopped(f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps", True)
-        if state.step_of_scale >= most:
+        if state.step_of_scale - state.heated >= most:
             return state.stopped(f"not at rest after {most} steps at full size")
         return state
 
@@ -303,6 +317,8 @@ class Engine:
             step_of_scale=0,
             next_identity=first + len(position),
             ground=unvisited(shape),
+            annealed=1.0,
+            heated=0,
             idle=0,
             quiet=0,
             epsilon=float("nan"),

@@ -61,6 +61,24 @@ def explore(ground: Ground, positions: Array, step: int) -> tuple[Ground, int]:
     return after, int((after != ground).sum())
 
 
+def renewed(ground: Ground, step: int) -> Ground:
+    """Ground as if all that has been visited had just been found.
+
+    Parameters
+    ----------
+    ground : ndarray of int32
+        Step of the first visit of every cell.
+    step : int
+        The step now.
+
+    Returns
+    -------
+    ndarray of int32
+        The step now for every visited cell.
+    """
+    return np.where(ground == _NEVER, _NEVER, step).astype(np.int32)
+
+
 def idle_steps(ground: Ground, positions: Array, step: int, elsewhere: int) -> NDArray[np.int64]:
     """Steps since there was new ground around each particle.
 

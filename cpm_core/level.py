@@ -35,12 +35,6 @@ class Level:
 
     Attributes
     ----------
-    edge_map : ndarray, shape (\*shape)
-        Edge strength f [grey levels / px]; minus it is the fixed charge.
-    gradient : ndarray, shape (D, \*shape)
-        Gradient of the smoothed image; on an edge it is normal to it.
-    lorentz : ndarray, shape (D, \*shape)
-        Normalised Lorentz force on the pixels.
     felt : ndarray, shape (2 D + 1, \*shape)
         `lorentz`, `gradient` and `edge_map` in one, so that one interpolation gets a particle all of it.
     floor : float
@@ -49,12 +43,25 @@ class Level:
         The sigma that was used [px].
     """
 
-    edge_map: Array
-    gradient: Array
-    lorentz: Array
     felt: Array
     floor: float
     smoothing: float
+
+    @property
+    def lorentz(self) -> Array:
+        r"""Normalised Lorentz force on the pixels, shape (D, \*shape)."""
+        return self.felt[: self.felt.ndim - 1]
+
+    @property
+    def gradient(self) -> Array:
+        r"""Gradient of the smoothed image, shape (D, \*shape); on an edge it is normal to it."""
+        return self.felt[self.felt.ndim - 1 : -1]
+
+    @property
+    def edge_map(self) -> Array:
+        r"""Edge strength f [grey levels / px], shape (\*shape); minus it is the fixed charge."""
+        strength: Array = self.felt[-1]
+        return strength
 
     @cached_property
     def spline(self) -> Array:
@@ -93,7 +100,7 @@ def build_level(values: Array, smoothing: float | Literal["auto"], edge_floor: f
     lorentz = lorentz_force(electric_field(charged), grad, strength)
     background = min(background_strength(strength), _MOST_BACKGROUND * strongest)
     floor = max(WEAKEST_EDGE * strongest, edge_floor * strongest, background)
-    return Level(charged, grad, lorentz, np.concatenate([lorentz, grad, charged[None]]), floor, sigma)
+    return Level(np.concatenate([lorentz, grad, charged[None]]), floor, sigma)
 
 
 def lorentz_force(field: Array, grad: Array, strength: Array) -> Array:

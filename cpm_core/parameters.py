@@ -205,6 +205,14 @@ class Parameters:
                 "otherwise repulsion tears the particles off the edges."
             )
 
+    @property
+    def steering(self) -> tuple[object, ...]:
+        """Values that the motion of the particles depends on: all but those for the start and for choosing contours."""
+        return tuple(getattr(self, name) for name in PARAMETERS if name not in _NOT_STEERING)
+
+
+_NOT_STEERING = ("scales", "min_strength", "min_length")
+
 
 def _check(info: ParameterInfo, value: object) -> None:
     """Raise a `ValueError` that names field, value and range unless `value` fits."""

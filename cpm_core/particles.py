@@ -107,8 +107,12 @@ class State:
         Steps done in all.
     step_of_scale : int
         Steps done at this scale.
-    d_max : float
-        Annealed insertion range [px of the scale].
+    annealed : float
+        Fraction of the insertion range d_max that annealing has left.
+    steering : tuple
+        `Parameters.steering` of the last step; empty before the first.
+    heated : int
+        Step of this scale at which the particles were last set going, by its beginning or by other parameters.
     next_identity : int
         Identity for the next particle to be born.
     born, deleted : int
@@ -136,7 +140,9 @@ class State:
     ground: Ground
     step: int = 0
     step_of_scale: int = 0
-    d_max: float = 0.0
+    annealed: float = 1.0
+    steering: tuple[object, ...] = ()
+    heated: int = 0
     next_identity: int = 0
     born: int = 0
     deleted: int = 0

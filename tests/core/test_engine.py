@@ -167,7 +167,7 @@ def test_insertion_range_is_annealed_at_every_step_and_whole_at_every_scale(engi
     parameters = Parameters(annealing=annealing, d_max=2.5)
     for state in run(engine, START, parameters, 150)[1:]:
         if state.step_of_scale:
-            assert state.d_max == pytest.approx(2.5 * annealing**state.step_of_scale, rel=1e-12)
+            assert state.annealed == pytest.approx(annealing**state.step_of_scale, rel=1e-12)
 
 
 def test_identities_are_unique_and_never_given_twice(states):
@@ -250,7 +250,26 @@ def test_another_smoothing_changes_the_field_and_keeps_the_particles(engine, sta
     for scale in range(3):
         assert np.abs(engine.field(smoother, scale) - engine.field(Parameters(), scale)).max() > 0.1
         assert engine.edge_map(smoother, scale).max() < engine.edge_map(Parameters(), scale).max()
-    assert engine.field(Parameters()) is engine.field(Parameters(beta=0.3))  # and nothing else is built anew
+    # and nothing else is built anew
+    assert np.shares_memory(engine.field(Parameters()), engine.field(Parameters(beta=0.3)))
+
+
+def test_particles_that_have_come_to_rest_obey_other_parameters(states):
+    """Twice the spacing thins them out, a wide smoothing carries them along; a least length leaves them be."""
+    engine, settled = Engine(SCENE.values, Parameters()), states[-2]
+    assert not settled.stop_reason
+    assert settled.moving <= 0.002 * settled.count
+
+    def after(parameters, steps):
+        state = settled
+        for _ in range(steps):
+            state = engine.step(state, parameters)
+        return state
+
+    assert after(Parameters(d_min=4.0), 40).count < 0.75 * settled.count
+    assert after(Parameters(smoothing=4.0), 3).moving > 0.2 * settled.count
+    kept = after(Parameters(min_length=5.0, min_strength=1.0), 1)
+    np.testing.assert_array_equal(kept.position, after(Parameters(), 1).position)
 
 
 def test_more_scales_in_mid_run_are_left_for_the_next_start(engine, states):
