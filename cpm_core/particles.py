@@ -164,6 +164,10 @@ class State:
         """Number of particles."""
         return len(self.particles)
 
+    def resumed(self) -> State:
+        """Return this state as one that goes on, for other parameters to act on."""
+        return replace(self, stop_reason="", converged=False, quiet=0)
+
     def stopped(self, reason: str, converged: bool = False) -> State:
         """Return this state as the last one of its run."""
         return replace(self, stop_reason=reason, converged=converged)

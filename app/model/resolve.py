@@ -30,6 +30,10 @@ class RunStatus:
         What is being prepared meanwhile, empty when nothing is.
     stale : bool
         Whether the document's recipe differs from the one that the run started from.
+    steered : bool
+        Whether the run has ended and the document's parameters differ from those it ended with.
+    steering : tuple
+        `Parameters.steering` of the last step.
     step, count, scale : int
         Steps taken, particles, scale (0 is the image itself).
     epsilon : float
@@ -47,6 +51,8 @@ class RunStatus:
     phase: Phase = "empty"
     busy: str = ""
     stale: bool = False
+    steered: bool = False
+    steering: tuple[object, ...] = ()
     step: int = 0
     count: int = 0
     scale: int = 0
@@ -104,7 +110,7 @@ def resolve(
     has_image = document.image is not None
     conditions = {
         "run": has_image,
-        "step": has_image and not running and (status.phase != "finished" or status.stale),
+        "step": has_image and not running and (status.phase != "finished" or status.stale or status.steered),
         "reset": status.started,
         "export": status.started,
         "undo": bool(undo_name),
@@ -145,7 +151,7 @@ def pace_text(pace: float | None) -> str:
 def _run_text(status: RunStatus) -> str:
     if status.phase == "running":
         return "Pause"
-    if status.phase == "paused" and not status.stale:
+    if (status.phase == "paused" or status.steered) and not status.stale:
         return "Resume"
     return "Run anew" if status.started else "Run"
 
@@ -172,6 +178,8 @@ def _hint(document: Document, status: RunStatus, selected: int | None) -> str:
         if status.phase == "running":
             return "The drawing or the scales have changed: Reset (R) to start from them."
         return "The drawing or the scales have changed: Run starts anew from them."
+    if status.steered:
+        return "The parameters have changed: Resume (Space) goes on with them, Reset (R) starts over."
     if not document.shapes and not status.started:
         return "Drag on the image to draw a circle in or around an object."
     if status.phase == "ready":
@@ -207,7 +215,7 @@ def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
         (
             "ε",
             shown(epsilon),
-            "Eq. (23): relative change of the energy; the particles are at rest when it stays below 0.001.",
+            "Eq. (23): how far the particles' distances from the corner have changed over four steps; small at rest.",
         ),
         ("Contours", shown(f"{status.closed} closed, {status.open} open"), "Contours reconstructed so far."),
         ("Steps/s", speed, "Speed of the run."),

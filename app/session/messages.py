@@ -132,6 +132,8 @@ class Snapshot:
         Why the run ended, empty while it goes on.
     converged : bool
         Whether it ended at rest.
+    steering : tuple
+        `Parameters.steering` of the step.
     steps_per_second : float
         Measured speed.
     trace : Trace
@@ -146,6 +148,7 @@ class Snapshot:
     epsilon: float
     stop_reason: str
     converged: bool
+    steering: tuple[object, ...]
     steps_per_second: float
     trace: Trace
 

@@ -131,6 +131,7 @@ class Progress:
             epsilon=snapshot.epsilon,
             stop_reason=snapshot.stop_reason,
             converged=snapshot.converged,
+            steering=snapshot.steering,
             steps_per_second=snapshot.steps_per_second,
         )
         self._audience.show_snapshot(snapshot)

@@ -82,7 +82,9 @@ class Run:
         self._send()
 
     def go(self, steps: int | None) -> None:
-        """Step from now on, `steps` times or until told otherwise."""
+        """Step from now on, `steps` times or until told otherwise; a run that has ended only with other parameters."""
+        if self._state is not None and self._state.stop_reason and self._state.steering != self._parameters.steering:
+            self._state = self._state.resumed()
         if self._state is not None and not self._state.stop_reason:
             self._remaining = float("inf") if steps is None else self._remaining + steps
             self.pacer.begin()
@@ -144,6 +146,7 @@ class Run:
                 epsilon=state.epsilon,
                 stop_reason=state.stop_reason,
                 converged=state.converged,
+                steering=state.steering,
                 steps_per_second=self.pacer.per_second,
                 trace=self._recorder.trace(),
             )

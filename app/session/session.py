@@ -109,7 +109,9 @@ class Session(QObject):
     def status(self) -> RunStatus:
         """How the run stands."""
         status = self._progress.status
-        return replace(status, stale=status.started and self.document.recipe != self._recipe)
+        stale = status.started and self.document.recipe != self._recipe
+        steered = status.phase == "finished" and status.steering != self.document.parameters.steering
+        return replace(status, stale=stale, steered=steered)
 
     @property
     def resolved(self) -> Resolved:
@@ -201,7 +203,7 @@ class Session(QObject):
     # Running
 
     def run(self) -> None:
-        """Go on, or start anew when the drawing has changed or the run is over."""
+        """Go on, or start anew when the drawing has changed or the run is over and no parameter has changed since."""
         if not self._ready():
             return
         if self.status.phase != "running":
@@ -301,7 +303,8 @@ class Session(QObject):
 
     def _start_if_needed(self) -> None:
         status = self.status
-        if status.phase in ("ready", "finished") or status.stale:
+        over = status.phase == "finished" and not status.steered
+        if status.phase == "ready" or over or status.stale:
             self._generation = self._next_generation()
             self._recipe = self.document.recipe
             self._progress.forget()

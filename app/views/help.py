@@ -22,7 +22,7 @@ rest.</li>
 Arrow keys move the selected shape by a pixel, with Shift by ten; &lt; and &gt; make a selected circle smaller and
 larger.</p>
 <p>A changed drawing acts from the next start: press Reset while the particles run; otherwise Run starts anew by
-itself.</p>
+itself. Changed parameters act at once; a run that has come to rest goes on with them after Resume.</p>
 """
 
 _ABOUT = """<h3>CPM</h3>

@@ -55,7 +55,7 @@ def electric_field(edge_map: ArrayLike, method: str = "convolution", exponent: f
     return out
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=4)
 def _kernel_spectra(
     shape: tuple[int, ...], padded: tuple[int, ...], power: float
 ) -> tuple[NDArray[np.complex128], ...]:

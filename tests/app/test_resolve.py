@@ -27,6 +27,8 @@ def test_without_an_image_nothing_can_be_run_and_the_hint_says_how_to_open_one()
         (RunStatus("paused"), "Resume", {"run", "step", "reset", "export"}, set()),
         (RunStatus("paused", stale=True), "Run anew", {"run", "step", "reset", "export"}, set()),
         (RunStatus("finished", stop_reason="at rest"), "Run anew", {"run", "reset", "export"}, {"step"}),
+        (RunStatus("finished", stop_reason="at rest", steered=True), "Resume", {"run", "step", "reset"}, set()),
+        (RunStatus("finished", stop_reason="at rest", steered=True, stale=True), "Run anew", {"run", "step"}, set()),
     ],
 )
 def test_run_is_worded_by_what_it_will_do(status: RunStatus, text: str, enabled: set[str], disabled: set[str]) -> None:

@@ -122,6 +122,23 @@ def test_a_changed_drawing_is_said_and_run_starts_anew_from_it(ready, hand) -> N
     assert ready.stage.hint.text() == ""
 
 
+def test_a_run_at_rest_goes_on_with_other_parameters(ready, hand) -> None:
+    session = ready.session
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    generation, step, count = session.generation, session.status.step, session.status.count
+    session.edit("spacing", lambda document: edits.set_parameter(document, "d_min", 4.0))
+    assert ready.actions_by_name["run"].text() == "Resume"
+    assert "parameters have changed" in ready.stage.hint.text()
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: session.status.phase == "finished" and session.status.step > step)
+    hand.wait(lambda: session.idle)
+    assert session.generation == generation
+    assert session.status.count < count
+    assert ready.actions_by_name["run"].text() == "Run anew"
+
+
 def test_undoing_the_change_lets_the_run_go_on(ready, hand) -> None:
     hand.key(KEY.Key_Period)
     generation = ready.session.generation

@@ -50,8 +50,12 @@ class FakeState:
     count: int = 2
     stop_reason: str = ""
     converged: bool = False
+    steering: tuple[object, ...] = ()
     position: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
     particles: SimpleNamespace = field(default_factory=lambda: SimpleNamespace(velocity=np.zeros((2, 2))))
+
+    def resumed(self) -> FakeState:
+        return replace(self, stop_reason="")
 
 
 class FakeEngine:
@@ -73,7 +77,13 @@ class FakeEngine:
         if parameters.beta == 4.0:
             raise RuntimeError("kernel fell over")
         reason = "far enough" if state.step + 1 >= self.last_step else ""
-        following = replace(state, step=state.step + 1, betas=(*state.betas, parameters.beta), stop_reason=reason)
+        following = replace(
+            state,
+            step=state.step + 1,
+            betas=(*state.betas, parameters.beta),
+            stop_reason=reason,
+            steering=parameters.steering,
+        )
         self.states.append(following)
         return following
 
@@ -189,6 +199,18 @@ def test_a_stopped_run_does_not_go_on(bench: Bench) -> None:
     bench.runner.post(Go(2))
     assert bench.settle() is None
     assert len(engine.states) == 3
+
+
+def test_a_stopped_run_goes_on_with_other_parameters(bench: Bench) -> None:
+    engine = bench.open()
+    engine.last_step = 3
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.runner.post(Go(2))
+    bench.settle()
+    bench.runner.post(SetParameters(Parameters(beta=1.5)))
+    bench.runner.post(Go(2))
+    bench.settle()
+    assert [state.betas[-1] for state in engine.states] == [0.8, 0.8, 0.8, 1.5]
 
 
 def test_what_was_meant_for_another_image_or_run_is_not_obeyed(bench: Bench) -> None:
