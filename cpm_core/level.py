@@ -16,8 +16,7 @@ from cpm_core.field.convolution import electric_field, unit_vectors
 Array = NDArray[np.float64]
 
 GATE = 0.93
-"""Interpolated |F_l| under which a particle sits on an edge: across an edge the unit field falls linearly through
-zero."""
+"""Interpolated |F_l| under which a particle sits on an edge: across an edge it falls linearly through zero."""
 
 WEAKEST_EDGE = 0.08
 """Fraction of the largest edge strength that an edge must have for particles to breed on it."""
@@ -27,6 +26,9 @@ _MOST_BACKGROUND = 0.35
 
 _RIDGE, _SLOPE = 0.6, 0.4
 """Fractions of the strongest neighbour: at the first a pixel is on an edge, under the second it is beside one."""
+
+_SUMMIT_REACH, _FIELD_REACH = 5, 3
+"""Pixels across the neighbourhoods in which the crest of an edge, and the largest field beside it, are looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,12 +111,10 @@ def lorentz_force(field: Array, grad: Array, strength: Array) -> Array:
     Away from edges it is the unit vector of the field (section 3.3). On an edge two things are done otherwise:
 
     - The field is divided by its largest size beside the edge and not by its own, so that the force falls linearly
-    through
-      zero where the field does. Unit vectors would round that place to the middle between two pixels.
+      through zero where the field does. Unit vectors would round that place to the middle between two pixels.
     - The part along the edge is taken out. On the crest it is all that is left of the field, and scaled up it would
-    drain
-      particles from weak stretches towards strong ones and keep them circling; motion along an edge is the Coulomb
-      force's.
+      drain particles from weak stretches towards strong ones and keep them circling; motion along an edge is the
+      Coulomb force's.
 
     Parameters
     ----------
@@ -130,11 +130,11 @@ def lorentz_force(field: Array, grad: Array, strength: Array) -> Array:
     ndarray, shape (D, \*shape)
         The force, of at most unit size.
     """
-    summit = ndimage.maximum_filter(strength, size=5, mode="nearest")
+    summit = ndimage.maximum_filter(strength, size=_SUMMIT_REACH, mode="nearest")
     near = np.clip((strength / np.maximum(summit, 1e-300) - _SLOPE) / (_RIDGE - _SLOPE), 0.0, 1.0)
     near[summit < WEAKEST_EDGE * float(strength.max())] = 0.0
     size = magnitude(field)
-    beside = ndimage.maximum_filter(size, size=3, mode="nearest")
+    beside = ndimage.maximum_filter(size, size=_FIELD_REACH, mode="nearest")
     force = field / np.maximum(np.maximum(size, near * beside), max(1e-12 * float(size.max()), 1e-300))
     normal = unit_vectors(grad)
     across = np.einsum("i...,i...->...", force, normal)

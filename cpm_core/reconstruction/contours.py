@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 _FAINTEST = 0.35
 """Edge strength halfway along an edge of the crust, as a fraction of that at its weaker end."""
 
+_LEAST_REACH = 2.5
+"""Distance, in d_min, up to which two points may be joined however small the insertion range is."""
+
 _SPUR = 3
 """Edges that a loose branch at a junction must exceed to be more than an irregularity of the points."""
 
@@ -54,7 +57,7 @@ def find_contours(positions: Array, level: Level, parameters: Parameters) -> tup
     kept = deletion(points, strength, level.shape, parameters.d_min)
     points = fill(points[kept], level, parameters.d_min)
     strength = interpolate(level.edge_map[None], points)[:, 0]
-    reach = parameters.d_min + parameters.d_max
+    reach = max(parameters.d_min + parameters.d_max, _LEAST_REACH * parameters.d_min)
     edges = crust(points)
     edges = edges[_supported(points, strength, edges, level, reach)]
     graph = Graph(points, edges)

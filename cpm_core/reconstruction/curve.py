@@ -19,6 +19,9 @@ Edges = NDArray[np.int64]
 
 _LEAST_POINTS = 4
 
+_FLATTEST = 1e12
+"""Cotangent that stands for an angle of 0."""
+
 
 def crust(points: Array) -> Edges:
     """Edges of the one-step crust.
@@ -45,7 +48,8 @@ def crust(points: Array) -> Edges:
         apex, a, b = (points[triangles[:, (k + s) % 3]] for s in range(3))
         u, v = a - apex, b - apex
         cross = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-        cotangents.append(np.einsum("ni,ni->n", u, v) / np.maximum(cross, 1e-300))
+        flat = np.einsum("ni,ni->n", u, v) / np.maximum(cross, 1e-300)
+        cotangents.append(np.clip(flat, -_FLATTEST, _FLATTEST))
         edges.append(np.sort(triangles[:, [(k + 1) % 3, (k + 2) % 3]], axis=1))
     every, cotangent = np.concatenate(edges), np.concatenate(cotangents)
     key = every[:, 0] * len(points) + every[:, 1]
@@ -54,13 +58,9 @@ def crust(points: Array) -> Edges:
     first = np.flatnonzero(np.r_[True, key[1:] != key[:-1]])
     twice = np.append(first[1:], len(key)) - first == 2
     one = cotangent[first]
-    other = np.where(twice, cotangent[np.minimum(first + 1, len(key) - 1)], np.inf)  # the hull's far side: angle 0
+    other = np.where(twice, cotangent[np.minimum(first + 1, len(key) - 1)], _FLATTEST)  # beyond the hull: angle 0
     # the angles sum to at most a right angle: both acute, and the product of their cotangents at least one
-    kept = (
-        (one > 0.0)
-        & (other > 0.0)
-        & (one * np.where(np.isinf(other), 1.0, other) >= np.where(np.isinf(other), 0.0, 1.0))
-    )
+    kept = (one > 0.0) & (other > 0.0) & (one * other >= 1.0)
     return every[first][kept]
 
 

@@ -229,3 +229,31 @@ def test_short_and_weak_contours_are_left_out(three):
         ]
         assert len(truth) < 3
         assert [c.points.tobytes() for c in engine.result(state, parameters).contours] == truth
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        {"beta": 0.0},
+        {"beta": 4.0},
+        {"w1": 0.0},
+        {"w1": 0.05, "w2": 0.1},
+        {"annealing": 0.0},
+        {"annealing": 1.0},
+        {"time_step": 0.1},
+        {"time_step": 1.0},
+        {"d_min": 1.0},
+        {"d_max": 0.0},
+        {"smoothing": 0.0},
+        {"scales": 1},
+        {"edge_floor": 0.5},
+    ],
+    ids=str,
+)
+def test_no_setting_is_critical(setting):
+    """The U is found whole at the ends of what a slider offers (the paper's section 5.5)."""
+    scene = u_shape()
+    result = segment(scene.values, circle((60, 40), 12), Parameters(**setting))
+    assert result.converged
+    assert [contour.closed for contour in result.contours] == [True]
+    assert outline_distance(scene.boundary, [contour.path for contour in result.contours]).max() < 1.5
