@@ -12,6 +12,7 @@ from scipy import ndimage
 
 from cpm_core.edge_map import automatic_smoothing, background_strength, gradient, magnitude
 from cpm_core.field.convolution import electric_field, unit_vectors
+from cpm_core.field.interpolation import interpolate
 
 Array = NDArray[np.float64]
 
@@ -20,6 +21,9 @@ GATE = 0.93
 
 WEAKEST_EDGE = 0.08
 """Fraction of the largest edge strength that an edge must have for particles to breed on it."""
+
+FAINTEST = 0.35
+"""Fraction to which the strength of an edge may fall from one place on it to the next; below it the edge has ended."""
 
 _MOST_BACKGROUND = 0.35
 """Fraction of the largest edge strength beyond which an image that is full of edges is not taken for background."""
@@ -64,6 +68,10 @@ class Level:
         r"""Edge strength f [grey levels / px], shape (\*shape); minus it is the fixed charge."""
         strength: Array = self.felt[-1]
         return strength
+
+    def strength(self, points: Array) -> Array:
+        """Edge strength at points, shape (N, D), between the pixels."""
+        return interpolate(self.edge_map[None], points)[:, 0]
 
     @cached_property
     def spline(self) -> Array:

@@ -10,15 +10,12 @@ from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import flattened, sample, sample_one
 from cpm_core.kernels import compiled
-from cpm_core.level import GATE, Level
+from cpm_core.level import FAINTEST, GATE, Level
 from cpm_core.neighbors import Cells, block, build_cells, count_near, sort_in, squared_distance
 from cpm_core.parameters import Parameters
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-_FAINTEST_STEP = 0.35
-"""Edge strength that a new particle's place must have, as a fraction of its parents'."""
 
 _STRIDE, _STRIDE_ROOM = 0.9, 0.8
 """Distance, in d_min, of a place ahead of a particle, and what it must keep from all others."""
@@ -31,7 +28,7 @@ _DIRECTIONS = 8
 
 _SLIDES, _SLIDE = 8, 0.6
 """Times that a place is moved by the Lorentz force, and by how much of it [px]; across an edge the force falls from one
-to zero within half a pixel, so that each move takes off most of the distance."""
+to zero within about a pixel, so that each move takes off most of the distance."""
 
 _RESTING = 0.2
 """Lorentz force under which a place then counts as one to rest on."""
@@ -203,7 +200,7 @@ def _find_places(
     last = count
     for i in range(count):
         if seated[i]:
-            faintest = max(terrain.floor, _FAINTEST_STEP * sample_one(terrain.felt[-1], terrain.shape, position[i]))
+            faintest = max(terrain.floor, FAINTEST * sample_one(terrain.felt[-1], terrain.shape, position[i]))
             last = _fill_between(cells, i, count, last, seated, terrain, faintest, parent)
             if looking[i]:
                 last = _look_ahead(cells, i, last, terrain, faintest, turns, parent)

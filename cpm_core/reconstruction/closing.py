@@ -6,17 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from cpm_core.field.interpolation import interpolate
-from cpm_core.level import Level
+from cpm_core.level import FAINTEST, Level
 from cpm_core.reconstruction.graph import Graph
 
 Array = NDArray[np.float64]
 
-_FAINTEST = 0.35
-"""Edge strength along a bridge, as a fraction of that at its weaker end."""
-
 _DETOUR = 3.0
 """How many times as long as the bridge the way along the curve must be for an end to be joined to its own curve."""
+
+_SIDE = 1.5
+"""How many times nearer than an end the side of a curve must be to be preferred: joining two ends closes a curve,
+joining a side makes a junction."""
+
+_SAMPLES = 7
+"""Places along a bridge at which the edge map is read."""
 
 
 def close_gaps(graph: Graph, level: Level, reach: float) -> None:
@@ -45,8 +48,8 @@ def close_gaps(graph: Graph, level: Level, reach: float) -> None:
         for n in tree.query_ball_point(graph.points[end], reach):
             other = used[n]
             if way.get(other, np.inf) > _DETOUR * graph.distance(end, other):
-                # ends first among equals: joining two ends closes a curve, joining to a side makes a junction
-                pairs.append((graph.distance(end, other) * (1.0 if graph.degree(other) == 1 else 1.5), end, other))
+                weight = 1.0 if graph.degree(other) == 1 else _SIDE
+                pairs.append((weight * graph.distance(end, other), end, other))
     for _, end, other in sorted(pairs):
         if graph.degree(end) == 1 and _edge_between(graph.points[end], graph.points[other], level):
             graph.link(end, other)
@@ -60,6 +63,6 @@ def _lengths(graph: Graph, path: list[int]) -> dict[int, float]:
 
 def _edge_between(a: Array, b: Array, level: Level) -> bool:
     """Whether the edge map stays up on the way from a to b."""
-    along = a + (b - a) * np.linspace(0.0, 1.0, 7)[:, None]
-    strength = interpolate(level.edge_map[None], along)[:, 0]
-    return bool(strength.min() >= _FAINTEST * min(strength[0], strength[-1]))
+    along = a + (b - a) * np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    strength = level.strength(along)
+    return bool(strength.min() >= FAINTEST * min(strength[0], strength[-1]))

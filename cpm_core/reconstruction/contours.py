@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contour import Contour
-from cpm_core.field.interpolation import interpolate
-from cpm_core.level import Level
+from cpm_core.level import FAINTEST, Level
 from cpm_core.parameters import Parameters
 from cpm_core.population import deletion
 from cpm_core.reconstruction.closing import close_gaps
@@ -19,9 +18,6 @@ from cpm_core.reconstruction.graph import Graph
 from cpm_core.reconstruction.refinement import crest
 
 Array = NDArray[np.float64]
-
-_FAINTEST = 0.35
-"""Edge strength halfway along an edge of the crust, as a fraction of that at its weaker end."""
 
 _LEAST_REACH = 2.5
 """Distance, in d_min, up to which two points may be joined however small the insertion range is."""
@@ -50,13 +46,13 @@ def find_contours(positions: Array, level: Level, parameters: Parameters) -> tup
     tuple of Contour
         In px of the scale, longest first.
     """
-    strength = interpolate(level.edge_map[None], positions)[:, 0]
+    strength = level.strength(positions)
     points, found = crest(positions[strength >= level.floor], level)
     points = points[found]
-    strength = interpolate(level.edge_map[None], points)[:, 0]
+    strength = level.strength(points)
     kept = deletion(points, strength, level.shape, parameters.d_min)
     points = fill(points[kept], level, parameters.d_min)
-    strength = interpolate(level.edge_map[None], points)[:, 0]
+    strength = level.strength(points)
     reach = max(parameters.d_min + parameters.d_max, _LEAST_REACH * parameters.d_min)
     edges = crust(points)
     edges = edges[_supported(points, strength, edges, level, reach)]
@@ -73,15 +69,15 @@ def _supported(
 ) -> NDArray[np.bool_]:
     """Which edges of the crust are short and follow an edge of the image."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
-    between = interpolate(level.edge_map[None], 0.5 * (a + b))[:, 0]
-    faintest = np.maximum(level.floor * _FAINTEST, _FAINTEST * np.minimum(strength[edges[:, 0]], strength[edges[:, 1]]))
+    between = level.strength(0.5 * (a + b))
+    faintest = np.maximum(level.floor * FAINTEST, FAINTEST * np.minimum(strength[edges[:, 0]], strength[edges[:, 1]]))
     return np.asarray((np.linalg.norm(a - b, axis=1) <= reach) & (between >= faintest))
 
 
 def choose(contours: tuple[Contour, ...], level: Level, parameters: Parameters) -> tuple[Contour, ...]:
     """Measure contours and leave out the weak, the short and the degenerate."""
     measured = (
-        replace(c, strength=float(interpolate(level.edge_map[None], c.points).mean()))
+        replace(c, strength=float(level.strength(c.points).mean()))
         for c in contours
         if c.length >= _LEAST_LENGTH * parameters.d_min and (not c.closed or c.area >= parameters.d_min**2)
     )

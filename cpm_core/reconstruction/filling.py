@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from cpm_core.field.interpolation import interpolate
-from cpm_core.level import Level
+from cpm_core.level import FAINTEST, Level
 from cpm_core.population import deletion
 from cpm_core.reconstruction.refinement import crest
 
@@ -24,9 +23,6 @@ _STRIDE, _ROOM = 0.8, 0.6
 """Distance, in d_min, at which a point looks for the crest to go on, and what a new one must keep from all others."""
 
 _DIRECTIONS = 12
-
-_FAINTEST = 0.35
-"""Edge strength of a new point, as a fraction of that of the point it comes from."""
 
 
 def fill(points: Array, level: Level, d_min: float) -> Array:
@@ -54,18 +50,15 @@ def fill(points: Array, level: Level, d_min: float) -> Array:
         if not len(fresh):
             break
         places = (fresh[:, None] + around).reshape(-1, 2)
-        faintest = np.repeat(np.maximum(level.floor, _FAINTEST * _strength(fresh, level)), _DIRECTIONS)
+        faintest = np.repeat(np.maximum(level.floor, FAINTEST * level.strength(fresh)), _DIRECTIONS)
         tree = cKDTree(points)
-        likely = (tree.query(places)[0] >= room) & (_strength(places, level) >= faintest)
+        likely = (tree.query(places)[0] >= room) & (level.strength(places) >= faintest)
         places, found = crest(places[likely], level)
         places, faintest = places[found], faintest[likely][found]
-        strength = _strength(places, level)
+        strength = level.strength(places)
         apart = (strength >= faintest) & (tree.query(places)[0] >= room) if len(places) else np.zeros(0, np.bool_)
         places, strength = places[apart], strength[apart]
+        # deletion keeps half the spacing it is given between those that have been found twice
         fresh = places[deletion(places, strength, level.shape, 2.0 * room)]
         points = np.concatenate([points, fresh])
     return points
-
-
-def _strength(points: Array, level: Level) -> Array:
-    return interpolate(level.edge_map[None], points)[:, 0]
