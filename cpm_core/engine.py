@@ -284,15 +284,16 @@ class Engine:
         quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
         state = replace(state, quiet=state.quiet + 1 if quiet else 0)
         most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(level.shape)))
+        overdue = state.step_of_scale - state.heated >= most
         if state.scale > 0:
-            if state.count == 0 or state.idle >= IDLE_STEPS or state.step_of_scale - state.heated >= most:
+            if state.count == 0 or state.idle >= IDLE_STEPS or overdue:
                 return self._enter(self._settled(state, level), state.scale - 1)
             return state
         if state.count == 0:
             return state.stopped("all particles left the image")
         if state.quiet >= QUIET_STEPS:
             return state.stopped(f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps", True)
-        if state.step_of_scale - state.heated >= most:
+        if overdue:
             return state.stopped(f"not at rest after {most} steps at full size")
         return state
 

@@ -3,6 +3,9 @@
 The loops may reorder sums (so that they run on vector registers) but never assume that values are finite; the same
 input gives the same bits at every call. No loop starts threads of its own: a caller that wants two cores splits the
 work, so that two callers can never meet inside one parallel region.
+
+What is kept on disk names the classes of the tuples that a loop takes: rename or move such a class only together with
+the module of its loops, for an older file that names a class no longer there cannot be read, and is not replaced.
 """
 
 from __future__ import annotations

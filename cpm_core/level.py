@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from cpm_core.edge_map import automatic_smoothing, background_strength, gradient, magnitude
-from cpm_core.field.convolution import electric_field, unit_vectors
+from cpm_core.field.convolution import electric_field
 from cpm_core.field.interpolation import interpolate
 
 Array = NDArray[np.float64]
@@ -147,3 +147,22 @@ def lorentz_force(field: Array, grad: Array, strength: Array) -> Array:
     normal = unit_vectors(grad)
     across = np.einsum("i...,i...->...", force, normal)
     return np.asarray((1.0 - near) * force + near * across * normal)
+
+
+def unit_vectors(vectors: Array) -> Array:
+    r"""Direction of a field: every vector scaled to length one, vanishing vectors left at zero.
+
+    Parameters
+    ----------
+    vectors : ndarray, shape (D, \*shape)
+        Field.
+
+    Returns
+    -------
+    ndarray, shape (D, \*shape)
+        Unit vectors.
+    """
+    length = magnitude(vectors)
+    tiny = 1e-12 * float(length.max(initial=0.0))
+    scale = np.where(length > tiny, 1.0 / np.maximum(length, max(tiny, 1e-300)), 0.0)
+    return np.asarray(vectors * scale)

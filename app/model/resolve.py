@@ -8,7 +8,6 @@ from typing import Literal
 
 from app.model.document import Document
 from app.model.shapes import describe
-from cpm_core.formats import READABLE
 
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
@@ -136,11 +135,6 @@ def resolve(
         hint=_hint(document, status, selected),
         numbers=_numbers(status),
     )
-
-
-def looks_readable(path: str) -> bool:
-    """Whether the suffix of a path is one that can be read; a hint for drag and drop, no promise."""
-    return any(path.lower().endswith(suffix) for suffix in READABLE)
 
 
 def pace_text(pace: float | None) -> str:

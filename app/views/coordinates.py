@@ -14,11 +14,6 @@ def to_xy(positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[
     return positions[:, 1], positions[:, 0]
 
 
-def to_point(position: Position) -> QPointF:
-    """Point on the canvas of a position (row, col)."""
-    return QPointF(position[1], position[0])
-
-
 def to_position(point: QPointF) -> Position:
     """Position (row, col) of a point on the canvas."""
     return (point.y(), point.x())

@@ -72,24 +72,3 @@ def _kernel_spectra(
         decay = np.where(squared > 0, squared ** (-0.5 * (power + 1.0)), 0.0)
     axes = tuple(range(len(shape)))
     return tuple(scipy.fft.rfftn(g * decay, axes=axes, workers=-1) for g in grid)
-
-
-def unit_vectors(field: Array) -> Array:
-    r"""Direction of a field: every vector scaled to length one, vanishing vectors left at zero.
-
-    This is the normalisation of section 3.3. Interpolated between pixels it falls linearly through zero across an edge.
-
-    Parameters
-    ----------
-    field : ndarray, shape (D, \*shape)
-        Field.
-
-    Returns
-    -------
-    ndarray, shape (D, \*shape)
-        Unit vectors.
-    """
-    length = np.sqrt(np.einsum("i...,i...->...", field, field))
-    tiny = 1e-12 * float(length.max(initial=0.0))
-    scale: Array = np.where(length > tiny, 1.0 / np.maximum(length, max(tiny, 1e-300)), 0.0)
-    return np.asarray(field * scale)

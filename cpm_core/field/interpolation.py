@@ -37,18 +37,24 @@ def flattened(field: Array) -> Array:
 
 
 @compiled
+def _corner(shape: NDArray[np.int64], point: Array, corner: int) -> tuple[int, float]:
+    """Flat index and weight of one of the pixels around a point; the bits of `corner` say which."""
+    weight, index = 1.0, 0
+    for k in range(shape.size):
+        x = min(max(point[k], 0.0), shape[k] - 1.0)
+        low = min(np.int64(x), max(shape[k] - 2, 0))
+        up = (corner >> k) & 1
+        weight *= x - low if up else 1.0 - (x - low)
+        index = index * shape[k] + min(low + up, shape[k] - 1)
+    return index, weight
+
+
+@compiled
 def sample(flat: Array, shape: NDArray[np.int64], point: Array, out: Array) -> None:
     """Interpolate the field `flat`, shape (C, M), of an image of shape `shape` at one point into `out`, shape (C,)."""
-    dimension = shape.size
     out[:] = 0.0
-    for corner in range(1 << dimension):
-        weight, index = 1.0, 0
-        for k in range(dimension):
-            x = min(max(point[k], 0.0), shape[k] - 1.0)
-            low = min(np.int64(x), max(shape[k] - 2, 0))
-            up = (corner >> k) & 1
-            weight *= x - low if up else 1.0 - (x - low)
-            index = index * shape[k] + min(low + up, shape[k] - 1)
+    for corner in range(1 << shape.size):
+        index, weight = _corner(shape, point, corner)
         if weight != 0.0:
             for c in range(out.size):
                 out[c] += weight * flat[c, index]
@@ -57,16 +63,9 @@ def sample(flat: Array, shape: NDArray[np.int64], point: Array, out: Array) -> N
 @compiled
 def sample_one(values: Array, shape: NDArray[np.int64], point: Array) -> float:
     """Interpolate one flattened image, shape (M,), at one point."""
-    dimension = shape.size
     total = 0.0
-    for corner in range(1 << dimension):
-        weight, index = 1.0, 0
-        for k in range(dimension):
-            x = min(max(point[k], 0.0), shape[k] - 1.0)
-            low = min(np.int64(x), max(shape[k] - 2, 0))
-            up = (corner >> k) & 1
-            weight *= x - low if up else 1.0 - (x - low)
-            index = index * shape[k] + min(low + up, shape[k] - 1)
+    for corner in range(1 << shape.size):
+        index, weight = _corner(shape, point, corner)
         total += weight * values[index]
     return total
 

@@ -47,9 +47,9 @@ def close_gaps(graph: Graph, level: Level, reach: float) -> None:
         way = _lengths(graph, graph.branch(end))
         for n in tree.query_ball_point(graph.points[end], reach):
             other = used[n]
-            if way.get(other, np.inf) > _DETOUR * graph.distance(end, other):
-                weight = 1.0 if graph.degree(other) == 1 else _SIDE
-                pairs.append((weight * graph.distance(end, other), end, other))
+            bridge = graph.distance(end, other)
+            if way.get(other, np.inf) > _DETOUR * bridge:
+                pairs.append((bridge if graph.degree(other) == 1 else _SIDE * bridge, end, other))
     for _, end, other in sorted(pairs):
         if graph.degree(end) == 1 and _edge_between(graph.points[end], graph.points[other], level):
             graph.link(end, other)

@@ -70,7 +70,7 @@ def _supported(
     """Which edges of the crust are short and follow an edge of the image."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     between = level.strength(0.5 * (a + b))
-    faintest = np.maximum(level.floor * FAINTEST, FAINTEST * np.minimum(strength[edges[:, 0]], strength[edges[:, 1]]))
+    faintest = FAINTEST * np.maximum(level.floor, np.minimum(strength[edges[:, 0]], strength[edges[:, 1]]))
     return np.asarray((np.linalg.norm(a - b, axis=1) <= reach) & (between >= faintest))
 
 

@@ -126,6 +126,14 @@ class Bench:
             time.sleep(0.001)
         self.take()
 
+    def run_to_the_end(self, last_step: int) -> tuple[FakeEngine, Snapshot | None]:
+        """Open, start as run 2 and let it go until it stops by itself; return the newest snapshot too."""
+        engine = self.open()
+        engine.last_step = last_step
+        self.runner.post(Start(2, 1, DOCUMENT))
+        self.runner.post(Go(2))
+        return engine, self.settle()
+
     def settle(self) -> Snapshot | None:
         """Wait until nothing goes on; return the newest snapshot."""
         newest: list[Snapshot] = []
@@ -180,33 +188,21 @@ def test_parameters_sent_between_steps_act_at_exactly_the_next_one(bench: Bench)
 
 
 def test_the_newest_snapshot_wins_and_carries_the_whole_trace(bench: Bench) -> None:
-    engine = bench.open()
-    engine.last_step = 2500
-    bench.runner.post(Start(2, 1, DOCUMENT))
-    bench.runner.post(Go(2))
-    snapshot = bench.settle()
+    _, snapshot = bench.run_to_the_end(2500)
     assert snapshot is not None
     assert (snapshot.step, snapshot.stop_reason, snapshot.generation) == (2500, "far enough", 2)
     np.testing.assert_array_equal(snapshot.trace.step, np.arange(1, 2501))
 
 
 def test_a_stopped_run_does_not_go_on(bench: Bench) -> None:
-    engine = bench.open()
-    engine.last_step = 3
-    bench.runner.post(Start(2, 1, DOCUMENT))
-    bench.runner.post(Go(2))
-    bench.settle()
+    engine, _ = bench.run_to_the_end(3)
     bench.runner.post(Go(2))
     assert bench.settle() is None
     assert len(engine.states) == 3
 
 
 def test_a_stopped_run_goes_on_with_other_parameters(bench: Bench) -> None:
-    engine = bench.open()
-    engine.last_step = 3
-    bench.runner.post(Start(2, 1, DOCUMENT))
-    bench.runner.post(Go(2))
-    bench.settle()
+    engine, _ = bench.run_to_the_end(3)
     bench.runner.post(SetParameters(Parameters(beta=1.5)))
     bench.runner.post(Go(2))
     bench.settle()

@@ -34,13 +34,18 @@ clouds = st.lists(st.tuples(coordinate, coordinate), min_size=0, max_size=24).ma
 )
 
 
+def with_some_twice(points, data):
+    """The points, and a few of them once more on the very same spots."""
+    if not len(points):
+        return points
+    return np.concatenate([points, points[data.draw(st.lists(st.integers(0, len(points) - 1), max_size=4))]])
+
+
 @settings(max_examples=60, deadline=None)
 @given(clouds, st.data())
 def test_force_is_the_sum_over_all_pairs(points, data):
     """To 1e-10 of the terms' sizes (seen: 4e-14), with any number of particles on the same spot."""
-    if len(points):
-        twice = data.draw(st.lists(st.integers(0, len(points) - 1), max_size=4))
-        points = np.concatenate([points, points[twice]])
+    points = with_some_twice(points, data)
     force, size = naive(points)
     assert np.all(np.linalg.norm(coulomb_force(points) - force, axis=1) <= 1e-10 * size)
 
@@ -103,9 +108,7 @@ def test_force_falls_with_the_square_of_the_scale():
 @given(clouds, st.data())
 def test_single_precision_gives_the_same_sum_in_fewer_digits(points, data):
     """To 1e-4 of the terms' sizes, finite however near particles are; for steps that need no more."""
-    if len(points):
-        twice = data.draw(st.lists(st.integers(0, len(points) - 1), max_size=4))
-        points = np.concatenate([points, points[twice]])
+    points = with_some_twice(points, data)
     force, size = naive(points)
     found = coulomb_force(points, method="single")
     assert found.dtype == np.float64

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import electric_field
-from cpm_core.field.convolution import unit_vectors
+from cpm_core.level import unit_vectors
 
 
 def direct(f, power):
