@@ -12,6 +12,7 @@ import pytest
 import tifffile
 
 from cpm_core import cli
+from cpm_core.cli import run as run_command
 from cpm_core.formats import load_image
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 
@@ -111,7 +112,7 @@ def parameters_of(monkeypatch, disk, command):
             seen.append(parameters)
             raise ValueError("enough seen.")
 
-        monkeypatch.setattr(cli, "segment", segment)
+        monkeypatch.setattr(run_command, "segment", segment)
         command("run", disk, *START, *arguments)
         return seen[0]
 
@@ -192,7 +193,7 @@ def test_bad_input_is_one_line_on_standard_error_and_nothing_is_written(disk, co
 
 def test_nothing_is_loaded_before_parameters_and_places_are_known_to_be_good(disk, command, monkeypatch):
     loaded = []
-    monkeypatch.setattr(cli, "load_image", loaded.append)
+    monkeypatch.setattr(run_command, "load_image", loaded.append)
     for arguments in (("--beta", "9"), ("--export", "a.stl"), ("--max-steps", "-1")):
         assert command("run", disk, *START, *arguments)[0] == 2
     assert loaded == []
@@ -244,15 +245,16 @@ def test_no_window_library_is_loaded():
 @pytest.mark.skipif(sys.platform == "win32", reason="interrupts are those of POSIX")
 def test_an_interrupt_ends_the_run_cleanly_and_writes_nothing(disk, tmp_path):
     program = (
-        "import sys, cpm_core.cli as cli\n"
-        "original = cli.segment\n"
+        "import sys\n"
+        "from cpm_core.cli import main, run\n"
+        "original = run.segment\n"
         "def segment(*args, progress, **rest):\n"
         "    def told(state):\n"
         "        print('running', flush=True)\n"
         "        import time; time.sleep(0.05)\n"
         "    return original(*args, progress=told, **rest)\n"
-        "cli.segment = segment\n"
-        "sys.exit(cli.main(sys.argv[1:]))"
+        "run.segment = segment\n"
+        "sys.exit(main(sys.argv[1:]))"
     )
     command = [sys.executable, "-c", program, "run", str(disk), *START, "--export", str(tmp_path / "out.svg")]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:

@@ -1,0 +1,62 @@
+"""Command line: each command is a module of this package that adds its arguments and runs. No window."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from typing import NoReturn
+
+from cpm_core.cli import info, run
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+
+class _Parser(argparse.ArgumentParser):
+    """Parser that leaves it to `main` how an error is shown."""
+
+    def error(self, message: str) -> NoReturn:
+        raise ValueError(f"{message} (see {self.prog} --help).")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments after the program's name; those of the process when left out.
+
+    Returns
+    -------
+    int
+        Exit status: 0 when done, 2 on bad input (one line on standard error, nothing written), 130 when interrupted.
+    """
+    try:
+        arguments = _parser().parse_args(argv)
+        command: Callable[[argparse.Namespace], None] = arguments.command
+        command(arguments)
+    except ValueError as error:
+        print(f"cpm: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except MemoryError:
+        print("cpm: there is not enough memory for this: use a smaller image or fewer particles.", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("cpm: interrupted; nothing was written.", file=sys.stderr)
+        return INTERRUPTED
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="cpm",
+        description="Find contours in images with charged particles.",
+        epilog="Without a command the window opens, on the image that is named if there is one: cpm [IMAGE].",
+        allow_abbrev=False,
+    )
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for command in (run, info):
+        command.add_to(commands)
+    return parser

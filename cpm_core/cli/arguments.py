@@ -1,0 +1,70 @@
+"""Arguments that several commands have: the image, the parameters, what to write, JSON."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Sequence
+from dataclasses import fields, replace
+from pathlib import Path
+
+from cpm_core.formats import READABLE, WRITABLE, check_export
+from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+
+
+def add_image(parser: argparse.ArgumentParser) -> None:
+    """Let a command take the path of an image, as `image`."""
+    parser.add_argument("image", metavar="IMAGE", help=f"image file ({', '.join(READABLE)})")
+
+
+def add_parameters(parser: argparse._ActionsContainer, names: Iterable[str] = tuple(PARAMETERS)) -> None:
+    """Let a command take parameters, each as a flag of its name; see `parameters_of`."""
+    for name in names:
+        info = PARAMETERS[name]
+        parser.add_argument(
+            "--" + name.replace("_", "-"),
+            metavar=name.upper(),
+            type=as_number,
+            dest=name,
+            help=f"{info.meaning} {info.more} (default: {info.default})".replace("%", "%%"),
+        )
+
+
+def add_export(parser: argparse._ActionsContainer, what: str) -> None:
+    """Let a command take the paths that it is to write, as `export`; see `check_exports`."""
+    parser.add_argument(
+        "--export",
+        metavar="PATH",
+        nargs="+",
+        action="extend",
+        default=[],
+        help=f"write the {what} ({', '.join(WRITABLE)})",
+    )
+
+
+def add_json(parser: argparse._ActionsContainer) -> None:
+    """Let a command print JSON instead of sentences, as `json`."""
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def parameters_of(arguments: argparse.Namespace, preset: str) -> Parameters:
+    """Parameters of a preset with those that were given as flags in their place; ValueError on a bad value."""
+    given = {field.name: getattr(arguments, field.name, None) for field in fields(Parameters)}
+    return replace(PRESETS[preset], **{name: value for name, value in given.items() if value is not None})
+
+
+def check_exports(paths: Sequence[str], image: str) -> None:
+    """Raise ValueError unless each path can be written and none is the image itself."""
+    for path in paths:
+        check_export(path)
+        if Path(path).resolve() == Path(image).resolve():
+            raise ValueError(f"--export {path} would overwrite the image itself: choose another name.")
+
+
+def as_number(text: str) -> int | float | str:
+    """Turn text into a number if it is one; else leave it to the check of the value to say what is wanted."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

@@ -1,0 +1,128 @@
+"""``cpm run``: finds the contours of an image."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.cli.arguments import (
+    add_export,
+    add_image,
+    add_json,
+    add_parameters,
+    as_number,
+    check_exports,
+    parameters_of,
+)
+from cpm_core.cli.progress import Progress
+from cpm_core.cli.wording import counted
+from cpm_core.formats import export, load_image, load_points
+from cpm_core.image import Image
+from cpm_core.initialization import circle, gradient_threshold, uniform_grid
+from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.result import Result
+from cpm_core.segmentation import segment
+
+
+def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add this command to those of the command line."""
+    parser = commands.add_parser("run", help="find the contours of an image", allow_abbrev=False)
+    parser.set_defaults(command=_run)
+    parser.description = "Let particles flow from a start to the contours of an image."
+    add_image(parser)
+    start = parser.add_argument_group("start (one at least; several add up)")
+    start.add_argument("--circle", metavar="ROW,COL,RADIUS", action="append", default=[], help="a circle, in px")
+    start.add_argument("--points", metavar="FILE.csv", action="append", default=[], help="points: row,col on each line")
+    start.add_argument("--auto", choices=("grid", "gradient"), help="everywhere, or on the strongest edges")
+    parameters = parser.add_argument_group("parameters")
+    parameters.add_argument("--preset", choices=tuple(PRESETS), default="shape", help="named settings (default: shape)")
+    add_parameters(parameters)
+    outcome = parser.add_argument_group("outcome")
+    outcome.add_argument("--max-steps", metavar="N", type=as_number, help="stop after so many steps at most")
+    add_export(outcome, "contours")
+    add_json(outcome)
+
+
+def _run(arguments: argparse.Namespace) -> None:
+    """Find the contours of an image; every check that needs no image comes first."""
+    parameters = parameters_of(arguments, arguments.preset)
+    max_steps = _max_steps(arguments.max_steps)
+    drawn = _drawn(arguments)
+    check_exports(arguments.export, arguments.image)
+    image = load_image(arguments.image)
+    seeds = np.concatenate([*drawn, *_automatic(arguments.auto, image, parameters)])
+    started = time.perf_counter()
+    progress = Progress() if sys.stderr.isatty() else None
+    try:
+        result = segment(image, seeds, parameters, max_steps=max_steps, progress=progress)
+    finally:
+        if progress is not None:
+            progress.clear()
+    seconds = time.perf_counter() - started
+    export(result, *arguments.export)
+    _tell_result(result, seconds, arguments.export, as_json=arguments.json)
+
+
+def _max_steps(given: int | float | str | None) -> int | None:
+    if given is None or (isinstance(given, int) and given > 0):
+        return given
+    raise ValueError(f"--max-steps is {given} but must be a whole number above 0.")
+
+
+def _drawn(arguments: argparse.Namespace) -> list[NDArray[np.float64]]:
+    """Particles of the circles and points on the command line."""
+    if not (arguments.circle or arguments.points or arguments.auto):
+        raise ValueError("No start is given: add --circle ROW,COL,RADIUS, --points FILE.csv or --auto grid.")
+    return [*(_circle(text) for text in arguments.circle), *(load_points(path) for path in arguments.points)]
+
+
+def _circle(text: str) -> NDArray[np.float64]:
+    numbers = [as_number(part.strip()) for part in text.split(",")]
+    row, col, radius = (numbers + [""] * 3)[:3]
+    if len(numbers) != 3 or isinstance(row, str) or isinstance(col, str) or isinstance(radius, str):
+        raise ValueError(f'--circle is "{text}" but must be three numbers, ROW,COL,RADIUS in px.')
+    return circle(center=(row, col), radius=radius)
+
+
+def _automatic(kind: str | None, image: Image, parameters: Parameters) -> list[NDArray[np.float64]]:
+    """Particles that need no drawing."""
+    if kind == "grid":
+        return [uniform_grid(image.shape)]
+    if kind == "gradient":
+        sigma = parameters.smoothing
+        return [
+            gradient_threshold(image.values, smoothing=sigma) if sigma != "auto" else gradient_threshold(image.values)
+        ]
+    return []
+
+
+def _tell_result(result: Result, seconds: float, written: Sequence[str], *, as_json: bool) -> None:
+    closed = sum(contour.closed for contour in result.contours)
+    if as_json:
+        facts = {
+            "particles": len(result.particles),
+            "contours": len(result.contours),
+            "closed": closed,
+            "steps": result.steps,
+            "converged": result.converged,
+            "stop_reason": result.stop_reason,
+            "seconds": round(seconds, 3),
+        }
+        print(json.dumps(facts))
+        return
+    print(f"{result.source}: {counted(len(result.contours), 'contour')} ({closed} closed)")
+    for number, contour in enumerate(result.contours[:10], start=1):
+        kind = f"closed, area {contour.area:.1f} px²" if contour.closed else "open"
+        print(f"  {number}. length {contour.length:.1f} px, {kind}, strength {contour.strength:.3g}")
+    if len(result.contours) > 10:
+        print(f"  ... and {len(result.contours) - 10} shorter ones")
+    print(f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s")
+    print(f"Stopped: {result.stop_reason}")
+    for path in written:
+        print(f"Wrote {path}")
