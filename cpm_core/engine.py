@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.coulomb import coulomb_force
 from cpm_core.dynamics import advance, damping, normalised_coulomb, repulsion_left, stick
+from cpm_core.edge_map import Prepared, automatic_smoothing, prepared
+from cpm_core.enclosure import LAUNCHES, launch_places
 from cpm_core.equilibrium import IDLE_STEPS, QUIET_STEPS, STILL, epsilon, is_idle, is_quiet
 from cpm_core.field.interpolation import interpolate
 from cpm_core.ground import explore, idle_steps, renewed, unvisited
@@ -70,6 +72,7 @@ class Engine:
                 "open an image that shows something."
             )
         self._pyramid = pyramid(array, parameters.scales)
+        self._prepared: tuple[tuple[Array, ...], Prepared] | None = None
         self._levels: OrderedDict[tuple[int, float | str, float], Level] = OrderedDict()
         self._lock = Lock()
         for scale in range(parameters.scales):
@@ -85,11 +88,24 @@ class Engine:
         key = (scale, parameters.smoothing, parameters.edge_floor)
         with self._lock:
             if key not in self._levels:
-                self._levels[key] = build_level(self._pyramid[scale], parameters.smoothing, parameters.edge_floor)
+                self._levels[key] = build_level(*self._image_of(parameters, scale))
                 while len(self._levels) > _KEPT_SETTINGS * self.scales:
                     self._levels.popitem(last=False)
             self._levels.move_to_end(key)
             return self._levels[key]
+
+    def _image_of(self, parameters: Parameters, scale: int) -> tuple[Array, float, float]:
+        """Image of a scale, the Gaussian that it needs and the floor of its edges; "auto" takes heavy noise out first."""
+        floor, smoothing = parameters.edge_floor, parameters.smoothing
+        if smoothing != "auto":
+            return self._pyramid[scale], smoothing, floor
+        if self._prepared is None:
+            ready = prepared(self.image.values)
+            same = ready.image is self.image.values
+            self._prepared = (self._pyramid if same else pyramid(ready.image, self.scales), ready)
+        levels, ready = self._prepared
+        values = levels[scale]
+        return values, ready.sigma or automatic_smoothing(values), max(floor, ready.floor)
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
         """Edge map of a scale, shape (H, W)."""
@@ -292,10 +308,34 @@ class Engine:
         if state.count == 0:
             return state.stopped("all particles left the image")
         if state.quiet >= QUIET_STEPS:
+            launched = self._launched(state, level)
+            if launched is not None:
+                return launched
             return state.stopped(f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps", True)
         if overdue:
             return state.stopped(f"not at rest after {most} steps at full size")
         return state
+
+    @staticmethod
+    def _launched(state: State, level: Level) -> State | None:
+        """Go on with particles beside boundaries of what is enclosed that nobody has reached; None if there are none."""
+        if state.launches == LAUNCHES:
+            return None
+        seated = on_edge(interpolate(level.felt, state.particles.position), level.floor)
+        places = launch_places(level, state.particles.position[seated])
+        if not len(places):
+            return None
+        return replace(
+            state,
+            particles=state.particles.with_more(places, state.next_identity),
+            next_identity=state.next_identity + len(places),
+            launches=state.launches + 1,
+            born=state.born + len(places),
+            annealed=1.0,
+            heated=state.step_of_scale,
+            idle=0,
+            quiet=0,
+        )
 
     @staticmethod
     def _settled(state: State, level: Level) -> State:
@@ -322,6 +362,7 @@ class Engine:
             heated=0,
             idle=0,
             quiet=0,
+            launches=0,
             epsilon=float("nan"),
         )
 

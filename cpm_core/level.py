@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from cpm_core.edge_map import automatic_smoothing, background_strength, gradient, magnitude
+from cpm_core.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.convolution import electric_field
 from cpm_core.field.interpolation import interpolate
 
@@ -85,14 +84,14 @@ class Level:
         return self.edge_map.shape
 
 
-def build_level(values: Array, smoothing: float | Literal["auto"], edge_floor: float) -> Level:
+def build_level(values: Array, smoothing: float, edge_floor: float) -> Level:
     r"""Compute what particles feel in an image.
 
     Parameters
     ----------
     values : ndarray, shape (\*shape)
         Image at its scale.
-    smoothing : float or "auto"
+    smoothing : float
         Gaussian before the gradient [px].
     edge_floor : float
         Fraction of the largest edge strength under which no fixed charge is placed.
@@ -102,15 +101,14 @@ def build_level(values: Array, smoothing: float | Literal["auto"], edge_floor: f
     Level
         Fields of the scale.
     """
-    sigma = automatic_smoothing(values) if smoothing == "auto" else float(smoothing)
-    grad = gradient(values, sigma)
+    grad = gradient(values, smoothing)
     strength = magnitude(grad)
     strongest = float(strength.max())
     charged = np.where(strength >= edge_floor * strongest, strength, 0.0)
     lorentz = lorentz_force(electric_field(charged), grad, strength)
     background = min(background_strength(strength), _MOST_BACKGROUND * strongest)
     floor = max(WEAKEST_EDGE * strongest, edge_floor * strongest, background)
-    return Level(np.concatenate([lorentz, grad, charged[None]]), floor, sigma)
+    return Level(np.concatenate([lorentz, grad, charged[None]]), floor, smoothing)
 
 
 def lorentz_force(field: Array, grad: Array, strength: Array) -> Array:

@@ -61,6 +61,17 @@ class Particles:
             self.position[kept], self.velocity[kept], self.force[:, kept], self.distance[kept], self.identity[kept]
         )
 
+    def with_more(self, position: Array, first: int) -> Particles:
+        """Add particles without motion or history at positions of shape (M, D), numbered from `first` on."""
+        more = Particles.at_rest(position, first)
+        return Particles(
+            np.concatenate([self.position, more.position]),
+            np.concatenate([self.velocity, more.velocity]),
+            np.concatenate([self.force, more.force], axis=1),
+            np.concatenate([self.distance, more.distance]),
+            np.concatenate([self.identity, more.identity]),
+        )
+
     def joined_by(self, position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int) -> Particles:
         """Add particles born between two parents, whose mean velocity and force history they inherit.
 
@@ -127,6 +138,8 @@ class State:
         Consecutive steps that found next to no new ground at this scale.
     quiet : int
         Consecutive steps in which hardly anything moved, was born or was deleted.
+    launches : int
+        Times that particles have been launched beside boundaries of enclosed regions at this scale.
     stop_reason : str
         Why the run ended, in words; empty while it goes on.
     converged : bool
@@ -151,6 +164,7 @@ class State:
     moving: int = 0
     idle: int = 0
     quiet: int = 0
+    launches: int = 0
     stop_reason: str = ""
     converged: bool = False
 

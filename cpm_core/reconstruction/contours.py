@@ -25,8 +25,9 @@ _LEAST_REACH = 2.5
 _SPUR = 3
 """Edges that a loose branch at a junction must exceed to be more than an irregularity of the points."""
 
-_LEAST_LENGTH = 4.0
-"""Length, in d_min, under which a contour is none; a closed one must enclose a square of side d_min as well."""
+_LEAST_LENGTH, _LEAST_IN_SIGMA = 4.0, 8.0
+"""Length, in d_min and in sigma, under which a contour is none: nothing as small as that outlives the smoothing. A
+closed one must enclose a square of side d_min as well."""
 
 
 def find_contours(positions: Array, level: Level, parameters: Parameters) -> tuple[Contour, ...]:
@@ -76,9 +77,10 @@ def _supported(
 
 def choose(contours: tuple[Contour, ...], level: Level, parameters: Parameters) -> tuple[Contour, ...]:
     """Measure contours and leave out the weak, the short and the degenerate."""
+    least = max(_LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * level.smoothing)
     measured = (
         replace(c, strength=float(level.strength(c.points).mean()))
         for c in contours
-        if c.length >= _LEAST_LENGTH * parameters.d_min and (not c.closed or c.area >= parameters.d_min**2)
+        if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)
     )
     return tuple(c for c in measured if c.strength >= parameters.min_strength and c.length >= parameters.min_length)

@@ -1,0 +1,107 @@
+"""Enclosed regions: what particles at rest have found one boundary of, and not yet the others.
+
+A start wholly inside a ring finds the hole or the rim, whichever pulls harder, and repulsion that is weaker than the
+attraction of edges (w1 < w2) never lets anybody cross to the other one. A region between edges that does not reach the
+border of the image is the inside of something; once any of its boundaries has been reached, the others belong to the
+same thing, and particles are launched beside them. What lies outside, up to the border, is left to the drawing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.spatial import cKDTree
+
+from cpm_core.level import Level
+from cpm_core.population import deletion
+
+Array = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+LAUNCHES = 3
+"""Times in a run that particles may be launched beside boundaries that nobody has reached."""
+
+_LEAST_AREA = 16
+"""Pixels that a region must have."""
+
+_REACH, _REACH_SMOOTHING = 3.0, 2.0
+"""Distance from a region's rim to the crest of the edge around it at most: so much, and so many sigma [px]."""
+
+_COVERED = 0.5
+"""Share of a boundary that must have particles beside it for it to count as reached."""
+
+_STRIDE = 6.0
+"""Distance between particles that are launched [px]."""
+
+
+def launch_places(level: Level, positions: Array) -> Array:
+    """Places beside boundaries of enclosed regions that have been reached on another boundary only.
+
+    Parameters
+    ----------
+    level : Level
+        Fields of the scale.
+    positions : ndarray, shape (N, 2)
+        The particles that sit on an edge [px].
+
+    Returns
+    -------
+    ndarray, shape (M, 2)
+        Where to launch particles; empty when nothing is missing.
+    """
+    nowhere = np.zeros((0, 2))
+    if not len(positions):
+        return nowhere
+    regions = _enclosed(level.edge_map < level.floor)
+    rims, region_of = _rims(regions)
+    if not len(region_of):
+        return nowhere
+    place = np.argwhere(rims > 0)
+    number = rims[rims > 0]
+    reach = _REACH + _REACH_SMOOTHING * level.smoothing
+    near = cKDTree(positions).query(place, distance_upper_bound=reach)[0] <= reach
+    size = np.bincount(number, minlength=len(region_of))
+    covered = np.bincount(number, weights=near, minlength=len(region_of)) / np.maximum(size, 1)
+    known = np.zeros(region_of.max() + 1, bool)
+    known[region_of[covered >= _COVERED]] = True
+    missing = (covered < _COVERED) & known[region_of]
+    places = place[missing[number] & ~near].astype(float)
+    return places[deletion(places, np.zeros(len(places)), level.shape, 2.0 * _STRIDE)]
+
+
+def _enclosed(free: NDArray[np.bool_]) -> Labels:
+    """Number the regions between edges that do not touch the border of the image."""
+    labels, count = ndimage.label(free)
+    outside = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
+    small = np.flatnonzero(np.bincount(labels.ravel(), minlength=count + 1) < _LEAST_AREA)
+    dropped = np.zeros(count + 1, bool)
+    dropped[outside], dropped[small], dropped[0] = True, True, True
+    return np.where(dropped[labels], 0, labels).astype(np.int64)
+
+
+def _rims(regions: Labels) -> tuple[Labels, Labels]:
+    """Number the rims of the regions, each closed curve of pixels around or inside one by itself.
+
+    Returns
+    -------
+    rims : ndarray of int64
+        Number of the rim that each pixel lies on, 0 for none.
+    region_of : ndarray of int64
+        Region of each rim; entry 0 stands for none.
+    """
+    eight = np.ones((3, 3), bool)
+    beside = np.where(regions > 0, 0, ndimage.maximum_filter(regions, size=3, mode="nearest"))
+    rims = np.zeros_like(regions)
+    region_of = [np.zeros(1, np.int64)]
+    count = 0
+    for number, window in enumerate(ndimage.find_objects(beside), start=1):
+        if window is None:
+            continue
+        labels, found = ndimage.label(beside[window] == number, structure=eight)
+        part = rims[window]
+        part[labels > 0] = labels[labels > 0] + count
+        region_of.append(np.full(found, number))
+        count += found
+    every = np.concatenate(region_of)
+    return rims, every if count else every[:0]
