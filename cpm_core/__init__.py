@@ -43,6 +43,7 @@ from cpm_core.initialization import circle, gradient_threshold, uniform_grid
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles import Particles, State
 from cpm_core.reconstruction import reconstruct_curve
+from cpm_core.regions import Regions
 from cpm_core.result import Result
 from cpm_core.segmentation import segment
 
@@ -54,6 +55,7 @@ __all__ = [
     "Image",
     "Parameters",
     "Particles",
+    "Regions",
     "Result",
     "State",
     "circle",

@@ -26,6 +26,7 @@ from cpm_core.parameters import Parameters
 from cpm_core.particles import MEMORY, Particles, State
 from cpm_core.population import deletion, insertion, on_edge
 from cpm_core.reconstruction import find_contours
+from cpm_core.regions import Regions
 from cpm_core.result import Result
 
 Array = NDArray[np.float64]
@@ -53,14 +54,18 @@ class Engine:
         Image.
     parameters : Parameters, optional
         For the number of scales, and the fields to prepare at once.
+    regions : Regions, optional
+        Regions of interest, which particles stay in, and barriers, which they do not cross; the whole image by default.
 
     Raises
     ------
     ValueError
-        When the image has no edges, or fewer scales than asked for.
+        When the image has no edges in the regions of interest, or fewer scales than asked for.
     """
 
-    def __init__(self, values: ArrayLike | Image, parameters: Parameters | None = None) -> None:
+    def __init__(
+        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
+    ) -> None:
         parameters = parameters or Parameters()
         self.image = values if isinstance(values, Image) else Image(np.asarray(values, dtype=float))
         array = self.image.values
@@ -70,10 +75,15 @@ class Engine:
                 "open an image that shows something."
             )
         self._pyramid = pyramid(array, parameters.scales)
+        self.regions = regions
+        if regions is not None:
+            regions.check(array.shape)
         self._levels: OrderedDict[tuple[int, float | str, float], Level] = OrderedDict()
         self._lock = Lock()
         for scale in range(parameters.scales):
             self.level(parameters, scale)
+        if regions is not None and not self.edge_map(parameters).any():
+            raise ValueError("there are no edges in the regions of interest: draw them around what is to be found.")
 
     @property
     def scales(self) -> int:
@@ -85,7 +95,9 @@ class Engine:
         key = (scale, parameters.smoothing, parameters.edge_floor)
         with self._lock:
             if key not in self._levels:
-                self._levels[key] = build_level(self._pyramid[scale], parameters.smoothing, parameters.edge_floor)
+                regions = self.regions and self.regions.at_scale(scale, self.image.shape)
+                level = build_level(self._pyramid[scale], parameters.smoothing, parameters.edge_floor, regions)
+                self._levels[key] = level
                 while len(self._levels) > _KEPT_SETTINGS * self.scales:
                     self._levels.popitem(last=False)
             self._levels.move_to_end(key)
@@ -105,7 +117,8 @@ class Engine:
         Parameters
         ----------
         seeds : array_like, shape (N, 2)
-            Where the particles begin (row, col) [px]; those outside the image are left out.
+            Where the particles begin (row, col) [px]; those outside the image or the regions of interest, and those on
+            a barrier, are left out.
 
         Returns
         -------
@@ -115,7 +128,7 @@ class Engine:
         Raises
         ------
         ValueError
-            When there is no particle, or none inside the image.
+            When there is no particle, or none inside the image and the regions of interest.
         """
         points = np.asarray(seeds, dtype=float)
         if points.size == 0:
@@ -135,8 +148,15 @@ class Engine:
             raise ValueError(
                 f"none of the {len(points)} starting particles lies inside the image ({size} pixels): draw inside it."
             )
+        points = points[inside]
+        allowed = self._allowed(points, scale=0)
+        if not allowed.any():
+            raise ValueError(
+                f"none of the {len(points)} starting particles lies inside the regions of interest, clear of barriers: "
+                "draw inside them."
+            )
         nobody = Particles.at_rest(points[:0])
-        begun = State(nobody, points[inside], self.image.shape, self.scales, unvisited(()))
+        begun = State(nobody, points[allowed], self.image.shape, self.scales, unvisited(()), regions=self.regions)
         return self._enter(begun, self.scales - 1)
 
     def step(self, state: State, parameters: Parameters) -> State:
@@ -153,12 +173,13 @@ class Engine:
         Returns
         -------
         State
-            The next state: the same one if the run has stopped.
+            The next state: the same one if the run has stopped. A state of an engine with other regions goes on with
+            the particles that lie in this one's.
         """
         if state.stop_reason:
             return state
         level = self.level(parameters, state.scale)
-        if state.steering != parameters.steering:
+        if state.steering != parameters.steering or state.regions != self.regions:
             state = self._heated(state, parameters)
         state = self._move(state, level, parameters)
         if len(state.particles):
@@ -197,9 +218,11 @@ class Engine:
             source=self.image.source,
         )
 
-    @staticmethod
-    def _heated(state: State, parameters: Parameters) -> State:
+    def _heated(self, state: State, parameters: Parameters) -> State:
         """Set the particles going again under other parameters: what has come to rest must be able to obey them."""
+        if state.regions != self.regions:
+            allowed = self._allowed(state.particles.position, state.scale)
+            state = replace(state, particles=state.particles.where(allowed), regions=self.regions)
         return replace(
             state,
             steering=parameters.steering,
@@ -221,6 +244,7 @@ class Engine:
         seated = on_edge(felt, 0.0)
         held, force = stick(particles, force, felt[:, self.image.ndim : -1], seated, parameters.w1, idle)
         moved = advance(held, force, damping(parameters.beta, idle), parameters.time_step)
+        moved = level.walls.held(particles, moved)
         motion = np.linalg.norm(moved.position - particles.position, axis=1)
         distance = np.column_stack([np.linalg.norm(moved.position, axis=1), particles.distance[:, : MEMORY - 1]])
         moved = replace(moved, distance=distance)
@@ -310,6 +334,7 @@ class Engine:
         shape = self._pyramid[scale].shape
         position = np.concatenate([found, drawn])
         position = position[self._inside(position, shape)]
+        position = position[self._allowed(position, scale)]
         first = state.next_identity
         return replace(
             state,
@@ -324,6 +349,12 @@ class Engine:
             quiet=0,
             epsilon=float("nan"),
         )
+
+    def _allowed(self, positions: Array, scale: int) -> NDArray[np.bool_]:
+        """Which positions at a scale lie in the regions of interest and on no barrier."""
+        if self.regions is None:
+            return np.ones(len(positions), np.bool_)
+        return self.regions.allows(to_image(positions, scale, self.image.shape))
 
     @staticmethod
     def _inside(positions: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:

@@ -47,8 +47,9 @@ def find_contours(positions: Array, level: Level, parameters: Parameters) -> tup
         In px of the scale, longest first.
     """
     strength = level.strength(positions)
-    points, found = crest(positions[strength >= level.floor], level)
-    points = points[found]
+    seated = positions[strength >= level.floor]
+    points, found = crest(seated, level)
+    points = points[found & ~level.walls.crossed(seated, points)]
     strength = level.strength(points)
     kept = deletion(points, strength, level.shape, parameters.d_min)
     points = fill(points[kept], level, parameters.d_min)
@@ -67,11 +68,12 @@ def find_contours(positions: Array, level: Level, parameters: Parameters) -> tup
 def _supported(
     points: Array, strength: Array, edges: NDArray[np.int64], level: Level, reach: float
 ) -> NDArray[np.bool_]:
-    """Which edges of the crust are short and follow an edge of the image."""
+    """Which edges of the crust are short, follow an edge of the image and cross no wall."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     between = level.strength(0.5 * (a + b))
     faintest = FAINTEST * np.maximum(level.floor, np.minimum(strength[edges[:, 0]], strength[edges[:, 1]]))
-    return np.asarray((np.linalg.norm(a - b, axis=1) <= reach) & (between >= faintest))
+    near = np.linalg.norm(a - b, axis=1) <= reach
+    return np.asarray(near & (between >= faintest) & ~level.walls.crossed(a, b))
 
 
 def choose(contours: tuple[Contour, ...], level: Level, parameters: Parameters) -> tuple[Contour, ...]:
