@@ -130,33 +130,9 @@ class Engine:
         ValueError
             When there is no particle, or none inside the image and the regions of interest.
         """
-        points = np.asarray(seeds, dtype=float)
-        if points.size == 0:
-            raise ValueError("there are no particles to start with: draw a circle or click some points first.")
-        if points.ndim != 2 or points.shape[1] != self.image.ndim:
-            raise ValueError(
-                f"the starting particles have the shape {points.shape} but must be (N, {self.image.ndim})."
-            )
-        if not np.isfinite(points).all():
-            wrong = int((~np.isfinite(points)).sum())
-            raise ValueError(
-                f"{wrong} coordinates of the starting particles are not finite: leave those particles out."
-            )
-        inside = self._inside(points, self.image.shape)
-        if not inside.any():
-            size = " x ".join(map(str, self.image.shape))
-            raise ValueError(
-                f"none of the {len(points)} starting particles lies inside the image ({size} pixels): draw inside it."
-            )
-        points = points[inside]
-        allowed = self._allowed(points, scale=0)
-        if not allowed.any():
-            raise ValueError(
-                f"none of the {len(points)} starting particles lies inside the regions of interest, clear of barriers: "
-                "draw inside them."
-            )
+        points = _starting_points(seeds, self.image.shape, self.regions)
         nobody = Particles.at_rest(points[:0])
-        begun = State(nobody, points[allowed], self.image.shape, self.scales, unvisited(()), regions=self.regions)
+        begun = State(nobody, points, self.image.shape, self.scales, unvisited(()), regions=self.regions)
         return self._enter(begun, self.scales - 1)
 
     def step(self, state: State, parameters: Parameters) -> State:
@@ -221,7 +197,7 @@ class Engine:
     def _heated(self, state: State, parameters: Parameters) -> State:
         """Set the particles going again under other parameters: what has come to rest must be able to obey them."""
         if state.regions != self.regions:
-            allowed = self._allowed(state.particles.position, state.scale)
+            allowed = _allowed(state.position, self.regions)
             state = replace(state, particles=state.particles.where(allowed), regions=self.regions)
         return replace(
             state,
@@ -248,7 +224,7 @@ class Engine:
         motion = np.linalg.norm(moved.position - particles.position, axis=1)
         distance = np.column_stack([np.linalg.norm(moved.position, axis=1), particles.distance[:, : MEMORY - 1]])
         moved = replace(moved, distance=distance)
-        inside = self._inside(moved.position, level.shape)
+        inside = _inside(moved.position, level.shape)
         return replace(
             state,
             particles=moved if inside.all() else moved.where(inside),
@@ -333,8 +309,8 @@ class Engine:
         drawn = to_scale(state.start, scale, state.shape)
         shape = self._pyramid[scale].shape
         position = np.concatenate([found, drawn])
-        position = position[self._inside(position, shape)]
-        position = position[self._allowed(position, scale)]
+        position = position[_inside(position, shape)]
+        position = position[_allowed(to_image(position, scale, state.shape), self.regions)]
         first = state.next_identity
         return replace(
             state,
@@ -350,13 +326,38 @@ class Engine:
             epsilon=float("nan"),
         )
 
-    def _allowed(self, positions: Array, scale: int) -> NDArray[np.bool_]:
-        """Which positions at a scale lie in the regions of interest and on no barrier."""
-        if self.regions is None:
-            return np.ones(len(positions), np.bool_)
-        return self.regions.allows(to_image(positions, scale, self.image.shape))
 
-    @staticmethod
-    def _inside(positions: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-        """Which positions lie on the image, its outermost pixels whole."""
-        return np.asarray(((positions >= -0.5) & (positions <= np.array(shape) - 0.5)).all(axis=1))
+def _starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:
+    """Check where particles are to start, and leave out those that may not be there."""
+    points = np.asarray(seeds, dtype=float)
+    if points.size == 0:
+        raise ValueError("there are no particles to start with: draw a circle or click some points first.")
+    if points.ndim != 2 or points.shape[1] != len(shape):
+        raise ValueError(f"the starting particles have the shape {points.shape} but must be (N, {len(shape)}).")
+    if not np.isfinite(points).all():
+        wrong = int((~np.isfinite(points)).sum())
+        raise ValueError(f"{wrong} coordinates of the starting particles are not finite: leave those particles out.")
+    inside = _inside(points, shape)
+    if not inside.any():
+        size = " x ".join(map(str, shape))
+        raise ValueError(
+            f"none of the {len(points)} starting particles lies inside the image ({size} pixels): draw inside it."
+        )
+    points = points[inside]
+    allowed = _allowed(points, regions)
+    if not allowed.any():
+        raise ValueError(
+            f"none of the {len(points)} starting particles lies inside the regions of interest, clear of barriers: "
+            "draw inside them."
+        )
+    return points[allowed]
+
+
+def _inside(positions: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Which positions lie on the image, its outermost pixels whole."""
+    return np.asarray(((positions >= -0.5) & (positions <= np.array(shape) - 0.5)).all(axis=1))
+
+
+def _allowed(positions: Array, regions: Regions | None) -> NDArray[np.bool_]:
+    """Which positions [px of the image] lie in the regions of interest and on no barrier."""
+    return np.ones(len(positions), np.bool_) if regions is None else regions.allows(positions)

@@ -73,7 +73,7 @@ class Level:
 
     @property
     def edge_map(self) -> Array:
-        r"""Edge strength f [grey levels / px], shape (\*shape); in the regions of interest minus it is the fixed charge."""
+        r"""Edge strength f [grey levels / px], shape (\*shape); minus it is the fixed charge in regions of interest."""
         strength: Array = self.felt[-1]
         return strength
 

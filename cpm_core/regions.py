@@ -15,8 +15,8 @@ Array = NDArray[np.float64]
 Line = tuple[tuple[float, float], ...]
 
 _OFF = 1e-6
-"""Distance to either side of a polygon's side at which it is seen whether it is a rim, and within which a place counts as
-on a line [px]."""
+"""Distance to either side of a polygon's side at which it is seen whether it is a rim, and within which a place counts
+as on a line [px]."""
 
 
 @dataclass(frozen=True, slots=True)

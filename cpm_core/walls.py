@@ -118,10 +118,10 @@ def crosses(walls: Walls, a: Array, b: Array) -> bool:
     clear = walls.clearance[row, col]
     if clear > 0.0 and (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 < clear * clear:
         return False
-    for s in range(len(walls.segments)):
-        if _meet(walls.segments[s], a, b):
-            return True
-    return False
+    s = 0
+    while s < len(walls.segments) and not _meet(walls.segments[s], a, b):
+        s += 1
+    return s < len(walls.segments)
 
 
 @compiled
@@ -141,7 +141,8 @@ def _meet(segment: Array, a: Array, b: Array) -> bool:
 @compiled
 def _side(p: Array, q: Array, a: Array) -> float:
     """On which side of the line through p and q a place lies, by the sign."""
-    return (q[0] - p[0]) * (a[1] - p[1]) - (q[1] - p[1]) * (a[0] - p[0])
+    turn: float = (q[0] - p[0]) * (a[1] - p[1]) - (q[1] - p[1]) * (a[0] - p[0])
+    return turn
 
 
 @compiled
