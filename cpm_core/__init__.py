@@ -32,6 +32,7 @@ without new ground. A `State` is a moment of a run, from which the next follows 
 what a run has found; a `Level` is what particles feel at one scale.
 """
 
+from cpm_core.bridge import Bridge
 from cpm_core.contour import Contour
 from cpm_core.coulomb import coulomb_force
 from cpm_core.edge_map import edge_map
@@ -50,6 +51,7 @@ from cpm_core.segmentation import segment
 __all__ = [
     "PARAMETERS",
     "PRESETS",
+    "Bridge",
     "Contour",
     "Engine",
     "Image",

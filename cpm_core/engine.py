@@ -13,6 +13,7 @@ from threading import Lock
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cpm_core.bridge import Bridge
 from cpm_core.coulomb import coulomb_force
 from cpm_core.dynamics import advance, damping, normalised_coulomb, repulsion_left, stick
 from cpm_core.equilibrium import IDLE_STEPS, QUIET_STEPS, STILL, epsilon, is_idle, is_quiet
@@ -178,9 +179,10 @@ class Engine:
             In px of the image.
         """
         scale, shape = state.scale, self.image.shape
-        found = find_contours(state.particles.position, self.level(parameters, scale), parameters)
+        found, bridged = find_contours(state.particles.position, self.level(parameters, scale), parameters)
         size = 2.0**scale
         contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
+        bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
         return Result(
             particles=state.position,
             contours=contours,
@@ -192,6 +194,7 @@ class Engine:
             spacing=self.image.spacing,
             unit=self.image.unit,
             source=self.image.source,
+            bridges=bridges,
         )
 
     def _heated(self, state: State, parameters: Parameters) -> State:

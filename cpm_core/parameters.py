@@ -128,9 +128,21 @@ _TABLE = (
         "", "field", True,
     ),
     ParameterInfo(
+        "max_gap", "g_max", "px", 0.0, 1e4, 0.0, 60.0, 1.0, "Widest gap",
+        "Distance up to which loose ends of contours are joined across a gap, along the edge map.",
+        "More of it bridges wider gaps; at 0 real gaps stay open.",
+        "", "nothing", True,
+    ),
+    ParameterInfo(
         "min_strength", "s_min", "grey/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Least strength",
-        "Mean edge strength under which a contour is left out.",
+        "Mean edge strength under which a contour, or a stretch of one that ends loose, is left out.",
         "More of it keeps only the contours of strong edges.",
+        "", "nothing", True,
+    ),
+    ParameterInfo(
+        "sure_strength", "s_sure", "grey/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Sure strength",
+        "Edge strength under which a contour stays only if it is connected to one that has it.",
+        "More of it leaves out weak contours by themselves and keeps those that continue strong ones.",
         "", "nothing", True,
     ),
     ParameterInfo(
@@ -172,8 +184,13 @@ class Parameters:
         Levels of the pyramid.
     edge_floor : float
         Fraction of the largest edge strength under which no fixed charge is placed.
+    max_gap : float
+        Loose ends of contours up to this far apart are joined along the edge map [px]; at 0 gaps stay open.
     min_strength : float
-        Contours of a lower mean edge strength are left out [grey levels / px].
+        Contours of a lower mean edge strength are left out, and such stretches of contours that end loose [grey
+        levels / px].
+    sure_strength : float
+        Contours of a lower edge strength stay only if they are connected to one that has it [grey levels / px].
     min_length : float
         Shorter contours are left out [px].
 
@@ -193,7 +210,9 @@ class Parameters:
     smoothing: float | Literal["auto"] = 1.0
     scales: int = 3
     edge_floor: float = 0.0
+    max_gap: float = 0.0
     min_strength: float = 0.0
+    sure_strength: float = 0.0
     min_length: float = 0.0
 
     def __post_init__(self) -> None:
@@ -211,7 +230,7 @@ class Parameters:
         return tuple(getattr(self, name) for name in PARAMETERS if name not in _NOT_STEERING)
 
 
-_NOT_STEERING = ("scales", "min_strength", "min_length")
+_NOT_STEERING = ("scales", "max_gap", "min_strength", "sure_strength", "min_length")
 
 
 def _check(info: ParameterInfo, value: object) -> None:

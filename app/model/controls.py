@@ -91,7 +91,7 @@ def controls() -> tuple[Control, ...]:
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:
     """Range of the slider for an image of the given contrast; the strength of edges goes with the grey levels."""
-    if control.name != "min_strength" or contrast <= 0:
+    if control.name not in ("min_strength", "sure_strength") or contrast <= 0:
         return control.slider_low, control.slider_high
     return control.slider_low, control.slider_high * contrast / _FULL_CONTRAST
 
