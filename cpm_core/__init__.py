@@ -20,10 +20,13 @@ The model on one page
    and hardly anything has moved, appeared or vanished for twenty steps (`ground`, `equilibrium`).
 7. All this happens on one **scale** after the other, from coarse to fine; each begins with what the coarser one found
    and with the **initialization**, the particles that were drawn (`multiscale`, `initialization`).
-8. The **reconstruction** moves points to the crest of the edge, fills it up, joins them by the crust, and walks along
-   the edges to closed and open **contours** with **junctions** (`reconstruction`).
+8. The **reconstruction** moves points to the crest of the edge, fills it up, joins them by the crust, leaves out what
+   is weak, builds **bridges** across gaps when asked to, and walks along the edges to closed and open **contours** with
+   **junctions** (`reconstruction`).
+9. All of it happens inside the **regions of interest** and on this side of the **barriers**, if there are any
+   (`regions`); at each scale they are the walls that no move, birth, contour or bridge crosses (`walls`).
 
-`Engine` composes 1 to 7, step by step; `segment` is all of it in one call.
+`Engine` composes 1 to 7 and 9, step by step; `segment` is all of it in one call.
 
 Words
 -----
