@@ -44,6 +44,9 @@ places to the other must be for them to be joined."""
 _SIDE = 1.5
 """How many times cheaper than an end the side of a contour must be to be preferred."""
 
+_AHEAD = 0.5
+"""Distance ahead, as a fraction of the shortest curve, within which a wall is what a curve ends at."""
+
 _SMOOTHINGS = 6
 """Times that the steps from pixel to pixel are smoothed."""
 
@@ -61,7 +64,8 @@ class _Way:
 def bridge_gaps(graph: Graph, level: Level, longest: float, spacing: float, least: float) -> tuple[Bridge, ...]:
     """Join loose ends that are at most `longest` apart, or that far from the side of a contour.
 
-    The cheapest bridges come first. None leads across a contour or a wall, or turns back.
+    The cheapest bridges come first. None leads across a contour or a wall, or turns back. A curve that ends because it
+    has run into a wall, a barrier or the rim of a region of interest, has no gap there.
 
     Parameters
     ----------
@@ -81,7 +85,7 @@ def bridge_gaps(graph: Graph, level: Level, longest: float, spacing: float, leas
     tuple of Bridge
         What was built, cheapest first.
     """
-    ends = {v: _direction(graph, v) for v in _long_ends(graph, least)} if longest > 0.0 else {}
+    ends = _ends(graph, level, least) if longest > 0.0 else {}
     if not ends:
         return ()
     ground = _Ground(graph, level)
@@ -275,9 +279,13 @@ def _continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
     )
 
 
-def _long_ends(graph: Graph, least: float) -> list[int]:
-    """Loose ends of connected curves that are at least so long altogether."""
-    return [end for end in graph.ends() if _reaches(graph, end, least)]
+def _ends(graph: Graph, level: Level, least: float) -> dict[int, Array]:
+    """Loose ends, and their directions, of curves that are long enough and do not end at a wall."""
+    ends = [end for end in graph.ends() if _reaches(graph, end, least)]
+    direction = np.array([_direction(graph, end) for end in ends]).reshape(-1, 2)
+    place = graph.points[ends]
+    walled = level.walls.crossed(place, place + _AHEAD * least * direction)
+    return {end: way for end, way, wall in zip(ends, direction, walled, strict=True) if not wall}
 
 
 def _reaches(graph: Graph, end: int, least: float) -> bool:

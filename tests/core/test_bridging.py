@@ -194,6 +194,15 @@ def test_no_bridge_crosses_a_barrier_or_leaves_the_region():
     assert bridged(curves(*lines), flat(Regions(interest=(around,)))) == ()
 
 
+def test_what_runs_out_of_the_region_is_not_bridged_along_its_rim():
+    angle = np.linspace(-0.3 * np.pi, 1.3 * np.pi, 80)
+    arc = np.stack([40.0 - 18.0 * np.sin(angle), 50.0 + 18.0 * np.cos(angle)], axis=1)
+    below = ((2, 2), (2, 117), (56, 117), (56, 2))
+    assert len(bridged(curves(arc), flat())) == 1
+    assert bridged(curves(arc), flat(Regions(interest=(below,)))) == ()
+    assert bridged(curves(arc), flat(Regions(barriers=(((56, 2), (56, 117)),)))) == ()
+
+
 def test_the_nearest_end_is_joined_first():
     one, two, three = straight((40, 10), (40, 40)), straight((41, 50), (42, 80)), straight((36, 60), (30, 90))
     (bridge, *_) = bridged(curves(one, two, three), flat())
