@@ -73,12 +73,8 @@ class Regions:
 
     def allows(self, points: Array) -> NDArray[np.bool_]:
         """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""
-        free = self.contains(points)
-        for segment in np.concatenate([self.rims(), self.lines()]):
-            a, along = segment[:2], segment[2:] - segment[:2]
-            t = np.clip((points - a) @ along / (along @ along), 0.0, 1.0)
-            free &= np.linalg.norm(points - a - t[:, None] * along, axis=1) > _OFF
-        return free
+        on_line = _touching(np.concatenate([self.rims(), self.lines()]), np.ascontiguousarray(points, dtype=float))
+        return np.asarray(self.contains(points) & ~on_line)
 
     def pixels(self, shape: tuple[int, ...]) -> NDArray[np.bool_]:
         """Which pixels of an image of this shape have their centre in a region of interest."""
@@ -160,6 +156,20 @@ def _cut(side: Array, others: Array) -> Array:
     places = a + every[:, None] * along
     places[-1] = side[2:]
     return _segments(places)
+
+
+@compiled
+def _touching(segments: Array, points: Array) -> NDArray[np.bool_]:
+    """Which points lie on a segment."""
+    on = np.zeros(len(points), np.bool_)
+    for i in range(len(points)):
+        for s in range(len(segments)):
+            row, col = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
+            from_row, from_col = points[i, 0] - segments[s, 0], points[i, 1] - segments[s, 1]
+            t = min(max((from_row * row + from_col * col) / (row * row + col * col), 0.0), 1.0)
+            if (from_row - t * row) ** 2 + (from_col - t * col) ** 2 < _OFF**2:
+                on[i] = True
+    return on
 
 
 @compiled

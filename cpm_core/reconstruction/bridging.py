@@ -161,8 +161,10 @@ class _Ground:
 
     def build(self, end: int, between: Array, other: int) -> None:
         """Add a bridge to the graph."""
+        first = len(self.graph.points)
         self.graph.insert(end, between, other)
-        self._edges = self.graph.edges()
+        way = np.array([end, *range(first, first + len(between)), other], dtype=np.int64)
+        self._edges = np.concatenate([self._edges, np.stack([way[:-1], way[1:]], axis=1)])
 
     def free(self, path: Array, spared: tuple[int, ...]) -> bool:
         """Whether a path crosses no contour and no wall."""
