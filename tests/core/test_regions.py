@@ -203,9 +203,11 @@ def test_strong_edges_outside_do_not_hide_faint_ones_inside():
     assert ONE.distance(contour.points).max() < 0.15
 
 
-def test_behind_a_barrier_nothing_is_found():
+@pytest.mark.parametrize("setting", [{}, {"beta": 0.0}, {"beta": 0.1, "time_step": 1.0}], ids=str)
+def test_behind_a_barrier_nothing_is_found_and_those_held_back_come_to_rest(setting):
     barrier = Regions(barriers=(((-1, 56), (30, 53), (81, 55)),))
-    found = segment(BOTH, circle((36.0, 30.0), 21.0), regions=barrier)
+    found = segment(BOTH, circle((36.0, 30.0), 21.0), Parameters(**setting), regions=barrier)
+    assert found.converged
     assert [c.closed for c in found.contours] == [True]
     assert ONE.distance(found.contours[0].points).max() < 0.15
 
@@ -226,6 +228,19 @@ def test_a_barrier_across_a_contour_cuts_it():
     for contour in found.contours:
         assert len({bool(row < 36.0 + 0.5 * (col + 1.0) / 55.0) for row, col in contour.points.tolist()}) == 1
         assert contour.length == pytest.approx(np.pi * 18.0, abs=6.0)
+
+
+@settings(max_examples=12, deadline=None)
+@given(barriers, st.sampled_from([0.0, 25.0]))
+def test_no_contour_and_no_bridge_crosses_a_barrier(barrier, max_gap):
+    parameters, lines = Parameters(scales=1, max_gap=max_gap), np.array(barrier)
+    engine = Engine(SCENE.values, parameters, Regions(barriers=(barrier,)))
+    state = engine.start(GRID)
+    for _ in range(50):
+        state = engine.step(state, parameters)
+    for contour in engine.result(state, parameters).contours:
+        for p, q in pairwise(lines):
+            assert not crossing(contour.path[:-1], contour.path[1:], p, q).any()
 
 
 def test_the_rim_is_no_edge():
