@@ -45,10 +45,9 @@ def drop_weak(graph: Graph, level: Level, parameters: Parameters) -> None:
     parameters : Parameters
         For `min_strength` and `sure_strength`.
     """
-    if max(parameters.min_strength, parameters.sure_strength) > 0.0:
-        strength = ratings(graph, level.strength)
-        drop_under(graph, strength, parameters.min_strength)
-        drop_unconnected(graph, strength, parameters.sure_strength)
+    strength = ratings(graph, level.strength)
+    drop_under(graph, strength, parameters.min_strength)
+    drop_unconnected(graph, strength, parameters.sure_strength)
 
 
 def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:

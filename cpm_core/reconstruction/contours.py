@@ -67,8 +67,9 @@ def find_contours(
     graph.drop_spurs(_SPUR)
     close_gaps(graph, level, reach)
     graph.drop_spurs(_SPUR)
-    drop_weak(graph, level, parameters)
-    graph.drop_spurs(_SPUR)
+    if max(parameters.min_strength, parameters.sure_strength) > 0.0:
+        drop_weak(graph, level, parameters)
+        graph.drop_spurs(_SPUR)
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
     bridges = bridge_gaps(graph, level, parameters.max_gap, spacing, LEAST_LENGTH * parameters.d_min)
     contours = choose(graph.contours(), level, parameters)
