@@ -20,10 +20,13 @@ The model on one page
    and hardly anything has moved, appeared or vanished for twenty steps (`ground`, `equilibrium`).
 7. All this happens on one **scale** after the other, from coarse to fine; each begins with what the coarser one found
    and with the **initialization**, the particles that were drawn (`multiscale`, `initialization`).
-8. The **reconstruction** moves points to the crest of the edge, fills it up, joins them by the crust, and walks along
-   the edges to closed and open **contours** with **junctions** (`reconstruction`).
+8. The **reconstruction** moves points to the crest of the edge, fills it up, joins them by the crust, leaves out what
+   is weak, builds **bridges** across gaps when asked to, and walks along the edges to closed and open **contours** with
+   **junctions** (`reconstruction`).
+9. All of it happens inside the **regions of interest** and on this side of the **barriers**, if there are any
+   (`regions`); at each scale they are the walls that no move, birth, contour or bridge crosses (`walls`).
 
-`Engine` composes 1 to 7, step by step; `segment` is all of it in one call.
+`Engine` composes 1 to 7 and 9, step by step; `segment` is all of it in one call.
 
 Words
 -----
@@ -32,6 +35,7 @@ without new ground. A `State` is a moment of a run, from which the next follows 
 what a run has found; a `Level` is what particles feel at one scale.
 """
 
+from cpm_core.bridge import Bridge
 from cpm_core.contour import Contour
 from cpm_core.coulomb import coulomb_force
 from cpm_core.edge_map import edge_map
@@ -43,17 +47,20 @@ from cpm_core.initialization import circle, gradient_threshold, uniform_grid
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles import Particles, State
 from cpm_core.reconstruction import reconstruct_curve
+from cpm_core.regions import Regions
 from cpm_core.result import Result
 from cpm_core.segmentation import segment
 
 __all__ = [
     "PARAMETERS",
     "PRESETS",
+    "Bridge",
     "Contour",
     "Engine",
     "Image",
     "Parameters",
     "Particles",
+    "Regions",
     "Result",
     "State",
     "circle",

@@ -20,6 +20,8 @@ class Contour:
         Whether the last vertex is joined to the first; the first is not repeated.
     strength : float
         Mean of the edge map along the curve [grey levels / px].
+    contrast : float
+        Mean contrast of the regions on both sides, from 0 for two alike to 1 for two even ones, see `contrast`.
     junctions : tuple of two bool
         Whether the first and the last vertex lie on a junction that further contours share.
     """
@@ -27,6 +29,7 @@ class Contour:
     points: NDArray[np.float64]
     closed: bool
     strength: float = 0.0
+    contrast: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
 
     @property

@@ -57,14 +57,14 @@ def total_variation(values: Array, weight: float) -> Array:
     """
     if weight <= 0.0:
         return values.copy()
-    return np.asarray(_primal_dual(values.astype(np.float32), np.float32(weight), _ITERATIONS), dtype=float)
+    return _primal_dual(values.astype(np.float32), weight, _ITERATIONS).astype(np.float64)
 
 
 @compiled
 def _primal_dual(data: NDArray[np.float32], weight: float, iterations: int) -> NDArray[np.float32]:
     rows, cols = data.shape
     image = data.copy()
-    # a margin that repeats the last row and column, and one of no flow before the first, keep the loops free of branches
+    # a margin that repeats the last row and column, and one without flow before the first: no branches in the loops
     ahead = np.zeros((rows + 1, cols + 1), np.float32)
     down = np.zeros((rows + 1, cols), np.float32)
     right = np.zeros((rows, cols + 1), np.float32)

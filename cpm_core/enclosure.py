@@ -8,6 +8,8 @@ same thing, and particles are launched beside them. What lies outside, up to the
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -66,7 +68,7 @@ def launch_places(level: Level, positions: Array) -> Array:
     known = np.zeros(region_of.max() + 1, bool)
     known[region_of[covered >= _COVERED]] = True
     missing = (covered < _COVERED) & known[region_of]
-    places = place[missing[number] & ~near].astype(float)
+    places: Array = place[missing[number] & ~near].astype(float)
     return places[deletion(places, np.zeros(len(places)), level.shape, 2.0 * _STRIDE)]
 
 
@@ -95,8 +97,9 @@ def _rims(regions: Labels) -> tuple[Labels, Labels]:
     rims = np.zeros_like(regions)
     region_of = [np.zeros(1, np.int64)]
     count = 0
-    for number, window in enumerate(ndimage.find_objects(beside), start=1):
-        if window is None:
+    windows = cast("list[tuple[slice, ...] | None]", ndimage.find_objects(beside))
+    for number, window in enumerate(windows, start=1):
+        if window is None:  # the region has no pixel beside it that is not another region's
             continue
         labels, found = ndimage.label(beside[window] == number, structure=eight)
         part = rims[window]

@@ -6,34 +6,31 @@ the next one from any state, without memory of its own, so that a run can be pau
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from dataclasses import replace
-from threading import Lock
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cpm_core.bridge import Bridge
 from cpm_core.coulomb import coulomb_force
 from cpm_core.dynamics import advance, damping, normalised_coulomb, repulsion_left, stick
-from cpm_core.edge_map import Prepared, automatic_smoothing, prepared
 from cpm_core.enclosure import LAUNCHES, launch_places
 from cpm_core.equilibrium import IDLE_STEPS, QUIET_STEPS, STILL, epsilon, is_idle, is_quiet
 from cpm_core.field.interpolation import interpolate
 from cpm_core.ground import explore, idle_steps, renewed, unvisited
 from cpm_core.image import Image
-from cpm_core.level import Level, build_level
-from cpm_core.multiscale import pyramid, to_image, to_scale
+from cpm_core.level import Level
+from cpm_core.levels import Levels
+from cpm_core.multiscale import shape_of_scale, to_image, to_scale
 from cpm_core.neighbors import nearest_spacing
 from cpm_core.parameters import Parameters
 from cpm_core.particles import MEMORY, Particles, State
 from cpm_core.population import deletion, insertion, on_edge
 from cpm_core.reconstruction import find_contours
+from cpm_core.regions import Regions
 from cpm_core.result import Result
 
 Array = NDArray[np.float64]
-
-_KEPT_SETTINGS = 2
-"""Settings whose levels are kept for reuse, so that going back to the last one costs nothing."""
 
 _STEPS_A_PIXEL = 2.0
 """Steps that a scale may take, for each pixel of the longest side: a front advances about two pixels a step."""
@@ -55,14 +52,18 @@ class Engine:
         Image.
     parameters : Parameters, optional
         For the number of scales, and the fields to prepare at once.
+    regions : Regions, optional
+        Regions of interest, which particles stay in, and barriers, which they do not cross; the whole image by default.
 
     Raises
     ------
     ValueError
-        When the image has no edges, or fewer scales than asked for.
+        When the image has no edges in the regions of interest, or fewer scales than asked for.
     """
 
-    def __init__(self, values: ArrayLike | Image, parameters: Parameters | None = None) -> None:
+    def __init__(
+        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
+    ) -> None:
         parameters = parameters or Parameters()
         self.image = values if isinstance(values, Image) else Image(np.asarray(values, dtype=float))
         array = self.image.values
@@ -71,41 +72,23 @@ class Engine:
                 f"{self.image.source} is constant ({array.flat[0]:g} everywhere) and has no edges: "
                 "open an image that shows something."
             )
-        self._pyramid = pyramid(array, parameters.scales)
-        self._prepared: tuple[tuple[Array, ...], Prepared] | None = None
-        self._levels: OrderedDict[tuple[int, float | str, float], Level] = OrderedDict()
-        self._lock = Lock()
+        self.regions = regions
+        if regions is not None:
+            regions.check(array.shape)
+        self._levels = Levels(array, parameters.scales, regions)
         for scale in range(parameters.scales):
             self.level(parameters, scale)
+        if regions is not None and not self.edge_map(parameters).any():
+            raise ValueError("there are no edges in the regions of interest: draw them around what is to be found.")
 
     @property
     def scales(self) -> int:
         """Levels of the pyramid."""
-        return len(self._pyramid)
+        return len(self._levels)
 
     def level(self, parameters: Parameters, scale: int = 0) -> Level:
         """Fields of a scale, built when they are first asked for."""
-        key = (scale, parameters.smoothing, parameters.edge_floor)
-        with self._lock:
-            if key not in self._levels:
-                self._levels[key] = build_level(*self._image_of(parameters, scale))
-                while len(self._levels) > _KEPT_SETTINGS * self.scales:
-                    self._levels.popitem(last=False)
-            self._levels.move_to_end(key)
-            return self._levels[key]
-
-    def _image_of(self, parameters: Parameters, scale: int) -> tuple[Array, float, float]:
-        """Image of a scale, the Gaussian that it needs and the floor of its edges; "auto" takes heavy noise out first."""
-        floor, smoothing = parameters.edge_floor, parameters.smoothing
-        if smoothing != "auto":
-            return self._pyramid[scale], smoothing, floor
-        if self._prepared is None:
-            ready = prepared(self.image.values)
-            same = ready.image is self.image.values
-            self._prepared = (self._pyramid if same else pyramid(ready.image, self.scales), ready)
-        levels, ready = self._prepared
-        values = levels[scale]
-        return values, ready.sigma or automatic_smoothing(values), max(floor, ready.floor)
+        return self._levels.at(scale, parameters)
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
         """Edge map of a scale, shape (H, W)."""
@@ -121,7 +104,8 @@ class Engine:
         Parameters
         ----------
         seeds : array_like, shape (N, 2)
-            Where the particles begin (row, col) [px]; those outside the image are left out.
+            Where the particles begin (row, col) [px]; those outside the image or the regions of interest, and those on
+            a barrier, are left out.
 
         Returns
         -------
@@ -131,28 +115,11 @@ class Engine:
         Raises
         ------
         ValueError
-            When there is no particle, or none inside the image.
+            When there is no particle, or none inside the image and the regions of interest.
         """
-        points = np.asarray(seeds, dtype=float)
-        if points.size == 0:
-            raise ValueError("there are no particles to start with: draw a circle or click some points first.")
-        if points.ndim != 2 or points.shape[1] != self.image.ndim:
-            raise ValueError(
-                f"the starting particles have the shape {points.shape} but must be (N, {self.image.ndim})."
-            )
-        if not np.isfinite(points).all():
-            wrong = int((~np.isfinite(points)).sum())
-            raise ValueError(
-                f"{wrong} coordinates of the starting particles are not finite: leave those particles out."
-            )
-        inside = self._inside(points, self.image.shape)
-        if not inside.any():
-            size = " x ".join(map(str, self.image.shape))
-            raise ValueError(
-                f"none of the {len(points)} starting particles lies inside the image ({size} pixels): draw inside it."
-            )
+        points = _starting_points(seeds, self.image.shape, self.regions)
         nobody = Particles.at_rest(points[:0])
-        begun = State(nobody, points[inside], self.image.shape, self.scales, unvisited(()))
+        begun = State(nobody, points, self.image.shape, self.scales, unvisited(()), regions=self.regions)
         return self._enter(begun, self.scales - 1)
 
     def step(self, state: State, parameters: Parameters) -> State:
@@ -169,12 +136,13 @@ class Engine:
         Returns
         -------
         State
-            The next state: the same one if the run has stopped.
+            The next state: the same one if the run has stopped. A state of an engine with other regions goes on with
+            the particles that lie in this one's.
         """
         if state.stop_reason:
             return state
         level = self.level(parameters, state.scale)
-        if state.steering != parameters.steering:
+        if state.steering != parameters.steering or state.regions != self.regions:
             state = self._heated(state, parameters)
         state = self._move(state, level, parameters)
         if len(state.particles):
@@ -197,9 +165,10 @@ class Engine:
             In px of the image.
         """
         scale, shape = state.scale, self.image.shape
-        found = find_contours(state.particles.position, self.level(parameters, scale), parameters)
+        found, bridged = find_contours(state.particles.position, self.level(parameters, scale), parameters)
         size = 2.0**scale
         contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
+        bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
         return Result(
             particles=state.position,
             contours=contours,
@@ -211,11 +180,14 @@ class Engine:
             spacing=self.image.spacing,
             unit=self.image.unit,
             source=self.image.source,
+            bridges=bridges,
         )
 
-    @staticmethod
-    def _heated(state: State, parameters: Parameters) -> State:
+    def _heated(self, state: State, parameters: Parameters) -> State:
         """Set the particles going again under other parameters: what has come to rest must be able to obey them."""
+        if state.regions != self.regions:
+            allowed = _allowed(state.position, self.regions)
+            state = replace(state, particles=state.particles.where(allowed), regions=self.regions)
         return replace(
             state,
             steering=parameters.steering,
@@ -237,10 +209,11 @@ class Engine:
         seated = on_edge(felt, 0.0)
         held, force = stick(particles, force, felt[:, self.image.ndim : -1], seated, parameters.w1, idle)
         moved = advance(held, force, damping(parameters.beta, idle), parameters.time_step)
+        moved = level.walls.held(particles, moved)
         motion = np.linalg.norm(moved.position - particles.position, axis=1)
         distance = np.column_stack([np.linalg.norm(moved.position, axis=1), particles.distance[:, : MEMORY - 1]])
         moved = replace(moved, distance=distance)
-        inside = self._inside(moved.position, level.shape)
+        inside = _inside(moved.position, level.shape)
         return replace(
             state,
             particles=moved if inside.all() else moved.where(inside),
@@ -318,7 +291,7 @@ class Engine:
 
     @staticmethod
     def _launched(state: State, level: Level) -> State | None:
-        """Go on with particles beside boundaries of what is enclosed that nobody has reached; None if there are none."""
+        """Go on with particles beside enclosed boundaries that nobody has reached; None when nothing is missing."""
         if state.launches == LAUNCHES:
             return None
         seated = on_edge(interpolate(level.felt, state.particles.position), level.floor)
@@ -347,9 +320,10 @@ class Engine:
         """Begin a scale with what the coarser one found and with the drawing itself."""
         found = to_scale(to_image(state.particles.position, state.scale, state.shape), scale, state.shape)
         drawn = to_scale(state.start, scale, state.shape)
-        shape = self._pyramid[scale].shape
+        shape = shape_of_scale(state.shape, scale)
         position = np.concatenate([found, drawn])
-        position = position[self._inside(position, shape)]
+        position = position[_inside(position, shape)]
+        position = position[_allowed(to_image(position, scale, state.shape), self.regions)]
         first = state.next_identity
         return replace(
             state,
@@ -366,7 +340,38 @@ class Engine:
             epsilon=float("nan"),
         )
 
-    @staticmethod
-    def _inside(positions: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-        """Which positions lie on the image, its outermost pixels whole."""
-        return np.asarray(((positions >= -0.5) & (positions <= np.array(shape) - 0.5)).all(axis=1))
+
+def _starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:
+    """Check where particles are to start, and leave out those that may not be there."""
+    points = np.asarray(seeds, dtype=float)
+    if points.size == 0:
+        raise ValueError("there are no particles to start with: draw a circle or click some points first.")
+    if points.ndim != 2 or points.shape[1] != len(shape):
+        raise ValueError(f"the starting particles have the shape {points.shape} but must be (N, {len(shape)}).")
+    if not np.isfinite(points).all():
+        wrong = int((~np.isfinite(points)).sum())
+        raise ValueError(f"{wrong} coordinates of the starting particles are not finite: leave those particles out.")
+    inside = _inside(points, shape)
+    if not inside.any():
+        size = " x ".join(map(str, shape))
+        raise ValueError(
+            f"none of the {len(points)} starting particles lies inside the image ({size} pixels): draw inside it."
+        )
+    points = points[inside]
+    allowed = _allowed(points, regions)
+    if not allowed.any():
+        raise ValueError(
+            f"none of the {len(points)} starting particles lies inside the regions of interest, clear of barriers: "
+            "draw inside them."
+        )
+    return points[allowed]
+
+
+def _inside(positions: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Which positions lie on the image, its outermost pixels whole."""
+    return np.asarray(((positions >= -0.5) & (positions <= np.array(shape) - 0.5)).all(axis=1))
+
+
+def _allowed(positions: Array, regions: Regions | None) -> NDArray[np.bool_]:
+    """Which positions [px of the image] lie in the regions of interest and on no barrier."""
+    return np.ones(len(positions), np.bool_) if regions is None else regions.allows(positions)

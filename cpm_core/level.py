@@ -9,9 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from cpm_core.contrast import region_contrast
 from cpm_core.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.convolution import electric_field
 from cpm_core.field.interpolation import interpolate
+from cpm_core.frame import inside_frame
+from cpm_core.regions import Regions
+from cpm_core.walls import NO_WALLS, Walls, build_walls
 
 Array = NDArray[np.float64]
 
@@ -30,6 +34,9 @@ _MOST_BACKGROUND = 0.35
 _RIDGE, _SLOPE = 0.6, 0.4
 """Fractions of the strongest neighbour: at the first a pixel is on an edge, under the second it is beside one."""
 
+_MARGIN = 4.0
+"""Distance beyond the regions of interest to which the edge map is kept, so that an edge inside is seen whole [px]."""
+
 _SUMMIT_REACH, _FIELD_REACH = 5, 3
 """Pixels across the neighbourhoods in which the crest of an edge, and the largest field beside it, are looked for."""
 
@@ -42,15 +49,24 @@ class Level:
     ----------
     felt : ndarray, shape (2 D + 1, \*shape)
         `lorentz`, `gradient` and `edge_map` in one, so that one interpolation gets a particle all of it.
+    values : ndarray, shape (\*shape)
+        The image.
+    strongest : float
+        Largest edge strength [grey levels / px].
     floor : float
         Edge strength under which there is no edge for a particle to sit on.
     smoothing : float
         The sigma that was used [px].
+    walls : Walls
+        What particles do not cross.
     """
 
     felt: Array
+    values: Array
+    strongest: float
     floor: float
     smoothing: float
+    walls: Walls = NO_WALLS
 
     @property
     def lorentz(self) -> Array:
@@ -64,13 +80,18 @@ class Level:
 
     @property
     def edge_map(self) -> Array:
-        r"""Edge strength f [grey levels / px], shape (\*shape); minus it is the fixed charge."""
+        r"""Edge strength f [grey levels / px], shape (\*shape); minus it is the fixed charge in regions of interest."""
         strength: Array = self.felt[-1]
         return strength
 
     def strength(self, points: Array) -> Array:
         """Edge strength at points, shape (N, D), between the pixels."""
         return interpolate(self.edge_map[None], points)[:, 0]
+
+    def contrast(self, points: Array) -> Array:
+        """Contrast of the regions on both sides of an edge, at points on it, shape (N, D)."""
+        normal = interpolate(self.gradient, points)
+        return region_contrast(self.values, points, normal, self.smoothing)
 
     @cached_property
     def spline(self) -> Array:
@@ -84,7 +105,9 @@ class Level:
         return self.edge_map.shape
 
 
-def build_level(values: Array, smoothing: float, edge_floor: float) -> Level:
+def build_level(
+    values: Array, smoothing: float, edge_floor: float, regions: Regions | None = None, max_frame: float = 0.0
+) -> Level:
     r"""Compute what particles feel in an image.
 
     Parameters
@@ -95,6 +118,9 @@ def build_level(values: Array, smoothing: float, edge_floor: float) -> Level:
         Gaussian before the gradient [px].
     edge_floor : float
         Fraction of the largest edge strength under which no fixed charge is placed.
+    regions : Regions, optional
+        Regions of interest and barriers, in px of the scale. Outside the regions of interest there is no fixed charge,
+        and what is the largest edge strength and what is background is told by the inside.
 
     Returns
     -------
@@ -103,15 +129,23 @@ def build_level(values: Array, smoothing: float, edge_floor: float) -> Level:
     """
     grad = gradient(values, smoothing)
     strength = magnitude(grad)
-    strongest = float(strength.max())
+    walls = NO_WALLS if regions is None else build_walls(regions, values.shape)
+    inside = inside_frame(grad, smoothing, max_frame)
+    if regions is not None and regions.interest:
+        inside &= regions.pixels(values.shape)
+    strongest = float(strength.max(where=inside, initial=0.0))
     charged = np.where(strength >= edge_floor * strongest, strength, 0.0)
-    lorentz = lorentz_force(electric_field(charged), grad, strength)
-    background = min(background_strength(strength), _MOST_BACKGROUND * strongest)
+    lorentz = lorentz_force(electric_field(np.where(inside, charged, 0.0)), grad, strength, strongest)
+    if strongest == 0.0:  # a coarse scale may have no pixel inside: nowhere is an edge to sit on
+        return Level(np.concatenate([lorentz, grad, 0.0 * charged[None]]), values, strongest, np.inf, smoothing, walls)
+    background = min(background_strength(strength[inside]), _MOST_BACKGROUND * strongest)
     floor = max(WEAKEST_EDGE * strongest, edge_floor * strongest, background)
-    return Level(np.concatenate([lorentz, grad, charged[None]]), floor, smoothing)
+    if not inside.all():
+        charged[ndimage.distance_transform_edt(~inside) > _MARGIN] = 0.0
+    return Level(np.concatenate([lorentz, grad, charged[None]]), values, strongest, floor, smoothing, walls)
 
 
-def lorentz_force(field: Array, grad: Array, strength: Array) -> Array:
+def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:
     r"""Normalised Lorentz force on the pixels.
 
     Away from edges it is the unit vector of the field (section 3.3). On an edge two things are done otherwise:
@@ -130,6 +164,8 @@ def lorentz_force(field: Array, grad: Array, strength: Array) -> Array:
         Image gradient.
     strength : ndarray, shape (\*shape)
         Its magnitude.
+    strongest : float
+        The largest edge strength that counts.
 
     Returns
     -------
@@ -138,7 +174,7 @@ def lorentz_force(field: Array, grad: Array, strength: Array) -> Array:
     """
     summit = ndimage.maximum_filter(strength, size=_SUMMIT_REACH, mode="nearest")
     near = np.clip((strength / np.maximum(summit, 1e-300) - _SLOPE) / (_RIDGE - _SLOPE), 0.0, 1.0)
-    near[summit < WEAKEST_EDGE * float(strength.max())] = 0.0
+    near[summit < WEAKEST_EDGE * strongest] = 0.0
     size = magnitude(field)
     beside = ndimage.maximum_filter(size, size=_FIELD_REACH, mode="nearest")
     force = field / np.maximum(np.maximum(size, near * beside), max(1e-12 * float(size.max()), 1e-300))

@@ -128,9 +128,35 @@ _TABLE = (
         "", "field", True,
     ),
     ParameterInfo(
+        "max_gap", "g_max", "px", 0.0, 1e4, 0.0, 60.0, 1.0, "Widest gap",
+        "Distance up to which loose ends of contours are joined across a gap, along the edge map.",
+        "More of it bridges wider gaps; at 0 real gaps stay open.",
+        "", "nothing", True,
+    ),
+    ParameterInfo(
+        "max_frame", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Widest frame",
+        "A dark or bright rim of the image up to this wide, as a fraction of its shorter side, is taken for its frame, "
+        "and the edge of it for no edge.",
+        "More of it finds wider frames; 0 leaves every edge in.",
+        "", "field", True,
+    ),
+    ParameterInfo(
         "min_strength", "s_min", "grey/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Least strength",
-        "Mean edge strength under which a contour is left out.",
+        "Mean edge strength under which a contour, or a stretch of one that ends loose, is left out.",
         "More of it keeps only the contours of strong edges.",
+        "", "nothing", True,
+    ),
+    ParameterInfo(
+        "sure_edge", "f_sure", "", 0.0, 0.99, 0.0, 0.6, 0.01, "Sure edge",
+        "Fraction of the largest edge strength under which a contour stays only if it is connected to one above it.",
+        "More of it leaves out weak contours by themselves and keeps those that continue strong ones.",
+        "", "nothing", True,
+    ),
+    ParameterInfo(
+        "min_contrast", "c_min", "", 0.0, 0.99, 0.0, 0.9, 0.01, "Least contrast",
+        "Contrast of the regions on both sides, from 0 for two alike to 1 for two even ones, under which a contour, or "
+        "a stretch of one that ends loose, is left out.",
+        "More of it leaves out texture, whose edges have the same on both sides.",
         "", "nothing", True,
     ),
     ParameterInfo(
@@ -172,8 +198,17 @@ class Parameters:
         Levels of the pyramid.
     edge_floor : float
         Fraction of the largest edge strength under which no fixed charge is placed.
+    max_frame : float
+        Width up to which a rim of the image is taken for its frame, as a fraction of the shorter side; 0 for no frame.
+    max_gap : float
+        Loose ends of contours up to this far apart are joined along the edge map [px]; at 0 gaps stay open.
     min_strength : float
-        Contours of a lower mean edge strength are left out [grey levels / px].
+        Contours of a lower mean edge strength are left out, and such stretches of contours that end loose [grey
+        levels / px].
+    sure_edge : float
+        Contours whose edge strength is under this fraction of the largest stay only if they are connected to one above.
+    min_contrast : float
+        Contours between regions of a lower contrast are left out, and such stretches of contours that end loose.
     min_length : float
         Shorter contours are left out [px].
 
@@ -193,7 +228,11 @@ class Parameters:
     smoothing: float | Literal["auto"] = 1.0
     scales: int = 3
     edge_floor: float = 0.0
+    max_frame: float = 0.0
+    max_gap: float = 0.0
     min_strength: float = 0.0
+    sure_edge: float = 0.0
+    min_contrast: float = 0.0
     min_length: float = 0.0
 
     def __post_init__(self) -> None:
@@ -211,7 +250,7 @@ class Parameters:
         return tuple(getattr(self, name) for name in PARAMETERS if name not in _NOT_STEERING)
 
 
-_NOT_STEERING = ("scales", "min_strength", "min_length")
+_NOT_STEERING = ("scales", "max_gap", "min_strength", "sure_edge", "min_contrast", "min_length")
 
 
 def _check(info: ParameterInfo, value: object) -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cpm_core.ground import Ground
 from cpm_core.multiscale import to_image
+from cpm_core.regions import Regions
 
 Array = NDArray[np.float64]
 
@@ -122,6 +123,8 @@ class State:
         Fraction of the insertion range d_max that annealing has left.
     steering : tuple
         `Parameters.steering` of the last step; empty before the first.
+    regions : Regions or None
+        Regions of interest and barriers of the last step.
     heated : int
         Step of this scale at which the particles were last set going, by its beginning or by other parameters.
     next_identity : int
@@ -155,6 +158,7 @@ class State:
     step_of_scale: int = 0
     annealed: float = 1.0
     steering: tuple[object, ...] = ()
+    regions: Regions | None = None
     heated: int = 0
     next_identity: int = 0
     born: int = 0

@@ -13,6 +13,7 @@ from cpm_core.kernels import compiled
 from cpm_core.level import FAINTEST, GATE, Level
 from cpm_core.neighbors import Cells, block, build_cells, count_near, sort_in, squared_distance
 from cpm_core.parameters import Parameters
+from cpm_core.walls import Walls, crosses
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -138,6 +139,7 @@ def insertion(
     their midpoint, as in section 3.6, if the edge goes on there. Ahead: a seated particle that sees the edge go on
     within one spacing, with nobody on it, gets one there. Annealing ends the first rule; the second one does not depend
     on it and carries a front along every edge that is connected to the one it sits on, through bends and junctions.
+    Neither of them reaches across a wall.
 
     Parameters
     ----------
@@ -172,7 +174,7 @@ def insertion(
         place=np.empty(dimension),
         there=np.empty(2 * dimension + 1),
     )
-    last = _find_places(position, count, seated, looking, terrain, _turns(dimension), parent)
+    last = _find_places(position, count, seated, looking, terrain, level.walls, _turns(dimension), parent)
     return Births(position[count:last].copy(), parent[count:last, 0].copy(), parent[count:last, 1].copy())
 
 
@@ -191,6 +193,7 @@ def _find_places(
     seated: NDArray[np.bool_],
     looking: NDArray[np.bool_],
     terrain: _Terrain,
+    walls: Walls,
     turns: Array,
     parent: Index,
 ) -> int:
@@ -201,9 +204,9 @@ def _find_places(
     for i in range(count):
         if seated[i]:
             faintest = max(terrain.floor, FAINTEST * sample_one(terrain.felt[-1], terrain.shape, position[i]))
-            last = _fill_between(cells, i, count, last, seated, terrain, faintest, parent)
+            last = _fill_between(cells, i, count, last, seated, terrain, walls, faintest, parent)
             if looking[i]:
-                last = _look_ahead(cells, i, last, terrain, faintest, turns, parent)
+                last = _look_ahead(cells, i, last, terrain, walls, faintest, turns, parent)
     return last
 
 
@@ -215,6 +218,7 @@ def _fill_between(
     last: int,
     seated: NDArray[np.bool_],
     terrain: _Terrain,
+    walls: Walls,
     faintest: float,
     parent: Index,
 ) -> int:
@@ -232,8 +236,10 @@ def _fill_between(
                         place[k] = 0.5 * (position[i, k] + position[j, k])
                     # nothing between: nobody in the circle over the pair
                     free = 0.5 * np.sqrt(squared) - 1e-9
-                    if sample_one(terrain.felt[-1], terrain.shape, place) >= faintest and _is_free(
-                        cells, place, free, d_min
+                    if (
+                        sample_one(terrain.felt[-1], terrain.shape, place) >= faintest
+                        and _is_free(cells, place, free, d_min)
+                        and not crosses(walls, position[i], position[j])
                     ):
                         last = _occupy(cells, last, place, i, j, parent)
             j = cells.following[j]
@@ -242,7 +248,7 @@ def _fill_between(
 
 @compiled
 def _look_ahead(
-    cells: Cells, i: int, last: int, terrain: _Terrain, faintest: float, turns: Array, parent: Index
+    cells: Cells, i: int, last: int, terrain: _Terrain, walls: Walls, faintest: float, turns: Array, parent: Index
 ) -> int:
     """Places one stride from particle `i` where its edge, or one that meets it, goes on."""
     place, d_min = terrain.place, terrain.d_min
@@ -256,6 +262,7 @@ def _look_ahead(
             and count_near(cells, place, room) == 0
             and _relax(terrain, faintest, 0.5 * d_min)
             and _is_free(cells, place, room, d_min)
+            and not crosses(walls, cells.position[i], place)
         ):
             last = _occupy(cells, last, place, i, i, parent)
     return last

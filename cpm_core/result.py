@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.bridge import Bridge
 from cpm_core.contour import Contour
 
 
@@ -36,6 +37,8 @@ class Result:
         Unit of `spacing`; None when the image tells none.
     source : str
         Name of the image, for people.
+    bridges : tuple of Bridge
+        Gaps that were bridged in the contours.
     """
 
     particles: NDArray[np.float64]
@@ -48,3 +51,4 @@ class Result:
     spacing: tuple[float, ...]
     unit: str | None
     source: str
+    bridges: tuple[Bridge, ...] = ()

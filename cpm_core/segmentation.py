@@ -10,6 +10,7 @@ from cpm_core.engine import Engine
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
 from cpm_core.particles import State
+from cpm_core.regions import Regions
 from cpm_core.result import Result
 
 
@@ -19,6 +20,7 @@ def segment(
     parameters: Parameters | None = None,
     max_steps: int | None = None,
     progress: Callable[[State], object] | None = None,
+    regions: Regions | None = None,
 ) -> Result:
     """Find the contours of the objects in an image.
 
@@ -37,6 +39,8 @@ def segment(
         Stop after so many steps even if not at rest.
     progress : callable, optional
         Called with every `State`.
+    regions : Regions, optional
+        Regions of interest, which particles stay in, and barriers, which they do not cross.
 
     Returns
     -------
@@ -51,7 +55,7 @@ def segment(
     chosen = parameters or Parameters()
     if max_steps is not None and max_steps < 1:
         raise ValueError(f"max_steps is {max_steps} but must be at least 1.")
-    engine = Engine(values, chosen)
+    engine = Engine(values, chosen, regions)
     state = engine.start(seeds)
     while not state.stop_reason:
         state = engine.step(state, chosen)

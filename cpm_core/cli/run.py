@@ -26,6 +26,7 @@ from cpm_core.formats import export, load_image, load_points
 from cpm_core.image import Image
 from cpm_core.initialization import circle, gradient_threshold, uniform_grid
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.regions import Regions
 from cpm_core.result import Result
 from cpm_core.segmentation import segment
 
@@ -40,6 +41,18 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     start.add_argument("--circle", metavar="ROW,COL,RADIUS", action="append", default=[], help="a circle, in px")
     start.add_argument("--points", metavar="FILE.csv", action="append", default=[], help="points: row,col on each line")
     start.add_argument("--auto", choices=("grid", "gradient"), help="everywhere, or on the strongest edges")
+    place = parser.add_argument_group("place (each may be repeated)")
+    line = "ROW,COL,ROW,COL,..."
+    place.add_argument(
+        "--region", metavar=line, action="append", default=[], help="corners of a polygon that particles stay in, in px"
+    )
+    place.add_argument(
+        "--barrier",
+        metavar=line,
+        action="append",
+        default=[],
+        help="vertices of a line that no particle crosses, in px",
+    )
     parameters = parser.add_argument_group("parameters")
     parameters.add_argument("--preset", choices=tuple(PRESETS), default="shape", help="named settings (default: shape)")
     add_parameters(parameters)
@@ -54,13 +67,14 @@ def _run(arguments: argparse.Namespace) -> None:
     parameters = parameters_of(arguments, arguments.preset)
     max_steps = _max_steps(arguments.max_steps)
     drawn = _drawn(arguments)
+    regions = _regions(arguments)
     check_exports(arguments.export, arguments.image)
     image = load_image(arguments.image)
     seeds = np.concatenate([*drawn, *_automatic(arguments.auto, image, parameters)])
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
-        result = segment(image, seeds, parameters, max_steps=max_steps, progress=progress)
+        result = segment(image, seeds, parameters, max_steps=max_steps, progress=progress, regions=regions)
     finally:
         if progress is not None:
             progress.clear()
@@ -90,6 +104,28 @@ def _circle(text: str) -> NDArray[np.float64]:
     return circle(center=(row, col), radius=radius)
 
 
+def _regions(arguments: argparse.Namespace) -> Regions | None:
+    """Regions of interest and barriers on the command line."""
+    if not (arguments.region or arguments.barrier):
+        return None
+    return Regions(
+        interest=tuple(_line("--region", text, 3) for text in arguments.region),
+        barriers=tuple(_line("--barrier", text, 2) for text in arguments.barrier),
+    )
+
+
+def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
+    """Points of a line given as row and column in turn."""
+    numbers = [as_number(part.strip()) for part in text.split(",")]
+    known = [float(number) for number in numbers if not isinstance(number, str)]
+    if len(known) != len(numbers) or len(known) % 2 or len(known) < 2 * least:
+        raise ValueError(
+            f'{flag} is "{text}" but must be rows and columns in turn, of {least} points at least, ROW,COL,ROW,COL,... '
+            "in px."
+        )
+    return tuple(zip(known[::2], known[1::2], strict=True))
+
+
 def _automatic(kind: str | None, image: Image, parameters: Parameters) -> list[NDArray[np.float64]]:
     """Particles that need no drawing."""
     if kind == "grid":
@@ -113,6 +149,7 @@ def _tell_result(result: Result, seconds: float, written: Sequence[str], *, as_j
             "converged": result.converged,
             "stop_reason": result.stop_reason,
             "seconds": round(seconds, 3),
+            "bridges": len(result.bridges),
         }
         print(json.dumps(facts))
         return
@@ -122,6 +159,9 @@ def _tell_result(result: Result, seconds: float, written: Sequence[str], *, as_j
         print(f"  {number}. length {contour.length:.1f} px, {kind}, strength {contour.strength:.3g}")
     if len(result.contours) > 10:
         print(f"  ... and {len(result.contours) - 10} shorter ones")
+    if result.bridges:
+        longest = max(bridge.length for bridge in result.bridges)
+        print(f"Bridged {counted(len(result.bridges), 'gap')}, longest {longest:.1f} px")
     print(f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s")
     print(f"Stopped: {result.stop_reason}")
     for path in written:

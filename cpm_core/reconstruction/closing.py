@@ -62,7 +62,8 @@ def _lengths(graph: Graph, path: list[int]) -> dict[int, float]:
 
 
 def _edge_between(a: Array, b: Array, level: Level) -> bool:
-    """Whether the edge map stays up on the way from a to b."""
+    """Whether the edge map stays up on the way from a to b, and no wall is in it."""
     along = a + (b - a) * np.linspace(0.0, 1.0, _SAMPLES)[:, None]
     strength = level.strength(along)
-    return bool(strength.min() >= FAINTEST * min(strength[0], strength[-1]))
+    goes_on = strength.min() >= FAINTEST * min(strength[0], strength[-1])
+    return bool(goes_on and not level.walls.crossed(a[None], b[None]).any())

@@ -1,16 +1,17 @@
-"""The whole way from particles to contours: refine, thin, fill, crust, tidy, close, walk, choose."""
+"""The whole way from particles to contours: refine, thin, fill, crust, tidy, close, choose, bridge, walk."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.bridge import Bridge
 from cpm_core.contour import Contour
 from cpm_core.level import FAINTEST, Level
 from cpm_core.parameters import Parameters
 from cpm_core.population import deletion
+from cpm_core.reconstruction.bridging import bridge_gaps, bridges_of
+from cpm_core.reconstruction.choosing import LEAST_LENGTH, choose, drop_weak
 from cpm_core.reconstruction.closing import close_gaps
 from cpm_core.reconstruction.curve import crust
 from cpm_core.reconstruction.filling import fill
@@ -25,12 +26,13 @@ _LEAST_REACH = 2.5
 _SPUR = 3
 """Edges that a loose branch at a junction must exceed to be more than an irregularity of the points."""
 
-_LEAST_LENGTH, _LEAST_IN_SIGMA = 4.0, 8.0
-"""Length, in d_min and in sigma, under which a contour is none: nothing as small as that outlives the smoothing. A
-closed one must enclose a square of side d_min as well."""
+_BRIDGE_SPACING = 2.0
+"""Largest distance of the vertices of a bridge [px]."""
 
 
-def find_contours(positions: Array, level: Level, parameters: Parameters) -> tuple[Contour, ...]:
+def find_contours(
+    positions: Array, level: Level, parameters: Parameters
+) -> tuple[tuple[Contour, ...], tuple[Bridge, ...]]:
     """Contours that particles have found.
 
     Parameters
@@ -40,16 +42,19 @@ def find_contours(positions: Array, level: Level, parameters: Parameters) -> tup
     level : Level
         Fields of the scale.
     parameters : Parameters
-        For `d_min`, `d_max`, `min_strength` and `min_length`.
+        For `d_min`, `d_max`, `max_gap`, `min_strength`, `sure_edge`, `min_contrast` and `min_length`.
 
     Returns
     -------
-    tuple of Contour
+    contours : tuple of Contour
         In px of the scale, longest first.
+    bridges : tuple of Bridge
+        Gaps that were bridged in them.
     """
     strength = level.strength(positions)
-    points, found = crest(positions[strength >= level.floor], level)
-    points = points[found]
+    seated = positions[strength >= level.floor]
+    points, found = crest(seated, level)
+    points = points[found & ~level.walls.crossed(seated, points)]
     strength = level.strength(points)
     kept = deletion(points, strength, level.shape, parameters.d_min)
     points = fill(points[kept], level, parameters.d_min)
@@ -62,25 +67,21 @@ def find_contours(positions: Array, level: Level, parameters: Parameters) -> tup
     graph.drop_spurs(_SPUR)
     close_gaps(graph, level, reach)
     graph.drop_spurs(_SPUR)
-    return choose(graph.contours(), level, parameters)
+    if max(parameters.min_strength, parameters.sure_edge, parameters.min_contrast) > 0.0:
+        drop_weak(graph, level, parameters)
+        graph.drop_spurs(_SPUR)
+    spacing = min(parameters.d_min, _BRIDGE_SPACING)
+    bridges = bridge_gaps(graph, level, parameters.max_gap, spacing, LEAST_LENGTH * parameters.d_min)
+    contours = choose(graph.contours(), level, parameters)
+    return contours, bridges_of(bridges, contours)
 
 
 def _supported(
     points: Array, strength: Array, edges: NDArray[np.int64], level: Level, reach: float
 ) -> NDArray[np.bool_]:
-    """Which edges of the crust are short and follow an edge of the image."""
+    """Which edges of the crust are short, follow an edge of the image and cross no wall."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     between = level.strength(0.5 * (a + b))
     faintest = FAINTEST * np.maximum(level.floor, np.minimum(strength[edges[:, 0]], strength[edges[:, 1]]))
-    return np.asarray((np.linalg.norm(a - b, axis=1) <= reach) & (between >= faintest))
-
-
-def choose(contours: tuple[Contour, ...], level: Level, parameters: Parameters) -> tuple[Contour, ...]:
-    """Measure contours and leave out the weak, the short and the degenerate."""
-    least = max(_LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * level.smoothing)
-    measured = (
-        replace(c, strength=float(level.strength(c.points).mean()))
-        for c in contours
-        if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)
-    )
-    return tuple(c for c in measured if c.strength >= parameters.min_strength and c.length >= parameters.min_length)
+    near = np.linalg.norm(a - b, axis=1) <= reach
+    return np.asarray(near & (between >= faintest) & ~level.walls.crossed(a, b))

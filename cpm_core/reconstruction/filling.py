@@ -50,10 +50,12 @@ def fill(points: Array, level: Level, d_min: float) -> Array:
         if not len(fresh):
             break
         places = (fresh[:, None] + around).reshape(-1, 2)
+        origin = np.repeat(fresh, _DIRECTIONS, axis=0)
         faintest = np.repeat(np.maximum(level.floor, FAINTEST * level.strength(fresh)), _DIRECTIONS)
         tree = cKDTree(points)
         likely = (tree.query(places)[0] >= room) & (level.strength(places) >= faintest)
         places, found = crest(places[likely], level)
+        found &= ~level.walls.crossed(origin[likely], places)
         places, faintest = places[found], faintest[likely][found]
         strength = level.strength(places)
         apart = (strength >= faintest) & (tree.query(places)[0] >= room) if len(places) else np.zeros(0, np.bool_)

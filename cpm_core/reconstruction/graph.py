@@ -36,6 +36,14 @@ class Graph:
         self.links[a].add(b)
         self.links[b].add(a)
 
+    def insert(self, a: int, between: Array, b: int) -> None:
+        """Join two vertices by way of new ones, shape (K, 2)."""
+        first = len(self.points)
+        self.points = np.concatenate([self.points, between])
+        self.links.extend(set() for _ in between)
+        for one, other in pairwise([a, *range(first, first + len(between)), b]):
+            self.link(one, other)
+
     def unlink(self, a: int, b: int) -> None:
         """Part two vertices."""
         self.links[a].discard(b)
@@ -48,6 +56,11 @@ class Graph:
     def degree(self, vertex: int) -> int:
         """Number of edges at a vertex."""
         return len(self.links[vertex])
+
+    def edges(self) -> Edges:
+        """Every edge once, shape (E, 2), the lower index first."""
+        pairs = [(a, b) for a, near in enumerate(self.links) for b in sorted(near) if a < b]
+        return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
     def ends(self) -> list[int]:
         """Vertices with a single edge."""

@@ -48,7 +48,7 @@ def test_run_finds_the_disk_and_tells_it_as_json(disk, command):
     status, out, err = command("run", disk, *START, "--json")
     facts = json.loads(out)
     assert (status, err) == (0, "")
-    assert list(facts) == ["particles", "contours", "closed", "steps", "converged", "stop_reason", "seconds"]
+    assert list(facts) == ["particles", "contours", "closed", "steps", "converged", "stop_reason", "seconds", "bridges"]
     assert (facts["contours"], facts["closed"], facts["converged"]) == (1, 1, True)
     assert facts["particles"] > 20
     assert facts["steps"] > 0
@@ -93,6 +93,33 @@ def test_run_starts_from_points_and_by_itself_too(disk, command, tmp_path):
         status, out, err = command("run", disk, *start, "--json")
         assert (status, err) == (0, "")
         assert json.loads(out)["closed"] == 1
+
+
+def test_regions_and_barriers_tell_where_particles_may_be(disk, command, tmp_path):
+    polygon, barrier = "10,10,10,90,40,90,40,10", "20.5,-1,20.5,120"
+    _, out, _ = command("run", disk, *START, "--region", polygon, "--export", tmp_path / "half.csv", "--json")
+    assert (json.loads(out)["contours"], json.loads(out)["closed"]) == (1, 0)
+    rows = np.genfromtxt(tmp_path / "half.csv", delimiter=",", skip_header=1)[:, 5]
+    assert 21.0 < rows.min() < 23.0
+    assert 37.0 < rows.max() <= 40.0
+    _, out, _ = command("run", disk, *START, "--barrier", barrier, "--json")
+    assert json.loads(out)["closed"] == 1
+    status, _, err = command("run", disk, *START, "--region", "0,0,0,99,26,99,26,0")
+    assert status == 2
+    assert "none of the 38 starting particles lies inside the regions of interest" in err
+
+
+def test_bridges_are_told(tmp_path, command):
+    """A level edge that fades out towards the middle, and comes back."""
+    row, col = np.mgrid[:100, :120]
+    fade = np.clip((np.abs(col - 60.0) - 7.0) / 25.0, 0.0, 1.0)
+    below = 1.0 / (1.0 + np.exp((50.0 - row) / 0.5))
+    PIL.Image.fromarray((128 + 100 * fade * (below - 0.5)).astype(np.uint8)).save(tmp_path / "edge.png")
+    run = ("run", tmp_path / "edge.png", "--auto", "grid", "--scales", 1)
+    assert json.loads(command(*run, "--json")[1])["bridges"] == 0
+    assert "Bridged" not in command(*run)[1]
+    assert json.loads(command(*run, "--max-gap", 40, "--json")[1])["bridges"] == 1
+    assert "\nBridged 1 gap, longest 2" in command(*run, "--max-gap", 40)[1]
 
 
 def test_run_stops_after_the_steps_it_may_take(disk, command):
@@ -168,6 +195,14 @@ BAD = [
     ("run disk.png --circle 40,50,12 --export out.stl", "out.stl"),
     ("run disk.png --circle 40,50,12 --export none/out.svg", "no folder"),
     ("run disk.png --circle 40,50,12 --export out.svg disk.png", "overwrite the image"),
+    ("run disk.png --circle 40,50,12 --export out.svg --region 1,1,9,9", "--region"),
+    ("run disk.png --circle 40,50,12 --export out.svg --region 1,1,9,9,1", "--region"),
+    ("run disk.png --circle 40,50,12 --export out.svg --region 1,1,9,9,a,b", "--region"),
+    ("run disk.png --circle 40,50,12 --export out.svg --region 900,900,990,990,900,990", "region of interest 1"),
+    ("run disk.png --circle 40,50,12 --export out.svg --region 36,46,36,54,44,54,44,46", "no edges in the regions"),
+    ("run disk.png --circle 40,50,12 --export out.svg --barrier 5,5", "--barrier"),
+    ("run disk.png --circle 40,50,12 --export out.svg --barrier 5,5,5,5", "barrier 1"),
+    ("run disk.png --circle 40,50,12 --export out.svg --barrier 5,5,5,nan", "barrier 1"),
     ("info", "IMAGE"),
     ("info none.png", "does not exist"),
     ("info text.png --json", "not an image"),

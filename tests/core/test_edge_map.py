@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import edge_map
-from cpm_core.edge_map import automatic_smoothing, background_strength, gradient, magnitude
+from cpm_core.edge_map import automatic_smoothing, background_strength, gradient, magnitude, prepared
 
 from .scenes import disk
 
@@ -104,6 +104,18 @@ def test_more_noise_never_gives_less_automatic_smoothing():
     assert chosen[0] == min(chosen) == automatic_smoothing(np.zeros((20, 20)))
 
 
-def test_automatic_smoothing_of_the_edge_map_is_the_chosen_one():
-    image = disk((64, 64), (31.0, 33.0), 15.0).values + np.random.default_rng(8).normal(0.0, 50.0, (64, 64))
+def test_light_noise_is_left_to_the_chosen_gaussian():
+    image = disk((64, 64), (31.0, 33.0), 15.0).values + np.random.default_rng(8).normal(0.0, 20.0, (64, 64))
+    ready = prepared(image)
+    assert ready.image is image
+    assert ready.floor == 0.0
     np.testing.assert_array_equal(edge_map(image, "auto"), edge_map(image, automatic_smoothing(image)))
+
+
+def test_heavy_noise_is_taken_out_before_edges_are_looked_for():
+    scene = disk((128, 128), (63.0, 65.0), 35.0).values
+    image = scene + np.random.default_rng(8).normal(0.0, 150.0, scene.shape)
+    ready = prepared(image)
+    assert np.abs(ready.image - scene).mean() < 0.2 * np.abs(image - scene).mean()
+    row, col = np.unravel_index(edge_map(image, "auto").argmax(), scene.shape)
+    assert abs(np.hypot(row - 63.0, col - 65.0) - 35.0) < 3.0

@@ -105,10 +105,3 @@ def test_mirrored_and_turned_images_have_such_forces():
     np.testing.assert_allclose(build_level(image.T, 1.0, 0.0).lorentz, [col.T, row.T], atol=1e-9)
     turned = build_level(np.rot90(image), 1.0, 0.0).lorentz
     np.testing.assert_allclose(turned, [-np.rot90(col), np.rot90(row)], atol=1e-9)
-
-
-def test_automatic_smoothing_is_told():
-    image = disk((64, 64), (32.0, 31.0), 18.0).values
-    assert build_level(image, 2.5, 0.0).smoothing == 2.5
-    noisy = image + np.random.default_rng(2).normal(0.0, 60.0, image.shape)
-    assert build_level(noisy, "auto", 0.0).smoothing > build_level(image, "auto", 0.0).smoothing

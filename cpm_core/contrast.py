@@ -1,0 +1,60 @@
+"""Region information: what lies on the two sides of an edge.
+
+The edge of an object divides two regions that differ; an edge of texture has the same on both sides, dark and bright.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.field.interpolation import interpolate
+
+Array = NDArray[np.float64]
+
+_RADIUS, _RADIUS_SMOOTHING = 4.0, 1.5
+"""Radius of the half disks that are compared: so much, and so many sigma [px]."""
+
+_RINGS, _SPOKES = 4, 7
+"""Places in a half disk: distances, and directions at each."""
+
+
+def region_contrast(values: Array, points: Array, normals: Array, smoothing: float) -> Array:
+    r"""Contrast of the regions on both sides of an edge.
+
+    In half disks on both sides, ``|m1 - m2| / (|m1 - m2| + s)`` with the means m1 and m2 and the root mean square s of
+    the two standard deviations.
+
+    Parameters
+    ----------
+    values : ndarray, shape (H, W)
+        Image.
+    points : ndarray, shape (N, 2)
+        Places on edges [px].
+    normals : ndarray, shape (N, 2)
+        Normals of the edges there, of any length.
+    smoothing : float
+        Gaussian that the edges were found with [px].
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        From 0, where both sides are alike on average, to 1, where each is even and they differ.
+    """
+    across = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    along = np.stack([-across[:, 1], across[:, 0]], axis=1)
+    radius = _RADIUS + _RADIUS_SMOOTHING * smoothing
+    # equal areas, and no place on the edge itself
+    distance = radius * np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
+    angle = np.pi * ((np.arange(_SPOKES) + 0.5) / _SPOKES - 0.5)
+    ahead = np.outer(distance, np.cos(angle)).ravel()
+    aside = np.outer(distance, np.sin(angle)).ravel()
+    means, variances = [], []
+    for sign in (-1.0, 1.0):
+        places = points[:, None] + sign * ahead[:, None] * across[:, None] + aside[:, None] * along[:, None]
+        seen = interpolate(values[None], places.reshape(-1, 2)).reshape(len(points), len(ahead))
+        means.append(seen.mean(axis=1))
+        variances.append(seen.var(axis=1))
+    step = np.abs(means[1] - means[0])
+    spread = np.sqrt(0.5 * (variances[0] + variances[1]))
+    return np.asarray(step / np.maximum(step + spread, 1e-300))

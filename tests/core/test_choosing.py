@@ -1,0 +1,161 @@
+"""Which contours stay: hysteresis against brute force, and thresholds that only take away."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cpm_core import Engine, Parameters, uniform_grid
+from cpm_core.reconstruction.choosing import drop_unconnected, drop_under, ratings
+from cpm_core.reconstruction.graph import Graph
+
+
+@st.composite
+def rated_graphs(draw):
+    """Any graph, and a strength for each of its vertices."""
+    count = draw(st.integers(2, 14))
+    pairs = st.tuples(st.integers(0, count - 1), st.integers(0, count - 1)).filter(lambda p: p[0] != p[1])
+    edges = draw(st.lists(pairs, max_size=30))
+    strength = np.array(draw(st.lists(st.integers(0, 9), min_size=count, max_size=count)), dtype=float)
+    points = np.random.default_rng(draw(st.integers(0, 1000))).uniform(0.0, 20.0, (count, 2))
+    return points, np.array(edges, dtype=np.int64).reshape(-1, 2), strength
+
+
+def kept_edges(made, least, sure):
+    """Edges that the two thresholds leave, and the ratings."""
+    points, edges, strength = made
+    graph = Graph(points, edges)
+    rated = ratings(graph, lambda _: strength)
+    drop_under(graph, rated, least)
+    drop_unconnected(graph, rated, sure)
+    return {tuple(edge) for edge in graph.edges().tolist()}, rated
+
+
+thresholds = st.floats(0.0, 9.0)
+
+
+@settings(max_examples=150, deadline=None)
+@given(rated_graphs(), thresholds, thresholds)
+def test_what_stays_is_strong_enough_and_connected_to_what_is_sure(made, least, sure):
+    kept, rated = kept_edges(made, least, sure)
+    truth = {edge for edge, rating in rated.items() if rating >= least and rating >= sure}
+    while True:
+        near = {edge for edge in rated if rated[edge] >= least and any(set(edge) & set(other) for other in truth)}
+        if near <= truth:
+            break
+        truth |= near
+    assert kept == truth
+
+
+@settings(max_examples=150, deadline=None)
+@given(rated_graphs(), thresholds, thresholds, thresholds, thresholds)
+def test_a_higher_threshold_only_takes_away(made, least, sure, more, surer):
+    kept, _ = kept_edges(made, least, sure)
+    fewer, _ = kept_edges(made, least + more, sure + surer)
+    assert fewer <= kept
+
+
+@settings(max_examples=100, deadline=None)
+@given(rated_graphs())
+def test_without_thresholds_everything_stays(made):
+    points, edges, _ = made
+    assert kept_edges(made, 0.0, 0.0)[0] == {tuple(edge) for edge in Graph(points, edges).edges().tolist()}
+
+
+@settings(max_examples=100, deadline=None)
+@given(rated_graphs())
+def test_what_is_closed_or_between_junctions_is_rated_as_a_whole(made):
+    points, edges, strength = made
+    graph = Graph(points, edges)
+    rated = ratings(graph, lambda _: strength)
+    assert set(rated) == {tuple(edge) for edge in graph.edges().tolist()}
+    for path, closed in graph.walks():
+        if closed or min(graph.degree(path[0]), graph.degree(path[-1])) > 1:
+            sides = itertools.pairwise([*path, path[0]] if closed else path)
+            np.testing.assert_allclose([rated[min(s), max(s)] for s in sides], strength[path].mean())
+
+
+def line(strengths):
+    """A straight line of vertices, one pixel apart, with these strengths."""
+    points = np.stack([np.zeros(len(strengths)), np.arange(float(len(strengths)))], axis=1)
+    return points, np.array(list(itertools.pairwise(range(len(strengths))))), np.array(strengths, dtype=float)
+
+
+def test_a_contour_that_runs_out_loses_its_weak_stretch_and_keeps_the_strong_one():
+    kept, _ = kept_edges(line([50.0] * 40 + [5.0] * 60), 25.0, 0.0)
+    assert kept == {(i, i + 1) for i in range(max(b for _, b in kept))}
+    assert 36 <= len(kept) <= 44
+
+
+def test_a_short_dip_does_not_cut_a_contour():
+    kept, _ = kept_edges(line([50.0] * 40 + [5.0] * 3 + [50.0] * 40), 25.0, 0.0)
+    assert len(kept) == 82
+
+
+def test_a_weak_stretch_does_not_open_a_closed_contour():
+    points, edges, strength = line([50.0] * 60 + [5.0] * 20)
+    ring = np.concatenate([edges, [(0, 79)]])
+    assert len(kept_edges((points, ring, strength), 25.0, 0.0)[0]) == 80
+    assert len(kept_edges((points, ring, strength), 40.0, 0.0)[0]) == 0
+
+
+def test_a_contour_that_a_weak_branch_ran_into_is_one_again():
+    points, edges, strength = line([50.0] * 41)
+    branch = np.stack([np.arange(1.0, 31.0), np.full(30, 20.0)], axis=1)
+    more = [(20 if i == 0 else 40 + i, 41 + i) for i in range(30)]
+    graph = Graph(np.concatenate([points, branch]), np.concatenate([edges, more]))
+    rated = ratings(graph, lambda _: np.concatenate([strength, np.full(30, 5.0)]))
+    assert len(graph.contours()) == 3
+    drop_under(graph, rated, 30.0)
+    graph.drop_spurs(5)
+    (contour,) = graph.contours()
+    assert len(contour.points) == 41
+
+
+SHAPE = (120, 120)
+
+
+@pytest.fixture(scope="module")
+def edges_of_four_strengths():
+    """A strong upright edge with a faint one that runs into it, and a faint one by itself."""
+    image = np.full(SHAPE, 100.0)
+    image[:, 40:] += 100.0
+    image[60:, 40:] += 25.0
+    image[20:40, 75:105] -= 30.0
+    engine = Engine(image, Parameters(smoothing=1.0))
+    state = engine.start(uniform_grid(SHAPE))
+    while not state.stop_reason:
+        state = engine.step(state, Parameters())
+    return engine, state
+
+
+def test_faint_edges_stay_where_they_continue_strong_ones(edges_of_four_strengths):
+    engine, state = edges_of_four_strengths
+
+    def found(**thresholds):
+        contours = engine.result(state, Parameters(**thresholds)).contours
+        places = np.concatenate([c.points for c in contours])
+        tail = ((np.abs(places[:, 0] - 59.5) < 2.0) & (places[:, 1] > 50.0)).any()
+        alone = ((places[:, 1] > 70.0) & (places[:, 0] < 45.0)).any()
+        strong = (np.abs(places[:, 1] - 39.5) < 1.0).any()
+        return strong, tail, alone
+
+    assert found() == (True, True, True)
+    assert found(sure_edge=0.4) == (True, True, False)
+    assert found(min_strength=20.0) == (True, False, False)
+    assert found(min_strength=5.0, sure_edge=0.4) == (True, True, False)
+
+
+@pytest.mark.parametrize(
+    ("name", "top"), [("min_strength", 300.0), ("sure_edge", 0.99), ("min_contrast", 0.99), ("min_length", 300.0)]
+)
+def test_a_higher_threshold_never_finds_more(edges_of_four_strengths, name, top):
+    engine, state = edges_of_four_strengths
+    lengths = [
+        sum(c.length for c in engine.result(state, Parameters(**{name: share * top})).contours)
+        for share in (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0)
+    ]
+    assert max(np.diff(lengths)) < 1e-9
+    assert lengths[-1] < 0.5 * lengths[0]

@@ -1,0 +1,55 @@
+"""Whatever part of something enclosed has been found, its other boundaries are found too."""
+
+import numpy as np
+import pytest
+
+from cpm_core.enclosure import launch_places
+from cpm_core.initialization import circle
+from cpm_core.level import build_level
+from cpm_core.parameters import Parameters
+from cpm_core.segmentation import segment
+
+ROW, COL = np.indices((120, 140))
+
+
+def ring(hole_at=(60.0, 60.0)):
+    image = 200.0 * np.clip(50.5 - np.hypot(ROW - 60.0, COL - 66.0), 0.0, 1.0)
+    return image * np.clip(np.hypot(ROW - hole_at[0], COL - hole_at[1]) - 13.5, 0.0, 1.0)
+
+
+def rim(center, radius):
+    return circle(center, radius)
+
+
+@pytest.mark.parametrize("known", ["hole", "outline"])
+def test_the_boundary_that_nobody_reached_gets_particles_beside_it(known):
+    level = build_level(ring(), 1.0, 0.0)
+    hole, outline = rim((60.0, 60.0), 13.5), rim((60.0, 66.0), 50.0)
+    places = launch_places(level, hole if known == "hole" else outline)
+    center, radius = ((60.0, 66.0), 50.0) if known == "hole" else ((60.0, 60.0), 13.5)
+    assert len(places) > 3
+    assert np.abs(np.hypot(*(places - center).T) - radius).max() < 4.0
+    assert len(launch_places(level, np.concatenate([hole, outline]))) == 0
+
+
+def test_what_lies_outside_is_left_alone():
+    image = ring() + 200.0 * (np.hypot(ROW - 14, COL - 126) < 9)
+    level = build_level(image, 1.0, 0.0)
+    found = np.concatenate([rim((60.0, 60.0), 13.5), rim((60.0, 66.0), 50.0)])
+    assert len(launch_places(level, found)) == 0
+    assert len(launch_places(level, rim((14.0, 126.0), 9.0))) == 0
+    assert len(launch_places(level, np.zeros((0, 2)))) == 0
+
+
+def test_nothing_is_launched_while_no_boundary_of_a_region_is_known():
+    level = build_level(ring(), 1.0, 0.0)
+    assert len(launch_places(level, rim((14.0, 126.0), 3.0))) == 0
+
+
+@pytest.mark.parametrize("start", [(60.0, 60.0, 18.0), (60.0, 95.0, 6.0), (20.0, 66.0, 5.0), (60.0, 60.0, 5.0)])
+def test_a_start_on_any_side_finds_ring_and_hole(start):
+    row, col, radius = start
+    result = segment(ring(), circle((row, col), radius), Parameters())
+    np.testing.assert_allclose(sorted(c.area for c in result.contours), [np.pi * 14.0**2, np.pi * 50.0**2], rtol=0.01)
+    assert all(c.closed for c in result.contours)
+    assert result.converged

@@ -1,0 +1,62 @@
+"""The frame of an image is told from its objects."""
+
+import numpy as np
+import pytest
+
+from cpm_core.edge_map import gradient
+from cpm_core.frame import inside_frame
+from cpm_core.initialization import uniform_grid
+from cpm_core.parameters import Parameters
+from cpm_core.segmentation import segment
+
+
+def framed(width, level=20.0, sides=("top", "bottom", "left", "right")):
+    image = np.full((160, 200), 120.0)
+    row, col = np.indices(image.shape)
+    image[np.hypot(row - 80, col - 90) < 30] = 180.0
+    if "top" in sides:
+        image[:width] = level
+    if "bottom" in sides:
+        image[160 - width :] = level
+    if "left" in sides:
+        image[:, :width] = level
+    if "right" in sides:
+        image[:, 200 - width :] = level
+    return image
+
+
+@pytest.mark.parametrize("level", [20.0, 250.0])
+@pytest.mark.parametrize("sides", [("top", "bottom", "left", "right"), ("left",), ("bottom", "right")])
+def test_a_frame_and_its_edge_are_left_out_and_nothing_else(level, sides):
+    inside = inside_frame(gradient(framed(8, level, sides), 1.0), 1.0, 0.1)
+    row, col = np.indices(inside.shape)
+    depth = {"top": row, "bottom": 159 - row, "left": col, "right": 199 - col}
+    nearest = np.min([depth[side] for side in sides], axis=0)
+    assert not inside[nearest < 9].any()
+    assert inside[nearest > 16].all()
+
+
+def test_a_frame_wider_than_asked_for_is_none():
+    grad = gradient(framed(20), 1.0)
+    assert inside_frame(grad, 1.0, 0.08).all()
+    assert not inside_frame(grad, 1.0, 0.2).all()
+    assert inside_frame(grad, 1.0, 0.0).all()
+
+
+def test_an_object_at_the_border_is_no_frame():
+    image = np.full((160, 200), 120.0)
+    image[:10, 40:120] = 20.0  # along less than half of the side
+    row, col = np.indices(image.shape)
+    image[np.hypot(row - 8, col - 160) < 20] = 200.0
+    assert inside_frame(gradient(image, 1.0), 1.0, 0.1).all()
+
+
+def test_contours_of_an_object_do_not_depend_on_a_frame():
+    seeds = uniform_grid((160, 200))
+    parameters = Parameters(w1=0.6, w2=0.7, beta=0.4, max_frame=0.1)
+    alone = segment(framed(0, sides=()), seeds, parameters).contours
+    (contour,) = segment(framed(8), seeds, parameters).contours
+    assert contour.closed
+    assert len(alone) == 1
+    distance = np.hypot(*(contour.points - [80.0, 90.0]).T)
+    assert np.abs(distance - 30.0).max() < 1.0
