@@ -25,6 +25,10 @@ _AROUND = 0.5
 """Width, in sizes of the image, of the surroundings of the image into which the axis is followed."""
 
 
+_LONGEST = 1.0
+"""Length of the edges of an axis at most [px]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Axis:
     """A graph of places that are nearest to two or more points of a boundary.
@@ -101,7 +105,8 @@ def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
     Returns
     -------
     Axis
-        In the image and half of its size around it, with a twig for every irregularity of the points.
+        In the image and half of its size around it, with edges of at most a pixel, and a twig for every irregularity of
+        the points.
     """
     size = np.array(shape, dtype=float)
     middle, widest = 0.5 * (size - 1.0), float(size.max())
@@ -119,7 +124,28 @@ def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
     key = count + len(corners)
     crossing = np.isin(sites[:, 0] * key + sites[:, 1], follow[:, 0] * key + follow[:, 1])
     kept = ~crossing & (sites[:, 1] < count) & (edges >= 0).all(axis=1)
-    radius, nearest = cKDTree(boundary.points).query(diagram.vertices)
-    axis = Axis(diagram.vertices, edges[kept], np.asarray(radius), np.asarray(nearest, dtype=np.int64))
+    tree = cKDTree(boundary.points)
     reach = 0.5 * size + _AROUND * widest
-    return axis.only(edges[kept]).within(middle - reach, middle + reach)
+    rough = _measured(diagram.vertices, edges[kept], tree).only(edges[kept]).within(middle - reach, middle + reach)
+    return _measured(*_divided(rough.points, rough.edges), tree)
+
+
+def _measured(points: Array, edges: Indices, tree: cKDTree) -> Axis:
+    """Axis with the distances of its vertices to the boundary."""
+    radius, nearest = tree.query(points)
+    return Axis(points, edges, np.asarray(radius), np.asarray(nearest, dtype=np.int64))
+
+
+def _divided(points: Array, edges: Indices) -> tuple[Array, Indices]:
+    """Points and edges with vertices along the long edges, for between them the radius does not change evenly."""
+    a, b = points[edges[:, 0]], points[edges[:, 1]]
+    pieces = np.maximum(np.ceil(np.linalg.norm(b - a, axis=1) / _LONGEST), 1).astype(np.int64)
+    edge = np.repeat(np.arange(len(edges)), pieces - 1)
+    step = np.arange(len(edge)) - np.repeat(np.cumsum(pieces - 1) - (pieces - 1), pieces - 1) + 1
+    between = a[edge] + (b - a)[edge] * (step / pieces[edge])[:, None]
+    added = len(points) + np.arange(len(edge))
+    first, last = step == 1, step == pieces[edge] - 1
+    inner = np.stack([added[~last], added[~last] + 1], axis=1)
+    starts = np.stack([edges[edge[first], 0], added[first]], axis=1)
+    ends = np.stack([added[last], edges[edge[last], 1]], axis=1)
+    return np.concatenate([points, between]), np.concatenate([edges[pieces == 1], starts, inner, ends])

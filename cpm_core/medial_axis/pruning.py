@@ -40,14 +40,17 @@ def prune(axis: Axis, pruning: float) -> Axis:
     Axis
         What remains. Of a part without a round that is at least the vertex with the largest disk, be it by itself.
     """
+    if not len(axis.edges):
+        return axis
     graph = Graph(axis.points, axis.edges)
-    roots = _largest(axis)
+    count, part = parts(axis)
+    roots = _largest(axis.radius, part, count)
     _cut_back(graph, axis.radius, set(roots.tolist()), pruning)
     _drop_stubs(graph)
     _merge_junctions(graph, axis.radius)
-    edges = [(v, w) for v, linked in enumerate(graph.links) for w in linked if v < w]
-    alone = [v for v in roots.tolist() if graph.degree(v) == 0]
-    return axis.only(np.array(edges, np.int64).reshape(-1, 2), np.array(alone, np.int64))
+    listed = [(v, w) for v, linked in enumerate(graph.links) for w in linked if v < w]
+    edges = np.array(listed, np.int64).reshape(-1, 2)
+    return axis.only(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
 
 
 def parts(axis: Axis) -> tuple[int, NDArray[np.int32]]:
@@ -58,10 +61,9 @@ def parts(axis: Axis) -> tuple[int, NDArray[np.int32]]:
     return int(count), part
 
 
-def _largest(axis: Axis) -> NDArray[np.int64]:
-    """Vertex with the largest disk of each connected part."""
-    count, part = parts(axis)
-    order = np.argsort(axis.radius, kind="stable")
+def _largest(radius: Array, part: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+    """Vertex with the largest disk of each part."""
+    order = np.argsort(radius, kind="stable")
     largest = np.zeros(count, np.int64)
     largest[part[order]] = order  # the last one to be written stays
     return largest
@@ -83,8 +85,10 @@ def _cut_back(graph: Graph, radius: Array, roots: set[int], pruning: float) -> N
 
 
 def _drop_stubs(graph: Graph) -> None:
-    for end in graph.ends():
-        path = graph.branch(end)
+    """Take away the shortest branches that are less than a pixel long."""
+    stubs = [graph.branch(end) for end in graph.ends()]
+    for stub in sorted(stubs, key=lambda path: _length(graph, path)):
+        path = graph.branch(stub[0])  # longer by now if its junction is none any more
         if graph.degree(path[-1]) > 2 and _length(graph, path) < _SHORTEST:
             for a, b in pairwise(path):
                 graph.unlink(a, b)
@@ -92,9 +96,12 @@ def _drop_stubs(graph: Graph) -> None:
 
 def _merge_junctions(graph: Graph, radius: Array) -> None:
     """Make one junction of two that are less than a pixel apart: the one with the larger disk."""
-    for path, closed in list(graph.walks()):
-        ends = (path[0], path[-1])
-        if closed or min(map(graph.degree, ends)) < 3 or _length(graph, path) >= _SHORTEST:
+    ways = [path for path, closed in graph.walks() if not closed and _length(graph, path) < _SHORTEST]
+    moved: dict[int, int] = {}
+    for way in sorted(ways, key=lambda path: _length(graph, path)):
+        ends = [moved.get(way[0], way[0]), moved.get(way[-1], way[-1])]
+        path = [ends[0], *way[1:-1], ends[1]]
+        if ends[0] == ends[1] or min(map(graph.degree, ends)) < 3 or _length(graph, path) >= _SHORTEST:
             continue
         kept, lost = sorted(ends, key=lambda v: -radius[v])
         for a, b in pairwise(path):
@@ -102,6 +109,7 @@ def _merge_junctions(graph: Graph, radius: Array) -> None:
         for v in list(graph.links[lost]):
             graph.unlink(lost, v)
             graph.link(kept, v)
+        moved = {a: kept if b == lost else b for a, b in moved.items()} | {lost: kept}
 
 
 def _length(graph: Graph, path: list[int]) -> float:

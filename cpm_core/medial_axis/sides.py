@@ -46,6 +46,8 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     ndarray of bool, shape (M,)
         For every edge of the axis.
     """
+    if not len(axis.edges):
+        return np.zeros(0, np.bool_)
     rim = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
     smooth = ndimage.gaussian_filter(values, max(smoothing, _LEAST_SMOOTHING), mode="nearest")
     grey = ndimage.map_coordinates(smooth, axis.points.T, order=1, mode="nearest")
