@@ -135,7 +135,8 @@ def skeleton(
     axis = medial_axis(boundary, image.shape)
     if not outside:
         axis = axis.only(axis.edges[within_objects(axis, boundary, image.values, level.smoothing)])
-    axis = prune(axis, pruning).within(np.full(2, -0.5), np.array(image.shape) - 0.5)
+    low, high = np.full(2, -0.5), np.array(image.shape) - 0.5
+    axis = prune(axis, pruning).within(low, high)
     branches = sorted(_branches(axis, boundary, level.smoothing), key=lambda branch: -branch[0].length)
     return Skeleton(
         contours=tuple(contour for contour, _ in branches),

@@ -57,6 +57,10 @@ class Axis:
         joined = index.ravel()[: edges.size].reshape(-1, 2)
         return Axis(self.points[used], joined, self.radius[used], self.nearest[used])
 
+    def inside(self, low: Array, high: Array) -> NDArray[np.bool_]:
+        """Tell which vertices lie in a rectangle."""
+        return np.asarray(((self.points >= low) & (self.points <= high)).all(axis=1))
+
     def within(self, low: Array, high: Array) -> Axis:
         """The part of the axis in a rectangle: edges are cut off where they leave it."""
         start = self.points[self.edges[:, 0]]
@@ -82,9 +86,8 @@ class Axis:
             size += len(share)
         joined = np.zeros(len(self.points), np.bool_)
         joined[self.edges] = True
-        inside = ((self.points >= low) & (self.points <= high)).all(axis=1)
         cutting = Axis(np.concatenate(points), edges, np.concatenate(radius), np.concatenate(nearest))
-        return cutting.only(edges, np.flatnonzero(inside & ~joined))
+        return cutting.only(edges, np.flatnonzero(self.inside(low, high) & ~joined))
 
 
 def nowhere() -> Axis:

@@ -38,7 +38,7 @@ def prune(axis: Axis, pruning: float) -> Axis:
     Returns
     -------
     Axis
-        What remains. Of a part without a round that is at least the vertex with the largest disk, be it by itself.
+        What remains. Of each part without a round that is at least the vertex with the largest disk, be it by itself.
     """
     if not len(axis.edges):
         return axis

@@ -14,6 +14,11 @@ _FINEST, _ISOLATED = 0.05, 6.0
 """Half widths between which lines are corrected, in widths of the smoothed step: wider ones need no correction."""
 
 
+def step_width(smoothing: float) -> float:
+    """Width of a smoothed step: the standard deviation of its slope, with what pixels and differences add [px]."""
+    return float(np.sqrt(smoothing**2 + _WIDENED))
+
+
 def step_height(strength: Array, smoothing: float) -> Array:
     """Height of the step whose smoothed slope is so strong.
 
@@ -29,7 +34,7 @@ def step_height(strength: Array, smoothing: float) -> Array:
     ndarray
         Difference of the grey levels on both sides.
     """
-    return np.asarray(strength * np.sqrt(2.0 * np.pi) * _width(smoothing))
+    return np.asarray(strength * np.sqrt(2.0 * np.pi) * step_width(smoothing))
 
 
 def half_width(distance: Array, smoothing: float) -> Array:
@@ -57,10 +62,6 @@ def half_width(distance: Array, smoothing: float) -> Array:
         middle = 0.5 * (low + high)
         beyond = (middle - half) > (middle + half) * np.exp(-2.0 * middle * half)
         low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
-    scale = _width(smoothing)
+    scale = step_width(smoothing)
     corrected = scale * np.interp(distance / scale, high, half)
     return np.where(distance < scale * high[-1], np.minimum(corrected, distance), distance)
-
-
-def _width(smoothing: float) -> float:
-    return float(np.sqrt(smoothing**2 + _WIDENED))

@@ -161,6 +161,16 @@ def test_a_radius_is_the_distance_to_the_boundary(name):
     assert error[rounded].max(initial=0.0) < 1.0
 
 
+@pytest.mark.parametrize("name", ["star", "ring", "bar"])
+def test_every_place_of_a_skeleton_is_as_near_to_one_side_as_to_another(name):
+    scene, places = SHAPES[name], densely(cpm.skeleton(SHAPES[name].values))
+    tree = cKDTree(scene.boundary)
+    for place, near in zip(places, tree.query_ball_point(places, tree.query(places)[0] + 0.5), strict=True):
+        direction = scene.boundary[near] - place
+        direction /= np.linalg.norm(direction, axis=1)[:, None]
+        assert (direction @ direction.T).min() < np.cos(np.pi / 3.0)
+
+
 @pytest.mark.parametrize(("name", "branches"), [("ring", 1), ("disk", 1), ("bar", 5)])
 @pytest.mark.parametrize("noise", [0.0, 8.0, 20.0])
 def test_neither_stairs_nor_noise_on_the_boundary_make_twigs(name, branches, noise):
