@@ -28,6 +28,9 @@ The model on one page
 
 `Engine` composes 1 to 7 and 9, step by step; `segment` is all of it in one call.
 
+Between the contours lies the **skeleton**: the middle line of an object with the distance to its boundary, from which
+the object can be rebuilt (`skeleton`, `medial_axis`). It needs no start.
+
 Words
 -----
 Positions are (row, col) in pixels, pixel centres at integers. A *seated* particle sits on an edge. *Idle* counts steps
@@ -50,6 +53,7 @@ from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.regions import Regions
 from cpm_core.result import Result
 from cpm_core.segmentation import segment
+from cpm_core.skeleton import Skeleton, skeleton
 
 __all__ = [
     "PARAMETERS",
@@ -62,6 +66,7 @@ __all__ = [
     "Particles",
     "Regions",
     "Result",
+    "Skeleton",
     "State",
     "circle",
     "coulomb_force",
@@ -72,5 +77,6 @@ __all__ = [
     "load_image",
     "reconstruct_curve",
     "segment",
+    "skeleton",
     "uniform_grid",
 ]

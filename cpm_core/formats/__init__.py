@@ -1,7 +1,7 @@
 """Formats: one module reads or writes one kind of file; this one chooses among them.
 
 A reader module looks like `Reader`, a writer module like `Writer`. A new format is a new module of its own and a place
-in one of the two tuples below.
+in one of the tuples below.
 """
 
 from __future__ import annotations
@@ -13,12 +13,13 @@ import warnings
 from pathlib import Path
 from typing import Protocol
 
-from cpm_core.formats import contour_csv, label_mask, numpy_array, raster, svg, tiff
+from cpm_core.formats import branch_mask, contour_csv, label_mask, numpy_array, raster, svg, tiff
 from cpm_core.formats.atomic import write_together
 from cpm_core.formats.decoded import Decoded, UnreadableError
 from cpm_core.formats.points_csv import load_points
 from cpm_core.image import Image
 from cpm_core.result import Result
+from cpm_core.skeleton import Skeleton
 
 __all__ = ["READABLE", "WRITABLE", "check_export", "export", "load_image", "load_points"]
 
@@ -42,12 +43,22 @@ class Writer(Protocol):
     WRITES: dict[str, str]
     """Suffix -> what is written."""
 
-    def encode(self, result: Result) -> bytes:
+    def encode(self, result: Result, /) -> bytes:
         """Make the bytes of the file; ValueError when the result holds nothing that it could show."""
+
+
+class SkeletonWriter(Protocol):
+    """What a module that writes skeletons has: the same for them."""
+
+    WRITES: dict[str, str]
+
+    def encode(self, skeleton: Skeleton, /) -> bytes:
+        """Make the bytes of the file; ValueError when the skeleton has nothing that it could show."""
 
 
 _READERS: tuple[Reader, ...] = (tiff, numpy_array, raster)  # the last one takes what no other recognises
 _WRITERS: tuple[Writer, ...] = (svg, contour_csv, label_mask)
+_SKELETON_WRITERS: tuple[SkeletonWriter, ...] = (svg, contour_csv, branch_mask)  # of the same suffixes
 _HEAD = 16
 _LOG = logging.getLogger(__name__)
 
@@ -97,16 +108,16 @@ def load_image(path: str | os.PathLike[str]) -> Image:
     return Image(decoded.values, decoded.spacing, decoded.unit, file.name, decoded.notes)
 
 
-def export(result: Result, *paths: str | os.PathLike[str]) -> None:
-    """Write the contours of a result, in the format that each suffix names.
+def export(result: Result | Skeleton, *paths: str | os.PathLike[str]) -> None:
+    """Write the contours of a result, or a skeleton, in the format that each suffix names.
 
     Everything is made before anything is written, and each file takes its place in one stroke, so that nothing
     half-written is ever left behind.
 
     Parameters
     ----------
-    result : Result
-        Outcome of a run.
+    result : Result or Skeleton
+        Outcome of a run, or of `skeleton`.
     *paths : path-like
         Files to write; see `WRITABLE` for the suffixes. Files that exist are replaced.
 
@@ -118,7 +129,7 @@ def export(result: Result, *paths: str | os.PathLike[str]) -> None:
     files = [Path(path) for path in paths]
     for file in files:
         check_export(file)
-    write_together([(file, _writer(file).encode(result)) for file in files])
+    write_together([(file, _encoded(result, file.suffix.lower())) for file in files])
 
 
 def check_export(path: str | os.PathLike[str]) -> None:
@@ -142,9 +153,11 @@ def check_export(path: str | os.PathLike[str]) -> None:
         raise ValueError(f"{file} cannot be written: you have no permission to write into {file.parent}.")
 
 
-def _writer(file: Path) -> Writer:
-    """Writer module of a suffix that is known."""
-    return next(writer for writer in _WRITERS if file.suffix.lower() in writer.WRITES)
+def _encoded(result: Result | Skeleton, suffix: str) -> bytes:
+    """Bytes of the file for a suffix that is known."""
+    if isinstance(result, Skeleton):
+        return next(writer for writer in _SKELETON_WRITERS if suffix in writer.WRITES).encode(result)
+    return next(writer for writer in _WRITERS if suffix in writer.WRITES).encode(result)
 
 
 def _head(file: Path) -> bytes:

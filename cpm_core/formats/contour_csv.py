@@ -7,19 +7,21 @@ import io
 
 from cpm_core.formats.label_mask import numbers
 from cpm_core.result import Result
+from cpm_core.skeleton import Skeleton
 
 WRITES = {".csv": "contours as a table of vertices"}
 
 _ASCII_UNIT = {"µm": "um"}  # spreadsheets guess the encoding of a file from its header, and guess badly
 
 
-def encode(result: Result) -> bytes:
+def encode(result: Result | Skeleton) -> bytes:
     """Tabulate the vertices of all contours, one a row.
 
     Columns: ``contour`` (from 1), ``closed`` (TRUE or FALSE; the first vertex is not repeated), ``label`` (the one in
     the label mask, 0 when open), ``strength`` (mean edge strength [grey levels / px]), ``vertex`` (from 1), ``row`` and
     ``col`` [px, pixel centres at integers], and, where the size of a pixel is known, ``x_...`` and ``y_...`` in its
-    unit, from the centre of the first pixel along columns and rows.
+    unit, from the centre of the first pixel along columns and rows. Of a skeleton each branch is a contour, has a label
+    in the branch mask, and a last column ``radius``: the distance to the boundary [px].
 
     Returns
     -------
@@ -30,15 +32,20 @@ def encode(result: Result) -> bytes:
     if result.unit:
         unit = _ASCII_UNIT.get(result.unit, result.unit)
         header += [f"x_{unit}", f"y_{unit}"]
+    branched = isinstance(result, Skeleton)
+    if branched:
+        header.append("radius")
     stream = io.StringIO(newline="")
     table = csv.writer(stream, lineterminator="\n")
     table.writerow(header)
-    pairs = zip(result.contours, numbers(result.contours), strict=True)
-    for number, (contour, label) in enumerate(pairs, start=1):
+    labels = range(1, len(result.contours) + 1) if branched else numbers(result.contours)
+    for number, (contour, label) in enumerate(zip(result.contours, labels, strict=True), start=1):
         fixed = (number, str(contour.closed).upper(), label, f"{contour.strength:.6g}")
         for vertex, (row, col) in enumerate(contour.points, start=1):
             line = [*fixed, vertex, f"{row:.4f}", f"{col:.4f}"]
             if result.unit:
                 line += [f"{col * result.spacing[1]:.7g}", f"{row * result.spacing[0]:.7g}"]
+            if isinstance(result, Skeleton):
+                line.append(f"{result.radii[number - 1][vertex - 1]:.4f}")
             table.writerow(line)
     return stream.getvalue().encode()

@@ -5,10 +5,12 @@ from __future__ import annotations
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.contour import Contour
 from cpm_core.formats.label_mask import numbers
 from cpm_core.result import Result
+from cpm_core.skeleton import Skeleton
 
 WRITES = {".svg": "contours as a vector drawing"}
 
@@ -16,13 +18,14 @@ _MILLIMETRES = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}
 _SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell could not be seen
 
 
-def encode(result: Result) -> bytes:
+def encode(result: Result | Skeleton) -> bytes:
     """Draw the contours of a result.
 
     User units are pixels of the image, x along columns and y along rows, pixel centres at integers: the image covers
     the view box. Every contour is one path without a fill, and tells in data attributes whether it is closed, its mean
     edge strength [grey levels / px], its length [px] and its label in the label mask (0 when open). The page has the
-    object's true size where that is known and can be seen, else one CSS pixel per pixel.
+    object's true size where that is known and can be seen, else one CSS pixel per pixel. Of a skeleton each branch is
+    such a path, and tells the distance to the boundary of all its vertices [px].
 
     Returns
     -------
@@ -32,29 +35,37 @@ def encode(result: Result) -> bytes:
     rows, cols = result.shape
     width, height = _page(result)
     known = f' data-unit={quoteattr(result.unit)} data-spacing="{_text(result.spacing)}"' if result.unit else ""
+    if isinstance(result, Skeleton):
+        title = "Skeleton"
+        paths = [_path(c, n, r) for n, (c, r) in enumerate(zip(result.contours, result.radii, strict=True), start=1)]
+    else:
+        title = "Contours"
+        paths = [_path(contour, n) for contour, n in zip(result.contours, numbers(result.contours), strict=True)]
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="-0.5 -0.5 {cols} {rows}" '
         f'preserveAspectRatio="none"{known}>',
-        f"<title>Contours of {escape(result.source)}</title>",
-        '<g fill="none" stroke="#d6006c" stroke-width="1.5" stroke-linejoin="round">',
-        *(_path(contour, label) for contour, label in zip(result.contours, numbers(result.contours), strict=True)),
+        f"<title>{title} of {escape(result.source)}</title>",
+        '<g fill="none" stroke="#d6006c" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round">',
+        *paths,
         "</g>",
         "</svg>",
     ]
     return ("\n".join(lines) + "\n").encode()
 
 
-def _path(contour: Contour, label: int) -> str:
-    points = " L".join(f"{col:.3f} {row:.3f}" for row, col in contour.points)
+def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None) -> str:
+    vertices = contour.points if len(contour.points) > 1 else contour.points.repeat(2, axis=0)  # one by itself: a dot
+    points = " L".join(f"{col:.3f} {row:.3f}" for row, col in vertices)
+    known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '
     return (
         f'<path fill="none" vector-effect="non-scaling-stroke" data-closed="{str(contour.closed).lower()}" '
-        f'data-label="{label}" data-strength="{contour.strength:.6g}" data-length="{contour.length:.3f}" '
+        f'data-label="{label}" data-strength="{contour.strength:.6g}" data-length="{contour.length:.3f}" {known}'
         f'd="M{points}{" Z" if contour.closed else ""}"/>'
     )
 
 
-def _page(result: Result) -> tuple[str, str]:
+def _page(result: Result | Skeleton) -> tuple[str, str]:
     """Width and height of the drawing as SVG lengths."""
     size = np.array(result.shape) * result.spacing
     millimetres = size * _MILLIMETRES.get(result.unit or "", 0.0)

@@ -97,10 +97,12 @@ def square(shape: tuple[int, int], low: tuple[float, float], side: float) -> Sce
     return polygon(shape, np.array([(r, c), (r, c + side), (r + side, c + side), (r + side, c)]))
 
 
+U_CORNERS: Array = np.array([(16, 20), (80, 20), (80, 76), (16, 76), (16, 58), (60, 58), (60, 38), (16, 38)]) + 0.375
+
+
 def u_shape() -> Scene:
     """A U of 96 by 96 pixels, open to the top."""
-    outline = [(16, 20), (80, 20), (80, 76), (16, 76), (16, 58), (60, 58), (60, 38), (16, 38)]
-    return polygon((96, 96), np.array(outline, dtype=float) + 0.375)
+    return polygon((96, 96), U_CORNERS)
 
 
 def turned(points: Array, shape: tuple[int, int]) -> Array:

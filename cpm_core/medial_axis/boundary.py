@@ -1,0 +1,116 @@
+"""The boundary that a medial axis is the middle of: the crest of the edge map, as evenly spaced points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.contour import Contour
+from cpm_core.level import Level
+from cpm_core.parameters import Parameters
+from cpm_core.reconstruction import find_contours
+
+Array = NDArray[np.float64]
+
+_SPACING = 1.0
+"""Spacing of the points that contours are found through [px]: less than half the width of the thinnest line."""
+
+_STRIDE = 0.5
+"""Distance of neighbouring points along the boundary [px]."""
+
+_NEAR, _TANGENT, _OUTWARD = 3.0, 6, 0.3
+"""A contour that ends within so many pixels of the image's border leaves the image there: in the direction of so many
+of its last points, if the part of that towards the border is at least so large, else straight."""
+
+_SHORTEST = 4.0
+"""Length, in d_min, under which a contour is a speck and no boundary."""
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """Points along the edges of an image.
+
+    Attributes
+    ----------
+    points : ndarray, shape (N, 2)
+        Distinct points, half a pixel apart [px].
+    neighbors : ndarray of int64, shape (M, 2)
+        Pairs of points that follow each other along an edge.
+    strength : ndarray, shape (N,)
+        Edge strength at the points [grey levels / px].
+    """
+
+    points: Array
+    neighbors: NDArray[np.int64]
+    strength: Array
+
+
+def find_boundary(level: Level, parameters: Parameters) -> Boundary:
+    """Find the edges of an image without a drawing, at a fraction of a pixel.
+
+    Every pixel above the floor is where a particle could sit; from there on it is the reconstruction of a run: crest,
+    fill, crust, gaps, contours. A contour that ends at the border of the image goes on straight beyond it, as far as
+    the image is large, so that what is cut off by the border has no edge there.
+
+    Parameters
+    ----------
+    level : Level
+        Fields of the image at its own scale.
+    parameters : Parameters
+        For `d_min`, `min_strength` and `min_length`.
+
+    Returns
+    -------
+    Boundary
+        Of all edges; empty when there are none.
+    """
+    pixels = np.argwhere(level.edge_map >= level.floor).astype(float)
+    shortest = max(parameters.min_length, _SHORTEST * parameters.d_min)
+    dense = replace(parameters, d_min=_SPACING, d_max=_SPACING, min_length=shortest)
+    contours = find_contours(pixels, level, dense)
+    if not contours:
+        return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0))
+    paths = [_continued(_evenly(contour), level.shape) for contour in contours]
+    start = np.cumsum([0, *map(len, paths)])
+    distinct, index = np.unique(np.concatenate(paths), axis=0, return_inverse=True)  # junctions occur more than once
+    index = index.ravel()
+    pairs = [np.stack([index[a : b - 1], index[a + 1 : b]], axis=1) for a, b in pairwise(start)]
+    return Boundary(distinct, np.concatenate(pairs), level.strength(distinct))
+
+
+def _evenly(contour: Contour) -> Array:
+    """Points along a contour, its vertices among them, the first again at the end where it closes."""
+    path = contour.path
+    parts = [path[:1]]
+    for a, b in pairwise(path):
+        count = max(1, int(np.ceil(np.linalg.norm(b - a) / _STRIDE)))
+        steps = np.arange(1, count + 1)[:, None] / count
+        parts.append(np.where(steps == 1.0, b, a + (b - a) * steps))
+    return np.concatenate(parts)
+
+
+def _continued(path: Array, shape: tuple[int, ...]) -> Array:
+    """Path with straight continuations where it leaves the image."""
+    if (path[0] == path[-1]).all():
+        return path
+    before, behind = _continuation(path[::-1], shape), _continuation(path, shape)
+    return np.concatenate([before[::-1], path, behind])
+
+
+def _continuation(path: Array, shape: tuple[int, ...]) -> Array:
+    """Points on the way out of the image from the end of a path; none if it ends inside."""
+    size = np.array(shape, dtype=float)
+    end = path[-1]
+    beyond = np.concatenate([end, size - 1.0 - end])
+    side = int(np.argmin(beyond))
+    if beyond[side] > _NEAR:
+        return path[:0]
+    outwards = np.zeros(2)
+    outwards[side % 2] = -1.0 if side < 2 else 1.0
+    along = end - path[-min(len(path), _TANGENT)]
+    along = along / max(float(np.linalg.norm(along)), 1e-300)
+    direction = along if along @ outwards >= _OUTWARD else outwards
+    return np.asarray(end + direction * np.arange(_STRIDE, size.max(), _STRIDE)[:, None])

@@ -1,0 +1,116 @@
+"""Pruning: cutting an axis back from its tips where that changes next to nothing of the shape."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from cpm_core.medial_axis.axis import Axis
+from cpm_core.reconstruction.graph import Graph
+
+Array = NDArray[np.float64]
+
+_SHORTEST = 1.0
+"""Length under which a branch, or the way from one junction to the next, is none [px]."""
+
+
+def prune(axis: Axis, pruning: float) -> Axis:
+    """Cut an axis back from its tips.
+
+    On every vertex stands a disk that reaches to the boundary; all of them together are the shape. The last vertex of
+    a tip is taken away if its disk, and those of all that has been taken away behind it, stick out of the disk of the
+    next vertex by at most `pruning`. So whatever the disks of an axis cover is covered by the disks that remain, grown
+    by `pruning`; what hangs together goes on doing so, rounds stay, the order of the tips does not matter, and more
+    `pruning` only takes more away. In the end, branches and ways between junctions of less than a pixel are taken for
+    one place.
+
+    Parameters
+    ----------
+    axis : Axis
+        Medial axis.
+    pruning : float
+        How far from what remains the shape may have reached [px].
+
+    Returns
+    -------
+    Axis
+        What remains. Of each part without a round that is at least the vertex with the largest disk, be it by itself.
+    """
+    if not len(axis.edges):
+        return axis
+    graph = Graph(axis.points, axis.edges)
+    count, part = parts(axis)
+    roots = _largest(axis.radius, part, count)
+    _cut_back(graph, axis.radius, set(roots.tolist()), pruning)
+    _drop_stubs(graph)
+    _merge_junctions(graph, axis.radius)
+    listed = [(v, w) for v, linked in enumerate(graph.links) for w in linked if v < w]
+    edges = np.array(listed, np.int64).reshape(-1, 2)
+    return axis.only(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
+
+
+def parts(axis: Axis) -> tuple[int, NDArray[np.int32]]:
+    """Number of connected parts of an axis, and the part that each vertex belongs to."""
+    size = len(axis.points)
+    joined = coo_array((np.ones(len(axis.edges)), (axis.edges[:, 0], axis.edges[:, 1])), shape=(size, size))
+    count, part = connected_components(joined, directed=False)
+    return int(count), part
+
+
+def _largest(radius: Array, part: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+    """Vertex with the largest disk of each part."""
+    order = np.argsort(radius, kind="stable")
+    largest = np.zeros(count, np.int64)
+    largest[part[order]] = order  # the last one to be written stays
+    return largest
+
+
+def _cut_back(graph: Graph, radius: Array, roots: set[int], pruning: float) -> None:
+    reach = radius.copy()  # how far around each vertex the shape reaches that has been taken away behind it
+    tips = [v for v in graph.ends() if v not in roots]
+    while tips:
+        tip = tips.pop()
+        (following,) = graph.links[tip]
+        reached = graph.distance(tip, following) + float(reach[tip])
+        if reached - radius[following] > pruning:
+            continue
+        graph.unlink(tip, following)
+        reach[following] = max(float(reach[following]), reached)
+        if graph.degree(following) == 1 and following not in roots:
+            tips.append(following)
+
+
+def _drop_stubs(graph: Graph) -> None:
+    """Take away the shortest branches that are less than a pixel long."""
+    stubs = [graph.branch(end) for end in graph.ends()]
+    for stub in sorted(stubs, key=lambda path: _length(graph, path)):
+        path = graph.branch(stub[0])  # longer by now if its junction is none any more
+        if graph.degree(path[-1]) > 2 and _length(graph, path) < _SHORTEST:
+            for a, b in pairwise(path):
+                graph.unlink(a, b)
+
+
+def _merge_junctions(graph: Graph, radius: Array) -> None:
+    """Make one junction of two that are less than a pixel apart: the one with the larger disk."""
+    ways = [path for path, closed in graph.walks() if not closed and _length(graph, path) < _SHORTEST]
+    moved: dict[int, int] = {}
+    for way in sorted(ways, key=lambda path: _length(graph, path)):
+        ends = [moved.get(way[0], way[0]), moved.get(way[-1], way[-1])]
+        path = [ends[0], *way[1:-1], ends[1]]
+        if ends[0] == ends[1] or min(map(graph.degree, ends)) < 3 or _length(graph, path) >= _SHORTEST:
+            continue
+        kept, lost = sorted(ends, key=lambda v: -radius[v])
+        for a, b in pairwise(path):
+            graph.unlink(a, b)
+        for v in list(graph.links[lost]):
+            graph.unlink(lost, v)
+            graph.link(kept, v)
+        moved = {a: kept if b == lost else b for a, b in moved.items()} | {lost: kept}
+
+
+def _length(graph: Graph, path: list[int]) -> float:
+    return sum(graph.distance(a, b) for a, b in pairwise(path))
