@@ -36,7 +36,7 @@ from cpm_core.contour import Contour
 from cpm_core.coulomb import coulomb_force
 from cpm_core.edge_map import edge_map
 from cpm_core.engine import Engine
-from cpm_core.field.convolution import electric_field
+from cpm_core.field.electric import electric_field
 from cpm_core.formats import export, load_image
 from cpm_core.image import Image
 from cpm_core.initialization import circle, gradient_threshold, uniform_grid

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from cpm_core.edge_map import background_strength, gradient, magnitude
-from cpm_core.field.convolution import electric_field
+from cpm_core.field.electric import electric_field
 from cpm_core.field.interpolation import interpolate
 
 Array = NDArray[np.float64]
