@@ -15,6 +15,10 @@ _LARGEST_RADIUS = 1e5
 """Radius beyond which a circle reaches out of any image that could be worked on [px]."""
 
 
+_LONGEST_STROKE = 1e6
+"""Length beyond which a stroke is longer than a person could draw [px]."""
+
+
 def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> Array:
     """Particles on a circle.
 
@@ -46,6 +50,45 @@ def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> 
     count = max(_LEAST_ON_CIRCLE, round(2.0 * np.pi * radius / spacing))
     angle = 2.0 * np.pi * np.arange(count) / count
     return np.stack([center[0] + radius * np.sin(angle), center[1] + radius * np.cos(angle)], axis=1)
+
+
+def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
+    """Particles evenly along a stroke.
+
+    Parameters
+    ----------
+    points : array_like, shape (K, D)
+        Corners of the stroke, in order [px]; a single one gives a single particle.
+    spacing : float
+        Distance from particle to particle along the stroke [px]; stretched or shrunk so that both ends get one.
+
+    Returns
+    -------
+    ndarray, shape (N, D)
+        Positions.
+
+    Raises
+    ------
+    ValueError
+        When there are no points, they have no coordinates, are not finite or lie implausibly far apart, or when the
+        spacing is not a positive number.
+    """
+    corners = np.asarray(points, dtype=float)
+    if corners.ndim != 2 or 0 in corners.shape:
+        raise ValueError(
+            f"the points of the stroke have the shape {corners.shape} but must be (K, D), one row a point."
+        )
+    if not np.isfinite(corners).all():
+        raise ValueError(f"{int((~np.isfinite(corners)).sum())} coordinates of the stroke are not finite.")
+    _positive("spacing", spacing)
+    reached = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))]
+    length = float(reached[-1])
+    if not length <= _LONGEST_STROKE:
+        raise ValueError(f"the stroke is {length:g} px long but must be at most {_LONGEST_STROKE:g} px.")
+    if length == 0.0:
+        return corners[:1].copy()
+    places = np.linspace(0.0, length, max(1, round(length / spacing)) + 1)
+    return np.stack([np.interp(places, reached, axis) for axis in corners.T], axis=1)
 
 
 def uniform_grid(shape: tuple[int, ...], spacing: float = 8.0) -> Array:

@@ -1,13 +1,15 @@
 """Where particles start."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import circle, edge_map, gradient_threshold, uniform_grid
+from cpm_core import circle, edge_map, gradient_threshold, stroke, uniform_grid
 
-from .scenes import disk
+from .scenes import disk, outline_distance
 
 
 @settings(max_examples=50, deadline=None)
@@ -39,6 +41,85 @@ def test_circle_without_a_size_is_refused(value):
 def test_circle_without_a_place_is_refused(center):
     with pytest.raises(ValueError, match=r"center is .* two finite numbers"):
         circle(center, 3.0)
+
+
+COORDINATE = st.floats(-100.0, 300.0, allow_subnormal=False)
+CORNERS = st.lists(st.tuples(COORDINATE, COORDINATE), min_size=1, max_size=7)
+
+
+def length_of(path):
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+@settings(max_examples=80, deadline=None)
+@given(CORNERS, st.floats(0.3, 20.0))
+def test_stroke_lies_on_its_corners_line_from_end_to_end(corners, spacing):
+    points = stroke(corners, spacing)
+    corners = np.array(corners)
+    np.testing.assert_allclose(points[[0, -1]], corners[[0, -1]], atol=1e-9)
+    path = corners if len(corners) > 1 else np.repeat(corners, 2, axis=0)
+    assert outline_distance(points, [path]).max() < 1e-9
+
+
+@settings(max_examples=80, deadline=None)
+@given(CORNERS, st.floats(0.3, 20.0), st.integers(2, 5))
+def test_stroke_is_evenly_spaced_along_its_line(corners, spacing, parts):
+    """Cut at every particle, the line falls into pieces of one length, which is the spacing as nearly as it goes."""
+    points = stroke(corners, spacing)
+    total = length_of(np.array(corners))
+    pieces = len(points) - 1
+    if total == 0.0:
+        assert pieces == 0
+        return
+    assert pieces == max(1, round(total / spacing))
+    walked, start = [0.0], np.array(corners[0])
+    nodes = np.concatenate([[start], *(np.linspace(a, b, 400 * parts)[1:] for a, b in pairwise(np.array(corners)))])
+    along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1))]
+    for piece in range(1, pieces):
+        at = piece * total / pieces
+        near = nodes[np.abs(along - at) <= total / 400.0]
+        walked.append(float(np.linalg.norm(near - points[piece], axis=1).min()))
+    assert max(walked) <= total / 400.0
+
+
+def test_stroke_along_a_straight_line_has_particles_at_equal_distances():
+    points = stroke([(3.0, 4.0), (3.0, 9.0), (3.0, 24.0)], 2.5)
+    np.testing.assert_allclose(points, np.stack([np.full(9, 3.0), 4.0 + 2.5 * np.arange(9)], axis=1))
+
+
+def test_stroke_of_one_point_or_no_length_is_one_particle():
+    np.testing.assert_array_equal(stroke([(3.0, 4.0)]), [(3.0, 4.0)])
+    np.testing.assert_array_equal(stroke([(3.0, 4.0)] * 3), [(3.0, 4.0)])
+
+
+def test_stroke_does_not_hold_on_to_its_points():
+    corners = np.array([[3.0, 4.0]])
+    stroke(corners)[0, 0] = 9.0
+    assert corners[0, 0] == 3.0
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        ([], r"shape \(0,\) but must be \(K, D\)"),
+        (np.empty((0, 2)), r"shape \(0, 2\) but must be \(K, D\)"),
+        (np.empty((2, 0)), r"shape \(2, 0\) but must be \(K, D\)"),
+        ([1.0, 2.0], r"shape \(2,\) but must be \(K, D\)"),
+        (np.zeros((2, 2, 2)), r"shape \(2, 2, 2\) but must be \(K, D\)"),
+        ([(1.0, np.nan), (2.0, np.inf)], "2 coordinates of the stroke are not finite"),
+        ([(0.0, 0.0), (0.0, 2e6)], r"2e\+06 px long but must be at most 1e\+06 px"),
+    ],
+    ids=str,
+)
+def test_stroke_of_no_line_is_refused(points, message):
+    with pytest.raises(ValueError, match=message):
+        stroke(points)
+
+
+@pytest.mark.parametrize("spacing", [0.0, -1.0, float("nan"), float("inf")])
+def test_stroke_without_a_spacing_is_refused(spacing):
+    with pytest.raises(ValueError, match=r"spacing is .* must be above 0"):
+        stroke([(0.0, 0.0), (0.0, 9.0)], spacing)
 
 
 @settings(max_examples=50, deadline=None)
