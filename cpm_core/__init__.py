@@ -39,7 +39,7 @@ from cpm_core.engine import Engine
 from cpm_core.field.electric import electric_field
 from cpm_core.formats import export, load_image
 from cpm_core.image import Image
-from cpm_core.initialization import circle, gradient_threshold, stroke, uniform_grid
+from cpm_core.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles import Particles, State
 from cpm_core.reconstruction import reconstruct_curve
@@ -58,6 +58,7 @@ __all__ = [
     "State",
     "circle",
     "coulomb_force",
+    "divergence_centers",
     "edge_map",
     "electric_field",
     "export",

@@ -7,9 +7,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import circle, edge_map, gradient_threshold, stroke, uniform_grid
+from cpm_core import (
+    PRESETS,
+    circle,
+    divergence_centers,
+    edge_map,
+    electric_field,
+    gradient_threshold,
+    segment,
+    stroke,
+    uniform_grid,
+)
+from cpm_core.field.interpolation import interpolate
 
-from .scenes import disk, outline_distance
+from .scenes import DARK, disk, mirrored, outline_distance, ring, square, turned
 
 
 @settings(max_examples=50, deadline=None)
@@ -161,3 +172,97 @@ def test_gradient_threshold_takes_the_pixels_of_the_strong_edges(fraction):
 def test_gradient_threshold_of_no_fraction_is_refused(fraction):
     with pytest.raises(ValueError, match=r"fraction is .* must be from 0 to 1"):
         gradient_threshold(np.eye(10), fraction)
+
+
+def three_objects():
+    """A disk, a square and a ring, in grey levels of their own."""
+    shape = (120, 130)
+    objects = (
+        disk(shape, (35.3, 38.6), 20.0),
+        square(shape, (70.25, 12.75), 30.0),
+        ring(shape, (80.4, 90.7), 10.0, 24.0),
+    )
+    values = np.full(shape, DARK)
+    for scene, share in zip(objects, (1.0, 0.5, 0.75), strict=True):
+        values = np.maximum(values, DARK + share * (scene.values - DARK))
+    return values, np.concatenate([scene.boundary for scene in objects])
+
+
+def test_particles_from_the_centers_of_divergence_reach_every_edge():
+    values, boundary = three_objects()
+    seeds = divergence_centers(values)
+    assert len(seeds) < 0.25 * len(uniform_grid(values.shape))
+    contours = segment(values, seeds, PRESETS["automatic"]).contours
+    assert [contour.closed for contour in contours] == [True] * 4
+    assert outline_distance(boundary, [contour.path for contour in contours]).max() < 1.5
+
+
+def test_a_disk_has_a_center_of_divergence_in_its_middle_and_none_beside_its_edge():
+    scene = disk((80, 76), (38.7, 36.2), 22.0)
+    centers = divergence_centers(scene.values)
+    assert np.hypot(*(centers - (38.7, 36.2)).T).min() < 1.5
+    assert scene.distance(centers).min() > 5.0
+
+
+def test_centers_of_divergence_are_where_the_direction_of_the_field_flows_apart():
+    """Around each, on a small circle, more of the exact field points outwards than inwards."""
+    values, _ = three_objects()
+    field = electric_field(edge_map(values, 2.0))
+    field /= np.maximum(np.hypot(*field), 1e-300)
+    for center in divergence_centers(values):
+        around = circle(tuple(center), 2.0, 0.5)
+        inside = ((around >= 0) & (around <= np.array(values.shape) - 1)).all(axis=1)
+        outwards = ((around - center) / 2.0 * interpolate(field, around))[inside].sum(axis=1)
+        assert outwards.mean() > 0.1
+
+
+@pytest.mark.parametrize("spacing", [2.0, 4.0, 9.5])
+def test_centers_of_divergence_keep_their_distance(spacing):
+    noisy = three_objects()[0] + np.random.default_rng(0).normal(0.0, 30.0, (120, 130))
+    centers = divergence_centers(noisy, spacing=spacing)
+    centers = centers[((centers > 0) & (centers < (119, 129))).all(axis=1)]  # the border has its own spacing
+    apart = np.abs(centers[:, None] - centers).max(axis=2)
+    np.fill_diagonal(apart, np.inf)
+    assert len(centers) > 5
+    assert apart.min() > int(spacing)
+
+
+def test_a_mirrored_or_turned_image_has_such_centers_of_divergence():
+    values, _ = three_objects()
+    centers = divergence_centers(values)
+    for image, truth in (
+        (values[::-1], mirrored(centers, values.shape, 0)),
+        (values[:, ::-1], mirrored(centers, values.shape, 1)),
+        (np.rot90(values), turned(centers, values.shape)),
+    ):
+        assert sorted(divergence_centers(image).tolist()) == sorted(truth.tolist())
+
+
+def test_an_edge_that_runs_out_of_the_image_is_reached_from_the_border():
+    """A wide arc from side to side, with nothing on either side for a field to flow apart."""
+    scene = disk((70, 80), (35.3, -360.4), 405.0)
+    seeds = divergence_centers(scene.values)
+    assert len(seeds) > 0
+    assert np.all(((seeds == 0) | (seeds == (69, 79))).any(axis=1))
+    (contour,) = segment(scene.values, seeds).contours
+    assert not contour.closed
+    assert scene.distance(contour.points).max() < 0.2
+    assert np.ptp(contour.points[:, 0]) > 65.0
+
+
+def test_an_image_without_edges_has_no_center_of_divergence():
+    assert divergence_centers(np.full((20, 30), 7.0)).shape == (0, 2)
+
+
+@pytest.mark.parametrize(
+    ("values", "options", "message"),
+    [
+        (np.zeros((4, 5, 6)), {}, "3 dimensions but must have 2"),
+        (np.eye(9), {"smoothing": -1.0}, "smoothing is -1 but must be 0 or more"),
+        (np.eye(9), {"smoothing": np.nan}, "smoothing is nan but must be 0 or more"),
+        (np.eye(9), {"spacing": 0.0}, "spacing is 0 but must be above 0"),
+    ],
+)
+def test_centers_of_divergence_of_nothing_are_refused(values, options, message):
+    with pytest.raises(ValueError, match=message):
+        divergence_centers(values, **options)
