@@ -43,10 +43,10 @@ from cpm_core.contour import Contour
 from cpm_core.coulomb import coulomb_force
 from cpm_core.edge_map import edge_map
 from cpm_core.engine import Engine
-from cpm_core.field.convolution import electric_field
+from cpm_core.field.electric import electric_field
 from cpm_core.formats import export, load_image
 from cpm_core.image import Image
-from cpm_core.initialization import circle, gradient_threshold, uniform_grid
+from cpm_core.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles import Particles, State
 from cpm_core.reconstruction import reconstruct_curve
@@ -70,6 +70,7 @@ __all__ = [
     "State",
     "circle",
     "coulomb_force",
+    "divergence_centers",
     "edge_map",
     "electric_field",
     "export",
@@ -78,5 +79,6 @@ __all__ = [
     "reconstruct_curve",
     "segment",
     "skeleton",
+    "stroke",
     "uniform_grid",
 ]

@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from cpm_core.contrast import region_contrast
 from cpm_core.edge_map import background_strength, gradient, magnitude
-from cpm_core.field.convolution import electric_field
+from cpm_core.field.electric import electric_field
 from cpm_core.field.interpolation import interpolate
 from cpm_core.frame import inside_frame
 from cpm_core.regions import Regions

@@ -156,5 +156,6 @@ def _branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Co
     for path, closed in [*graph.walks(), *points]:
         forks = (False, False) if closed else (graph.degree(path[0]) > 2, graph.degree(path[-1]) > 2)
         strength = float(boundary.strength[axis.nearest[path]].mean())
-        found.append((Contour(axis.points[path], closed, strength, forks), half_width(axis.radius[path], smoothing)))
+        contour = Contour(axis.points[path], closed, strength, junctions=forks)
+        found.append((contour, half_width(axis.radius[path], smoothing)))
     return found

@@ -24,7 +24,7 @@ from cpm_core.cli.progress import Progress
 from cpm_core.cli.wording import counted
 from cpm_core.formats import export, load_image, load_points
 from cpm_core.image import Image
-from cpm_core.initialization import circle, gradient_threshold, uniform_grid
+from cpm_core.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.regions import Regions
 from cpm_core.result import Result
@@ -39,8 +39,15 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_image(parser)
     start = parser.add_argument_group("start (one at least; several add up)")
     start.add_argument("--circle", metavar="ROW,COL,RADIUS", action="append", default=[], help="a circle, in px")
+    start.add_argument(
+        "--stroke", metavar="ROW,COL,ROW,COL,...", action="append", default=[], help="a stroke from point to point"
+    )
     start.add_argument("--points", metavar="FILE.csv", action="append", default=[], help="points: row,col on each line")
-    start.add_argument("--auto", choices=("grid", "gradient"), help="everywhere, or on the strongest edges")
+    start.add_argument(
+        "--auto",
+        choices=("grid", "gradient", "centers"),
+        help="everywhere, on the strongest edges, or in the middle of what lies between edges",
+    )
     place = parser.add_argument_group("place (each may be repeated)")
     line = "ROW,COL,ROW,COL,..."
     place.add_argument(
@@ -90,18 +97,35 @@ def _max_steps(given: int | float | str | None) -> int | None:
 
 
 def _drawn(arguments: argparse.Namespace) -> list[NDArray[np.float64]]:
-    """Particles of the circles and points on the command line."""
-    if not (arguments.circle or arguments.points or arguments.auto):
-        raise ValueError("No start is given: add --circle ROW,COL,RADIUS, --points FILE.csv or --auto grid.")
-    return [*(_circle(text) for text in arguments.circle), *(load_points(path) for path in arguments.points)]
+    """Particles of the circles, strokes and points on the command line."""
+    if not (arguments.circle or arguments.stroke or arguments.points or arguments.auto):
+        raise ValueError(
+            "No start is given: add --circle ROW,COL,RADIUS, --stroke ROW,COL,ROW,COL,..., "
+            "--points FILE.csv or --auto grid."
+        )
+    return [
+        *(_circle(text) for text in arguments.circle),
+        *(_stroke(text) for text in arguments.stroke),
+        *(load_points(path) for path in arguments.points),
+    ]
 
 
 def _circle(text: str) -> NDArray[np.float64]:
-    numbers = [as_number(part.strip()) for part in text.split(",")]
-    row, col, radius = (numbers + [""] * 3)[:3]
-    if len(numbers) != 3 or isinstance(row, str) or isinstance(col, str) or isinstance(radius, str):
+    numbers = _numbers(text)
+    if len(numbers) != 3:
         raise ValueError(f'--circle is "{text}" but must be three numbers, ROW,COL,RADIUS in px.')
-    return circle(center=(row, col), radius=radius)
+    return circle(center=(numbers[0], numbers[1]), radius=numbers[2])
+
+
+def _stroke(text: str) -> NDArray[np.float64]:
+    return stroke(np.array(_line("--stroke", text, 1)))
+
+
+def _numbers(text: str) -> list[float]:
+    """Numbers between commas; none at all when a part is no number."""
+    parts = [as_number(part.strip()) for part in text.split(",")]
+    numbers = [float(part) for part in parts if not isinstance(part, str)]
+    return numbers if len(numbers) == len(parts) else []
 
 
 def _regions(arguments: argparse.Namespace) -> Regions | None:
@@ -116,20 +140,21 @@ def _regions(arguments: argparse.Namespace) -> Regions | None:
 
 def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
     """Points of a line given as row and column in turn."""
-    numbers = [as_number(part.strip()) for part in text.split(",")]
-    known = [float(number) for number in numbers if not isinstance(number, str)]
-    if len(known) != len(numbers) or len(known) % 2 or len(known) < 2 * least:
+    numbers = _numbers(text)
+    if len(numbers) % 2 or len(numbers) < 2 * least:
         raise ValueError(
             f'{flag} is "{text}" but must be rows and columns in turn, of {least} points at least, ROW,COL,ROW,COL,... '
             "in px."
         )
-    return tuple(zip(known[::2], known[1::2], strict=True))
+    return tuple(zip(numbers[::2], numbers[1::2], strict=True))
 
 
 def _automatic(kind: str | None, image: Image, parameters: Parameters) -> list[NDArray[np.float64]]:
     """Particles that need no drawing."""
     if kind == "grid":
         return [uniform_grid(image.shape)]
+    if kind == "centers":
+        return [divergence_centers(image.values)]
     if kind == "gradient":
         sigma = parameters.smoothing
         return [

@@ -11,23 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 
-def electric_field(edge_map: ArrayLike, method: str = "convolution", exponent: float | None = None) -> Array:
-    r"""Electric field of the fixed charges, eq. (8).
+def convolved_field(edge_map: ArrayLike, exponent: float | None = None) -> Array:
+    r"""Electric field of the fixed charges, exact to rounding.
 
-    Every pixel carries the charge ``-f``; the field on a pixel is the sum over all the others,
-    ``E(r) = sum_k -f_k (r - R_k) / |r - R_k|^(exponent + 1)``. The sum is a convolution; computed with Fourier
-    transforms on a grid padded with zeros to at least twice the size, it is exact to rounding and nothing wraps around.
+    The sum of eq. (8) is a convolution; computed with Fourier transforms on a grid padded with zeros to at least twice
+    the size, nothing wraps around.
 
     Parameters
     ----------
     edge_map : array_like, shape (\*shape)
         Edge strength ``f`` of every pixel.
-    method : {"convolution"}
-        How the sum is carried out.
     exponent : float, optional
-        Power of the distance with which the force of one charge decays; by default the dimension ``D``, which is the
-        paper's inverse square in the plane. The dimension keeps the field inside a closed contour alive: with the
-        inverse square in space, the inside of a closed charged surface would be almost free of field.
+        Power of the distance with which the force of one charge decays; by default the dimension ``D``.
 
     Returns
     -------
@@ -37,11 +32,9 @@ def electric_field(edge_map: ArrayLike, method: str = "convolution", exponent: f
     Raises
     ------
     ValueError
-        For an unknown method, or an exponent that is not positive.
+        For an exponent that is not positive.
     """
     f = np.asarray(edge_map, dtype=float)
-    if method != "convolution":
-        raise ValueError(f'method is {method!r} but must be "convolution".')
     power = float(f.ndim if exponent is None else exponent)
     if not power > 0:
         raise ValueError(f"exponent is {power:g} but must be above 0.")

@@ -70,7 +70,7 @@ def find_boundary(level: Level, parameters: Parameters) -> Boundary:
     pixels = np.argwhere(level.edge_map >= level.floor).astype(float)
     shortest = max(parameters.min_length, _SHORTEST * parameters.d_min)
     dense = replace(parameters, d_min=_SPACING, d_max=_SPACING, min_length=shortest)
-    contours = find_contours(pixels, level, dense)
+    contours, _ = find_contours(pixels, level, dense)
     if not contours:
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0))
     paths = [_continued(_evenly(contour), level.shape) for contour in contours]

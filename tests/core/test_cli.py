@@ -89,7 +89,14 @@ def test_run_starts_from_points_and_by_itself_too(disk, command, tmp_path):
     angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)
     points = np.stack([40 + 12 * np.sin(angle), 50 + 12 * np.cos(angle)], axis=1)
     np.savetxt(tmp_path / "p.csv", points, delimiter=",", header="row,col", comments="")
-    for start in (("--points", tmp_path / "p.csv"), ("--auto", "grid"), ("--auto", "gradient")):
+    for start in (
+        ("--points", tmp_path / "p.csv"),
+        ("--stroke", "30,40,50,60"),
+        ("--stroke", "40,50", "--stroke", "20, 50, 20.5, 52, 25, 55"),
+        ("--auto", "grid"),
+        ("--auto", "gradient"),
+        ("--auto", "centers"),
+    ):
         status, out, err = command("run", disk, *start, "--json")
         assert (status, err) == (0, "")
         assert json.loads(out)["closed"] == 1
@@ -168,6 +175,10 @@ BAD = [
     ("fly disk.png", "fly"),
     ("run", "IMAGE"),
     ("run disk.png", "No start"),
+    ("run disk.png --stroke 40,50,12", '--stroke is "40,50,12" but must be rows and columns in turn'),
+    ("run disk.png --stroke 40,fifty", '--stroke is "40,fifty" but must be rows and columns in turn'),
+    ("run disk.png --stroke 40,nan", "not finite"),
+    ("run disk.png --auto middle", "--auto"),
     ("run disk.png --circle 40,50,12 --colour red", "--colour"),
     ("run disk.png --circle 40,50,12 --beta", "--beta"),
     ("run disk.png --circle 40,50,12 --export out.svg --beta much", "beta is 'much'"),

@@ -13,8 +13,8 @@ from cpm_core import Contour, Skeleton
 from cpm_core.formats import WRITABLE, export, load_image
 
 SVG = "{http://www.w3.org/2000/svg}"
-STEM = Contour(np.array([[5.0, 10.2], [20.0, 10.4], [33.4, 10.0]]), False, 12.0, (False, True))
-ARM = Contour(np.array([[33.4, 10.0], [33.0, 29.8]]), False, 11.0, (True, False))
+STEM = Contour(np.array([[5.0, 10.2], [20.0, 10.4], [33.4, 10.0]]), False, 12.0, junctions=(False, True))
+ARM = Contour(np.array([[33.4, 10.0], [33.0, 29.8]]), False, 11.0, junctions=(True, False))
 LOOP = Contour(np.array([[10.0, 40.0], [10.0, 52.0], [22.0, 52.0], [22.0, 40.0]]), True, 9.0)
 DOT = Contour(np.array([[40.0, 70.0]]), False, 8.0)
 RADII = (np.array([2.0, 4.5, 6.25]), np.array([6.25, 1.0]), np.full(4, 3.0), np.array([8.5]))

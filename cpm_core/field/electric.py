@@ -1,0 +1,68 @@
+"""The electric field of eq. (8), by whichever method is asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.field.convolution import convolved_field
+from cpm_core.field.pppm import pppm_field
+
+Array = NDArray[np.float64]
+
+METHODS = ("convolution", "pppm")
+"""Ways to compute the field."""
+
+
+def electric_field(
+    edge_map: ArrayLike,
+    method: str = "convolution",
+    exponent: float | None = None,
+    *,
+    cutoff: float = 20.0,
+    iterations: int = 50,
+) -> Array:
+    r"""Electric field of the fixed charges, eq. (8).
+
+    Every pixel carries the charge ``-f``; the field on a pixel is the sum over all the others,
+    ``E(r) = sum_k -f_k (r - R_k) / |r - R_k|^(exponent + 1)``.
+
+    Parameters
+    ----------
+    edge_map : array_like, shape (\*shape)
+        Edge strength ``f`` of every pixel.
+    method : {"convolution", "pppm"}
+        How the sum is carried out: exactly, as one Fourier convolution, or as published, by direct sums over near
+        charges and Poisson's equation on a mesh for the far ones (`cpm_core.field.pppm` tells how the two compare).
+    exponent : float, optional
+        Power of the distance with which the force of one charge decays; by default the dimension ``D``, which is the
+        paper's inverse square in the plane. The dimension keeps the field inside a closed contour alive: with the
+        inverse square in space, the inside of a closed charged surface would be almost free of field. The PPPM method
+        has the inverse square only.
+    cutoff : float
+        Reach of the direct sums of the PPPM method [px]; not used by the convolution.
+    iterations : int
+        Sweeps of over-relaxation of the PPPM method; not used by the convolution.
+
+    Returns
+    -------
+    ndarray, shape (D, \*shape)
+        Field, pointing towards the charges.
+
+    Raises
+    ------
+    ValueError
+        For an unknown method, an exponent that is not positive, and what the PPPM method cannot do: volumes, other
+        exponents than 2, a cut-off or a number of sweeps out of range.
+    """
+    if method == "convolution":
+        return convolved_field(edge_map, exponent)
+    if method != "pppm":
+        names = " or ".join(f'"{name}"' for name in METHODS)
+        raise ValueError(f"method is {method!r} but must be {names}.")
+    if exponent is not None and exponent != 2:
+        raise ValueError(
+            f'exponent is {exponent:g} but must be 2 for method "pppm", which solves Poisson\'s equation: '
+            'use method "convolution".'
+        )
+    return pppm_field(edge_map, cutoff, iterations)

@@ -1,0 +1,260 @@
+"""The electric field as published: particle-particle particle-mesh (section 3.5.2, eq. (16)-(22)).
+
+The potential of a charge, ``1 / R``, is split in two by the error function, eq. (22). What is left of it close by,
+``(1 - erf(R / sigma)) / R``, has died away at the cut-off and is summed directly, eq. (17). The rest,
+``erf(R / sigma) / R``, is the potential of the charge spread out to a Gaussian; it is smooth, and a mesh of a fifth of
+the cut-off can hold it. Charges are shared out linearly among mesh nodes, eq. (19), spread by steps of diffusion,
+``sigma = 2 sqrt(D N_t)``, and Poisson's equation, eq. (18), is solved by successive over-relaxation.
+
+Poisson's equation in the plane would give the potential ``-log R``, which is not the one that was split. The mesh here
+is a slab of space instead, with the image in its middle plane: the force of charges in a plane, felt in that plane, is
+then the inverse square of eq. (8). The slab is thin, and what is beyond it is told by the potential on its faces, taken
+from the charges gathered into lumps; so the few sweeps have only a short way to carry news from face to face.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import erfc
+
+from cpm_core.kernels import compiled
+
+Array = NDArray[np.float64]
+
+_LEAST_CUTOFF, _LARGEST_CUTOFF = 5.0, 100.0
+_MOST_ITERATIONS = 100_000
+
+_CELLS_A_CUTOFF = 5
+"""Mesh cells to the cut-off: at the cut-off 1 - erf(R / sigma) is 0.0004."""
+
+_DIFFUSION, _DIFFUSION_STEPS = 5.0 / 48.0, 8
+"""Coefficient D [cells^2 / step] and number N_t of the steps of diffusion."""
+
+_SHARED_OUT = 1.0 / 6.0
+"""What sharing out among nodes, there and back, spreads a charge by in the mean; in the units of D N_t."""
+
+_SIGMA = 2.0 * math.sqrt(_DIFFUSION * _DIFFUSION_STEPS + _SHARED_OUT)
+"""Width sigma = 2 sqrt(D N_t) of the Gaussians: two cells."""
+
+_LUMP = 4
+"""Mesh cells from one lump of charge to the next."""
+
+_MARGIN = 8
+"""Mesh cells from the image to the faces of the slab, up and sideways: two lumps, for these to look like the charges
+that they stand for."""
+
+
+def pppm_field(edge_map: ArrayLike, cutoff: float = 20.0, iterations: int = 50) -> Array:
+    """Electric field of the fixed charges of an image, by the published PPPM method.
+
+    Parameters
+    ----------
+    edge_map : array_like, shape (H, W)
+        Edge strength ``f`` of every pixel.
+    cutoff : float
+        Reach of the direct sums [px], from 5 to 100; the mesh is a fifth of it wide.
+    iterations : int
+        Sweeps of successive over-relaxation, from 1 on.
+
+    Returns
+    -------
+    ndarray, shape (2, H, W)
+        Field, pointing towards the charges.
+
+    Raises
+    ------
+    ValueError
+        When the edge map has not two dimensions, or for a cut-off or a number of sweeps out of range.
+
+    Notes
+    -----
+    Angle between this field and the exact one (`convolution`), measured on six edge maps of 200 to 1000 px a side (a
+    disk, several objects, two far apart, a spiral, noise, blocks):
+
+    ============  ======================  ============
+    sweeps        up to 3 px from edges   further away
+    ============  ======================  ============
+    10            0.1 to 0.8, 95 %: 4.6   0.2 to 5.8, 95 %: 22 to 170
+    20            0.0 to 0.3, 95 %: 3.5   0.4 to 0.8, 95 %: 4 to 23
+    50            0.0 to 0.1, 95 %: 0.8   0.0 to 0.1, 95 %: 1.6
+    ============  ======================  ============
+
+    These are medians, and the angle that 95 % of the pixels stay under, in degrees. The fifty sweeps of the paper leave
+    nothing unresolved: more of them change no digit. What remains is the mesh's: it smears a charge by up to a cell on
+    the way there and back, which is felt where pulls from all sides cancel. The size of the vectors is off by 1 % (root
+    mean square), that of one lonely charge by up to 13 %, at about the cut-off.
+
+    Two things are read otherwise than to the letter. The direct part is differentiated on paper: the differences of
+    algorithm 1 would run across a charge's own pixel, which eq. (7) leaves out of the potential. And the faces of the
+    slab are held at the potential of the charges. Grounded, they would screen it: the angle is then 8 to 17 degrees
+    away from edges, 95 %: 37 to 56, wherever there is more than one object; and on a mesh as fine as the pixels, which
+    fifty sweeps cannot cross, it is 9 to 15 and 42 to 90.
+    """
+    f = np.asarray(edge_map, dtype=float)
+    if f.ndim != 2:
+        raise ValueError(
+            f'the edge map has {f.ndim} dimensions but must have 2 for method "pppm": use method "convolution".'
+        )
+    if not _LEAST_CUTOFF <= cutoff <= _LARGEST_CUTOFF:
+        raise ValueError(f"cutoff is {cutoff:g} px but must be from {_LEAST_CUTOFF:g} to {_LARGEST_CUTOFF:g} px.")
+    if not 1 <= iterations <= _MOST_ITERATIONS or iterations != int(iterations):
+        raise ValueError(f"iterations is {iterations:g} but must be a whole number from 1 to {_MOST_ITERATIONS}.")
+    return short_range(f, cutoff) + mesh_part(f, cutoff, int(iterations))
+
+
+def short_range(f: Array, cutoff: float) -> Array:
+    """Field of the direct interaction, eq. (17), summed charge by charge.
+
+    Parameters
+    ----------
+    f : ndarray, shape (H, W)
+        Edge strength.
+    cutoff : float
+        Reach of the sums [px].
+
+    Returns
+    -------
+    ndarray, shape (2, H, W)
+        Minus the gradient of ``-f (1 - erf(R / sigma)) / R``, summed over all other charges within the cut-off.
+    """
+    sigma = _SIGMA * cutoff / _CELLS_A_CUTOFF
+    reach = int(cutoff)
+    row, col = np.mgrid[-reach : reach + 1, -reach : reach + 1].astype(float)
+    distance = np.hypot(row, col)
+    away = np.where(distance > 0.0, distance, np.inf)
+    slope = erfc(away / sigma) / away**2 + 2.0 / (math.sqrt(math.pi) * sigma) * np.exp(-((away / sigma) ** 2)) / away
+    pull = np.where(distance <= cutoff, slope / away, 0.0)
+    out = np.zeros((2, *f.shape))
+    _sum_near(np.ascontiguousarray(f), pull * row, pull * col, out)
+    return out
+
+
+def mesh_part(f: Array, cutoff: float, iterations: int) -> Array:
+    """Field of the charges spread out to Gaussians, from Poisson's equation on a mesh.
+
+    Parameters
+    ----------
+    f : ndarray, shape (H, W)
+        Edge strength.
+    cutoff : float
+        Reach of the direct sums, five times the width of the mesh [px].
+    iterations : int
+        Sweeps of successive over-relaxation, from a potential of zero inside the slab.
+
+    Returns
+    -------
+    ndarray, shape (2, H, W)
+        Field on the pixels.
+    """
+    cell = cutoff / _CELLS_A_CUTOFF
+    share_rows, share_cols = (_shares(n, cell) for n in f.shape)
+    charge = share_rows @ -f @ share_cols.T
+    density = _spread(charge)
+    potential = np.zeros_like(density)
+    _charge_faces(potential, charge)
+    _relax(potential, 4.0 * math.pi * density, iterations, _jacobi_radius(potential.shape))
+    middle = potential[0]
+    slope = np.zeros((2, *middle.shape))
+    slope[0, 1:-1] = 0.5 * (middle[2:] - middle[:-2])
+    slope[1, :, 1:-1] = 0.5 * (middle[:, 2:] - middle[:, :-2])
+    return np.stack([-(share_rows.T @ part @ share_cols) for part in slope]) / cell**2
+
+
+def _shares(count: int, cell: float) -> Array:
+    """Share of each of `count` pixels in a row of mesh nodes, eq. (19); shape (nodes, count).
+
+    The same shares carry charges to the mesh and the field back, so that no charge pulls at itself, eq. (20). The mesh
+    is centred on the image and its number of nodes is odd, so that a mirrored image has a mirrored mesh, the order of
+    relaxation included; and the lumps fit.
+    """
+    half = 0.5 * (count - 1)
+    nodes = _LUMP * math.ceil((half / cell + _MARGIN) / _LUMP)
+    return _hats((np.arange(count, dtype=np.float64) - half) / cell + nodes, 2 * nodes + 1)
+
+
+def _hats(places: Array, count: int) -> Array:
+    """Weight ``max(0, 1 - |x - i|)`` of each place x at each of `count` nodes i; shape (count, places)."""
+    return np.asarray(np.maximum(0.0, 1.0 - np.abs(places[None, :] - np.arange(count)[:, None])))
+
+
+def _spread(charge: Array) -> Array:
+    """Charge in the middle plane, shape (R, C), diffused into the upper half of the slab, shape (P, R, C)."""
+    density = np.zeros((_MARGIN + 1, *charge.shape))
+    density[0] = charge
+    for _ in range(_DIFFUSION_STEPS):
+        wide = np.pad(density, 1)
+        wide[0] = wide[2]  # the lower half mirrors the upper
+        inner = wide[1:-1, 1:-1, 1:-1]
+        around = wide[:-2, 1:-1, 1:-1] + wide[2:, 1:-1, 1:-1] + wide[1:-1, :-2, 1:-1] + wide[1:-1, 2:, 1:-1]
+        around = around + wide[1:-1, 1:-1, :-2] + wide[1:-1, 1:-1, 2:]
+        density = (1.0 - 6.0 * _DIFFUSION) * inner + _DIFFUSION * around
+    return density
+
+
+def _charge_faces(potential: Array, charge: Array) -> None:
+    """Set the potential on the faces of the slab to that of the charges, gathered into lumps."""
+    rows, cols = (_hats(np.arange(n) / _LUMP, (n - 1) // _LUMP + 1) for n in charge.shape)
+    lumps = rows @ charge @ cols.T
+    faces = np.ones(potential.shape, bool)
+    faces[:-1, 1:-1, 1:-1] = False
+    held = np.argwhere(faces)
+    values = np.zeros(len(held))
+    charged = np.argwhere(lumps)
+    _sum_lumps(held.astype(float), _LUMP * charged.astype(float), lumps[tuple(charged.T)], values)
+    potential[faces] = values
+
+
+def _jacobi_radius(shape: tuple[int, ...]) -> float:
+    """Factor by which a sweep of Jacobi's would shrink the slowest error in a slab; it tunes over-relaxation."""
+    planes, rows, cols = shape
+    angles = (0.5 * math.pi / (planes - 1), math.pi / (rows - 1), math.pi / (cols - 1))
+    return sum(math.cos(angle) for angle in angles) / 3.0
+
+
+@compiled
+def _sum_near(f: Array, pull_row: Array, pull_col: Array, out: Array) -> None:
+    """Add to `out`, shape (2, H, W), the pull of every charge within the table, itself excluded by a zero there."""
+    reach = len(pull_row) // 2
+    height, width = f.shape
+    for r in range(height):
+        for dr in range(max(-reach, -r), min(reach, height - 1 - r) + 1):
+            for dc in range(-reach, reach + 1):
+                along_rows, along_cols = pull_row[reach + dr, reach + dc], pull_col[reach + dr, reach + dc]
+                if along_rows != 0.0 or along_cols != 0.0:
+                    for c in range(max(0, -dc), min(width, width - dc)):
+                        out[0, r, c] += along_rows * f[r + dr, c + dc]
+                        out[1, r, c] += along_cols * f[r + dr, c + dc]
+
+
+@compiled
+def _sum_lumps(held: Array, place: Array, charge: Array, out: Array) -> None:
+    """Add the potential of lumps at places (row, col) of the middle plane to nodes at (plane, row, col)."""
+    for i in range(len(held)):
+        total = 0.0
+        for j in range(len(place)):
+            row, col = held[i, 1] - place[j, 0], held[i, 2] - place[j, 1]
+            total += charge[j] / np.sqrt(held[i, 0] ** 2 + row * row + col * col)
+        out[i] += total
+
+
+@compiled
+def _relax(potential: Array, source: Array, iterations: int, radius: float) -> None:
+    """Sweeps of successive over-relaxation of ``laplacian(potential) = -source`` inside the faces of the slab.
+
+    Nodes of even and of odd parity take turns; the relaxation factor rises to its best value by Chebyshev's recursion.
+    """
+    planes, rows, cols = potential.shape
+    relaxation = 1.0
+    for half_sweep in range(2 * iterations):
+        for p in range(planes - 1):
+            below = p - 1 if p > 0 else 1
+            for r in range(1, rows - 1):
+                for c in range(1 + (p + r + 1 + half_sweep) % 2, cols - 1, 2):
+                    around = potential[p + 1, r, c] + potential[below, r, c]
+                    around += potential[p, r - 1, c] + potential[p, r + 1, c]
+                    around += potential[p, r, c - 1] + potential[p, r, c + 1]
+                    potential[p, r, c] += relaxation * ((around + source[p, r, c]) / 6.0 - potential[p, r, c])
+        relaxation = 1.0 / (1.0 - (0.5 if half_sweep == 0 else 0.25 * relaxation) * radius * radius)
