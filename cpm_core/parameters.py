@@ -128,17 +128,17 @@ _TABLE = (
         "", "field", True,
     ),
     ParameterInfo(
-        "max_gap", "g_max", "px", 0.0, 1e4, 0.0, 60.0, 1.0, "Widest gap",
-        "Distance up to which loose ends of contours are joined across a gap, along the edge map.",
-        "More of it bridges wider gaps; at 0 real gaps stay open.",
-        "", "nothing", True,
-    ),
-    ParameterInfo(
         "max_frame", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Widest frame",
         "A dark or bright rim of the image up to this wide, as a fraction of its shorter side, is taken for its frame, "
         "and the edge of it for no edge.",
         "More of it finds wider frames; 0 leaves every edge in.",
         "", "field", True,
+    ),
+    ParameterInfo(
+        "max_gap", "g_max", "px", 0.0, 1e4, 0.0, 60.0, 1.0, "Widest gap",
+        "Distance up to which loose ends of contours are joined across a gap, along the edge map.",
+        "More of it bridges wider gaps; at 0 real gaps stay open.",
+        "", "nothing", True,
     ),
     ParameterInfo(
         "min_strength", "s_min", "grey/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Least strength",
@@ -271,7 +271,9 @@ DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name i
 
 PRESETS: dict[str, Parameters] = {
     "shape": Parameters(),
-    "automatic": Parameters(w1=0.6, w2=0.7, beta=0.4),
+    "automatic": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.15, max_frame=0.08, sure_edge=0.3
+    ),
     "noisy": Parameters(smoothing="auto"),
 }
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), and noisy images."""

@@ -40,8 +40,9 @@ def crust(points: Array) -> Edges:
         return np.zeros((0, 2), np.int64)
     try:
         triangles = Delaunay(points).simplices.astype(np.int64)
-    except QhullError:  # all on one line: no triangle, and no curve that could enclose anything
-        return np.zeros((0, 2), np.int64)
+    except QhullError:  # all on one line: there is no triangle, and the crust joins neighbours along it
+        order = np.lexsort(points.T)
+        return np.unique(np.sort(np.stack([order[:-1], order[1:]], axis=1), axis=1), axis=0)
     # the edge opposite to each corner, and the cotangent of the angle there
     edges, cotangents = [], []
     for k in range(3):

@@ -157,8 +157,11 @@ def test_hardly_any_points_make_no_contour(count):
 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)], ids=str)
-def test_points_on_one_line_make_no_contour(direction):
-    assert reconstruct_curve(np.arange(12.0)[:, None] * np.array(direction) + 5.0) == ()
+def test_points_on_one_line_make_one_open_contour(direction):
+    points = np.arange(12.0)[:, None] * np.array(direction) + 5.0
+    (contour,) = reconstruct_curve(np.random.default_rng(3).permutation(points))
+    assert not contour.closed
+    assert contour.length == pytest.approx(11.0 * np.hypot(*direction))
 
 
 def test_a_point_given_twice_counts_once():
