@@ -66,6 +66,11 @@ class Control:
         return f"{self.title}  {self.symbol}"
 
     @property
+    def in_grey_levels(self) -> bool:
+        """Whether its values mean something only beside the grey levels of an image."""
+        return self.unit.startswith("grey")
+
+    @property
     def facts(self) -> str:
         """Symbol, place, range and default in one line."""
         unit = f" {self.unit}" if self.unit else ""
@@ -90,8 +95,8 @@ def controls() -> tuple[Control, ...]:
 
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:
-    """Range of the slider for an image of the given contrast; the strength of edges goes with the grey levels."""
-    if control.name != "min_strength" or contrast <= 0:
+    """Range of the slider for an image of the given contrast, which everything in grey levels goes with."""
+    if not control.in_grey_levels or contrast <= 0:
         return control.slider_low, control.slider_high
     return control.slider_low, control.slider_high * contrast / _FULL_CONTRAST
 
