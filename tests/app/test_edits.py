@@ -106,6 +106,14 @@ def test_every_control_shows_its_default_and_takes_both_ends_of_its_slider(contr
         assert value_of(changed.parameters, control.name) == pytest.approx(value)
 
 
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("min_length", "at rest"), ("max_gap", "at rest"), ("w2", "next step"), ("scales", "next start")],
+)
+def test_a_control_says_when_it_acts(name: str, said: str) -> None:
+    assert said in next(control.acts for control in controls() if control.name == name)
+
+
 @pytest.mark.parametrize("control", controls(), ids=lambda control: control.name)
 def test_sliders_in_grey_levels_go_with_the_contrast_of_the_image_and_no_others(control) -> None:
     plain = (control.slider_low, control.slider_high)
