@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.parameters import PARAMETERS, ParameterInfo, Parameters
 
 RATIO = "ratio"
 HIGHEST_RATIO = 0.99
@@ -66,6 +66,11 @@ class Control:
         return f"{self.title}  {self.symbol}"
 
     @property
+    def in_grey_levels(self) -> bool:
+        """Whether its values mean something only beside the grey levels of an image."""
+        return self.unit.startswith("grey")
+
+    @property
     def facts(self) -> str:
         """Symbol, place, range and default in one line."""
         unit = f" {self.unit}" if self.unit else ""
@@ -76,6 +81,7 @@ class Control:
 
 
 _ACTS = {
+    "contours": "Acts at once, on particles at rest too.",
     "nothing": "Acts at the next step.",
     "field": "Acts at the next step, with edge map and field built anew.",
     "run": "Acts from the next start on.",
@@ -90,8 +96,8 @@ def controls() -> tuple[Control, ...]:
 
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:
-    """Range of the slider for an image of the given contrast; the strength of edges goes with the grey levels."""
-    if control.name != "min_strength" or contrast <= 0:
+    """Range of the slider for an image of the given contrast, which everything in grey levels goes with."""
+    if not control.in_grey_levels or contrast <= 0:
         return control.slider_low, control.slider_high
     return control.slider_low, control.slider_high * contrast / _FULL_CONTRAST
 
@@ -151,10 +157,19 @@ def _from_core(name: str) -> Control:
         more=info.more,
         equation=info.equation,
         advanced=info.advanced,
-        acts=_ACTS[info.invalidates],
+        acts=_ACTS["contours" if _chooses_contours(info) else info.invalidates],
         automatic=name == "smoothing",
         whole=name == "scales",
     )
+
+
+def _chooses_contours(info: ParameterInfo) -> bool:
+    """Whether the particles do not feel a parameter, which then tells only what is made of them."""
+    if info.invalidates != "nothing":
+        return False
+    free = Parameters(w1=0.01, w2=50.0)  # room for either weight to be any other
+    changed: dict[str, Any] = {info.name: info.slider_high}
+    return replace(free, **changed).steering == free.steering
 
 
 def _ratio() -> Control:

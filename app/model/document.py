@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.shapes import Shape
+from app.model.shapes import Barrier, Everywhere, Kind, Limit, Region, Shape, Start
 from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.regions import Regions
+
+Sown = Mapping[Kind, NDArray[np.float64]]
+"""Positions of the particles that start all over an image, shape (N, 2) each."""
+
+NOWHERE: Sown = MappingProxyType({})
+
+FOLLOWING_SMOOTHING: frozenset[Kind] = frozenset({"edges"})
+"""Starts everywhere whose positions depend on the smoothing."""
+
+NOTHING_TO_START_FROM = (
+    "There is nothing to start from: draw a circle, a stroke or points on the image first, or start everywhere."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +57,7 @@ class Document:
     image : ImageReference or None
         None until the first image is open.
     shapes : tuple of Shape
-        The initialization, in the order drawn.
+        The initialization, and the regions of interest and barriers that limit it, in the order drawn.
     parameters : Parameters
         Parameters of the model.
     """
@@ -51,17 +66,50 @@ class Document:
     shapes: tuple[Shape, ...] = ()
     parameters: Parameters = field(default_factory=Parameters)
 
-    def seeds(self) -> NDArray[np.float64]:
+    @property
+    def starts(self) -> tuple[Start, ...]:
+        """The shapes that give particles; without one there is nothing to run."""
+        return tuple(shape for shape in self.shapes if not isinstance(shape, Limit))
+
+    @property
+    def everywhere(self) -> tuple[Kind, ...]:
+        """The ways in which particles start without having been drawn."""
+        return tuple(shape.kind for shape in self.shapes if isinstance(shape, Everywhere))
+
+    @property
+    def sowing(self) -> tuple[object, ...]:
+        """Everything that the positions for `everywhere` depend on; empty when there is none."""
+        if not self.everywhere:
+            return ()
+        limits = tuple(shape for shape in self.shapes if isinstance(shape, Region))
+        followed = any(kind in FOLLOWING_SMOOTHING for kind in self.everywhere)
+        return (self.image, self.everywhere, limits, self.parameters.smoothing if followed else None)
+
+    @property
+    def regions(self) -> Regions | None:
+        """What holds particles back; None when nothing of the kind is drawn."""
+        interest = tuple(shape.points for shape in self.shapes if isinstance(shape, Region))
+        barriers = tuple(shape.points for shape in self.shapes if isinstance(shape, Barrier))
+        return Regions(interest=interest, barriers=barriers) if interest or barriers else None
+
+    def seeds(self, sown: Sown = NOWHERE) -> NDArray[np.float64]:
         """Positions of the particles that the drawing gives, shape (N, 2), in px of the image.
+
+        Parameters
+        ----------
+        sown : mapping of str to ndarray
+            For each of `everywhere` its positions on the image, which the document does not hold.
 
         Raises
         ------
         ValueError
-            When nothing is drawn.
+            When nothing is drawn to start from.
         """
-        if not self.shapes:
-            raise ValueError("There is nothing to start from: draw a circle or place points on the image first.")
-        return np.concatenate([shape.seeds() for shape in self.shapes])
+        if not self.starts:
+            raise ValueError(NOTHING_TO_START_FROM)
+        return np.concatenate(
+            [sown[start.kind] if isinstance(start, Everywhere) else start.seeds() for start in self.starts]
+        )
 
     @property
     def recipe(self) -> tuple[object, ...]:

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from app.model import controls
 from app.model.document import Document
-from app.model.shapes import Circle, Position, Shape
+from app.model.paths import Position
+from app.model.shapes import Circle, Everywhere, Kind, Shape
 from cpm_core.parameters import PRESETS, Parameters
 
 
@@ -28,7 +29,7 @@ def move_shape(document: Document, index: int, by: Position) -> Document:
 
 
 def resize_shape(document: Document, index: int, rim: Position) -> Document:
-    """The document with the circle at `index` led through `rim`; points have no size and stay as they are."""
+    """The document with the circle at `index` led through `rim`; other shapes stay as they are."""
     shape = document.shapes[index]
     return replace_shape(document, index, shape.resized_to(rim)) if isinstance(shape, Circle) else document
 
@@ -36,6 +37,14 @@ def resize_shape(document: Document, index: int, rim: Position) -> Document:
 def delete_shape(document: Document, index: int) -> Document:
     """The document without the shape at `index`."""
     return replace(document, shapes=document.shapes[:index] + document.shapes[index + 1 :])
+
+
+def toggle_everywhere(document: Document, kind: Kind) -> Document:
+    """The document that starts all over the image in this way if it did not before, else without."""
+    start = Everywhere(kind)
+    if start in document.shapes:
+        return delete_shape(document, document.shapes.index(start))
+    return add_shape(document, start)
 
 
 def clear_shapes(document: Document) -> Document:

@@ -6,7 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from app.model.shapes import Circle, Position, Shape
+from app.model import paths
+from app.model.paths import Position
+from app.model.shapes import Barrier, Circle, Points, Region, Shape, Stroke
 
 Part = Literal["handle", "body"]
 
@@ -20,7 +22,7 @@ class Hit:
     index : int
         Index of the shape in the document.
     part : {"handle", "body"}
-        A handle resizes, the body moves.
+        A handle resizes or reshapes, the body moves.
     """
 
     index: int
@@ -60,6 +62,14 @@ def _front_first(count: int, selected: int | None) -> list[int]:
 
 
 def _on_line(shape: Shape, position: Position, tolerance: float) -> bool:
-    if isinstance(shape, Circle):
-        return abs(math.dist(shape.center, position) - shape.radius) <= tolerance
-    return any(math.dist(point, position) <= tolerance for point in shape.positions)
+    match shape:
+        case Circle():
+            return abs(math.dist(shape.center, position) - shape.radius) <= tolerance
+        case Points():
+            return any(math.dist(point, position) <= tolerance for point in shape.positions)
+        case Stroke():
+            return paths.distance(shape.points, position) <= tolerance
+        case Region() | Barrier():
+            return paths.distance(shape.outline, position) <= tolerance
+    # What starts everywhere has no place of its own: it would be in the way of all that is drawn.
+    return False

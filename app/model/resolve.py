@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from app.model.document import Document
-from app.model.shapes import describe
+from app.model.shapes import Everywhere, Shape, describe
 
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
@@ -15,6 +15,12 @@ FULL_SPEED = "full speed"
 PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
 """Steps per second that the speed control offers; None is as fast as it goes."""
 FIRST_PACE = 6
+
+TOOLS = ("select", "circle", "points", "stroke", "region", "barrier")
+"""Tools, in the order shown."""
+
+ON_AN_IMAGE = (*TOOLS, "add_circle", "start_grid", "start_edges", "start_centers", "fit")
+"""Actions that make sense on any image."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +51,10 @@ class RunStatus:
         Measured speed of the run.
     closed, open : int
         Contours reconstructed so far.
+    bridges : int
+        Gaps in contours that were bridged.
+    longest_bridge : float
+        Length of the longest of them [px].
     """
 
     phase: Phase = "empty"
@@ -61,6 +71,8 @@ class RunStatus:
     steps_per_second: float = 0.0
     closed: int = 0
     open: int = 0
+    bridges: int = 0
+    longest_bridge: float = 0.0
 
     @property
     def started(self) -> bool:
@@ -78,6 +90,8 @@ class Resolved:
         Title of the window.
     enabled : frozenset of str
         Names of the actions that make sense now, out of those that do not always.
+    checked : frozenset of str
+        Names of the actions that say what the document has, out of those that do so.
     run_text, undo_text, redo_text : str
         Wording of actions that changes with what they would do.
     running : bool
@@ -92,6 +106,7 @@ class Resolved:
 
     title: str
     enabled: frozenset[str]
+    checked: frozenset[str]
     run_text: str
     undo_text: str
     redo_text: str
@@ -117,16 +132,11 @@ def resolve(
         "delete": selected is not None,
         "clear": bool(document.shapes),
         "select_next": bool(document.shapes),
-        "circle": has_image,
-        "points": has_image,
-        "select": has_image,
-        "add_circle": has_image,
-        "add_grid": has_image,
-        "fit": has_image,
-    }
+    } | dict.fromkeys(ON_AN_IMAGE, has_image)
     return Resolved(
         title=f"{document.image.name} – CPM" if document.image else "CPM",
         enabled=frozenset(name for name, holds in conditions.items() if holds),
+        checked=frozenset(f"start_{kind}" for kind in document.everywhere),
         run_text=_run_text(status),
         undo_text=f"Undo {undo_name}" if undo_name else "Undo",
         redo_text=f"Redo {redo_name}" if redo_name else "Redo",
@@ -162,25 +172,40 @@ def _state(document: Document, status: RunStatus) -> str:
             return "Paused"
         case "finished":
             return _sentence(f"{'Done' if status.converged else 'Stopped'} – {status.stop_reason}")
-    return "Ready" if document.shapes else "Nothing drawn yet"
+    if document.starts:
+        return "Ready"
+    return "Nothing to start from yet" if document.shapes else "Nothing drawn yet"
 
 
 def _hint(document: Document, status: RunStatus, selected: int | None) -> str:
     if status.phase == "empty":
         return "Open an image (Ctrl+O) or drop one here."
-    if status.started and status.stale:
+    if status.started:
+        return _hint_on_run(status)
+    if not document.shapes:
+        return "Drag on the image to draw a circle in or around an object."
+    if not document.starts:
+        return "Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G)."
+    if selected is not None and selected < len(document.shapes):
+        return _what_can_be_done_to(document.shapes[selected])
+    return "Press Space to let the particles go."
+
+
+def _hint_on_run(status: RunStatus) -> str:
+    if status.stale:
         if status.phase == "running":
             return "The drawing or the scales have changed: Reset (R) to start from them."
         return "The drawing or the scales have changed: Run starts anew from them."
     if status.steered:
         return "The parameters have changed: Resume (Space) goes on with them, Reset (R) starts over."
-    if not document.shapes and not status.started:
-        return "Drag on the image to draw a circle in or around an object."
-    if status.phase == "ready":
-        if selected is not None and selected < len(document.shapes):
-            return f"Drag or use the arrow keys to move the {describe(document.shapes[selected])}; Delete removes it."
-        return "Press Space to let the particles go."
     return ""
+
+
+def _what_can_be_done_to(shape: Shape) -> str:
+    name = describe(shape)
+    if isinstance(shape, Everywhere):
+        return f"Press Space to let the particles go; Delete takes back the {name}."
+    return f"Arrow keys or the select tool (S) move the {name}; Delete removes it."
 
 
 def _sentence(text: str) -> str:
@@ -213,4 +238,13 @@ def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
         ),
         ("Contours", shown(f"{status.closed} closed, {status.open} open"), "Contours reconstructed so far."),
         ("Steps/s", speed, "Speed of the run."),
+        ("Bridged", shown(_bridged(status)), "Gaps in contours that were closed where the edge shows through faintly."),
     )
+
+
+def _bridged(status: RunStatus) -> str:
+    if not status.bridges:
+        return "no gap"
+    if status.bridges == 1:
+        return f"1 gap of {status.longest_bridge:.1f} px"
+    return f"{status.bridges} gaps, longest {status.longest_bridge:.1f} px"

@@ -11,6 +11,7 @@ from cpm_core.engine import Engine
 from cpm_core.formats import export, load_image
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
+from cpm_core.regions import Regions
 from cpm_core.result import Result
 
 
@@ -23,7 +24,7 @@ class Core:
     load_image : callable
         Path to image.
     engine : callable
-        Image and parameters to engine.
+        Image, parameters and what limits the particles to engine.
     export : callable
         Writes a result to a path.
     warm_up : callable
@@ -31,6 +32,6 @@ class Core:
     """
 
     load_image: Callable[[Path], Image] = load_image
-    engine: Callable[[Image, Parameters], Engine] = Engine
+    engine: Callable[[Image, Parameters, Regions | None], Engine] = Engine
     export: Callable[[Result, Path], None] = export
     warm_up: Callable[[], None] = warm_up

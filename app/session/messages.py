@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.document import Document
+from app.model.document import Document, Sown
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
 from cpm_core.result import Result
@@ -81,6 +81,14 @@ class SetOverlays:
 
 
 @dataclass(frozen=True, slots=True)
+class Sow:
+    """Find the positions from which a document starts all over the image, for showing them."""
+
+    image_generation: int
+    document: Document
+
+
+@dataclass(frozen=True, slots=True)
 class Export:
     """Reconstruct and write to a file whose suffix tells the format."""
 
@@ -97,7 +105,7 @@ class Quit:
     """End the thread."""
 
 
-Command = Open | Start | Go | Halt | Discard | SetParameters | SetPace | SetOverlays | Export | WarmUp | Quit
+Command = Open | Start | Go | Halt | Discard | SetParameters | SetPace | SetOverlays | Sow | Export | WarmUp | Quit
 
 
 # Snapshots: the newest wins.
@@ -204,6 +212,15 @@ class Failed:
     sentence: str
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Sowing:
+    """Positions from which particles start all over the image opened as `generation`, or why there are none."""
+
+    generation: int
+    sown: Sown
+    sentence: str = ""
+
+
 @dataclass(frozen=True, slots=True)
 class Exported:
     """A file has been written."""
@@ -223,4 +240,4 @@ class WarmedUp:
     """The kernels are ready."""
 
 
-Report = Opened | NotOpened | Failed | Exported | Trouble | WarmedUp
+Report = Opened | NotOpened | Failed | Sowing | Exported | Trouble | WarmedUp

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
+from app.model.document import Sown
 from app.model.resolve import Phase, RunStatus
 from app.session.messages import (
     Exported,
@@ -18,6 +19,7 @@ from app.session.messages import (
     Reconstruction,
     Report,
     Snapshot,
+    Sowing,
     Trouble,
     WarmedUp,
 )
@@ -52,6 +54,9 @@ class Audience(Protocol):
 
     def show_overlays(self, overlays: Overlays) -> None:
         """Show edge map and field."""
+
+    def show_sown(self, sown: Sown) -> None:
+        """Show where particles start all over the image."""
 
     def show_status(self) -> None:
         """Show how the run stands."""
@@ -112,8 +117,15 @@ class Progress:
             self._take_snapshot(snapshot)
         contours = self._runner.reconstructor.results.take()
         if contours is not None and contours.generation == self._audience.generation:
-            closed = sum(contour.closed for contour in contours.result.contours)
-            self._known = replace(self._known, closed=closed, open=len(contours.result.contours) - closed)
+            result = contours.result
+            closed = sum(contour.closed for contour in result.contours)
+            self._known = replace(
+                self._known,
+                closed=closed,
+                open=len(result.contours) - closed,
+                bridges=len(result.bridges),
+                longest_bridge=max((bridge.length for bridge in result.bridges), default=0.0),
+            )
             self._audience.show_contours(contours)
             self._audience.show_status()
         overlays = self._runner.overlays.take()
@@ -143,7 +155,8 @@ class Progress:
     def _take_report(self, report: Report) -> None:
         match report:
             case Opened():
-                self._busy.pop("opening", None)
+                for what in ("opening", "sowing"):
+                    self._busy.pop(what, None)
                 self._audience.accept(report)
                 if report.notes:
                     self._audience.say(" ".join(report.notes), False)
@@ -156,6 +169,12 @@ class Progress:
                 if generation == self._audience.generation:
                     self._known = replace(self._known, phase="paused" if self._known.count else "ready")
                     self._audience.say(sentence, True)
+            case Sowing(generation, sown, sentence):
+                self._busy.pop("sowing", None)
+                if sentence:
+                    self._audience.say(sentence, True)
+                if generation == self._audience.image_generation:
+                    self._audience.show_sown(sown)
             case Exported(path):
                 self._audience.say(f"Written: {path}", False)
             case Trouble(sentence):

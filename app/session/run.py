@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from app.model.document import NOWHERE, Document, Sown
 from app.session.mailbox import Mailbox
 from app.session.messages import Overlays, Snapshot
 from app.session.pacer import Pacer
 from app.session.reconstructor import Reconstructor, Request
+from app.session.sower import Sower
 from app.session.trace import Recorder
 from cpm_core.engine import Engine
 from cpm_core.image import Image
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.particles import State
+from cpm_core.regions import Regions
 from cpm_core.result import Result
 
 RESTING_SPEED = 0.1
@@ -28,7 +30,7 @@ class Run:
     Parameters
     ----------
     build : callable
-        Image and parameters to engine.
+        Image, parameters and what limits the particles to engine.
     snapshots, overlays : Mailbox
         Where the newest particles and overlays are left.
     reconstructor : Reconstructor
@@ -37,7 +39,7 @@ class Run:
 
     def __init__(
         self,
-        build: Callable[[Image, Parameters], Engine],
+        build: Callable[[Image, Parameters, Regions | None], Engine],
         snapshots: Mailbox[Snapshot],
         overlays: Mailbox[Overlays],
         reconstructor: Reconstructor,
@@ -50,6 +52,8 @@ class Run:
         self._overlays = overlays
         self._reconstructor = reconstructor
         self._engine: Engine | None = None
+        self._regions: Regions | None = None
+        self._sower: Sower | None = None
         self._state: State | None = None
         self._parameters = Parameters()
         self._recorder = Recorder()
@@ -64,22 +68,31 @@ class Run:
 
     def use(self, generation: int, image: Image, parameters: Parameters) -> None:
         """Change to another image; when no engine can be built for it, everything stays as it was."""
-        engine = self._build(image, parameters)
+        engine = self._build(image, parameters, None)
         self.discard(generation)
         self.image_generation = generation
-        self._engine, self._parameters = engine, parameters
+        self._engine, self._regions, self._parameters = engine, None, parameters
+        self._sower = Sower(image)
         self._refresh_overlays()
 
-    def start(self, generation: int, seeds: NDArray[np.float64], parameters: Parameters) -> None:
-        """Begin with new particles; they do not move yet."""
+    def start(self, generation: int, document: Document) -> None:
+        """Begin with the particles that a document's drawing gives; they do not move yet."""
         self.discard(generation)
         if self._engine is None:
             raise ValueError("There is no image to run on: open one first.")
-        self._parameters = parameters
-        if parameters.scales != self._engine.scales:
-            self._engine = self._build(self._engine.image, parameters)
+        seeds = document.seeds(self.sow(document))
+        self._parameters = document.parameters
+        regions = document.regions
+        if document.parameters.scales != self._engine.scales or regions != self._regions:
+            self._engine = self._build(self._engine.image, document.parameters, regions)
+            self._regions = regions
+            self._refresh_overlays()
         self._state = self._engine.start(seeds)
         self._send()
+
+    def sow(self, document: Document) -> Sown:
+        """Positions from which a document starts all over the image."""
+        return self._sower.sow(document) if self._sower is not None else NOWHERE
 
     def go(self, steps: int | None) -> None:
         """Step from now on, `steps` times or until told otherwise; a run that has ended only with other parameters."""

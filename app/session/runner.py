@@ -8,6 +8,7 @@ import threading
 from collections import deque
 from dataclasses import replace
 
+from app.model.document import NOWHERE
 from app.session.core import Core
 from app.session.mailbox import Mailbox
 from app.session.messages import (
@@ -28,6 +29,8 @@ from app.session.messages import (
     SetPace,
     SetParameters,
     Snapshot,
+    Sow,
+    Sowing,
     Start,
     Trouble,
     WarmedUp,
@@ -62,6 +65,7 @@ class Runner:
         self._posted = 0
         self._obeyed = 0
         self._waiting = False
+        self._last_sow: Sow | None = None
         self._run = Run(self._core.engine, self.snapshots, self.overlays, self.reconstructor)
         self._thread = threading.Thread(target=self._work, name="cpm-engine", daemon=True)
         self._thread.start()
@@ -69,6 +73,8 @@ class Runner:
     def post(self, command: Command) -> None:
         """Send a command; only ever from the window's thread."""
         self._posted += 1
+        if isinstance(command, Sow):
+            self._last_sow = command
         self._commands.put(command)
 
     def reports(self) -> list[Report]:
@@ -135,7 +141,7 @@ class Runner:
                 self._open(command)
             case Start(generation, image_generation, document):
                 if image_generation == self._run.image_generation:
-                    self._run.start(generation, document.seeds(), document.parameters)
+                    self._run.start(generation, document)
             case Go(generation, steps):
                 if generation == self._run.generation:
                     self._run.go(steps)
@@ -149,6 +155,10 @@ class Runner:
                 self._run.pacer.limit(steps_per_second)
             case SetOverlays(edge_map, field):
                 self._run.set_overlays(edge_map, field)
+            case Sow(image_generation, document):
+                # Of many in a row, as while a slider is moved, only the last is worth the work.
+                if image_generation == self._run.image_generation and command is self._last_sow:
+                    self._reports.append(Sowing(image_generation, self._run.sow(document)))
             case Export(path):
                 self._core.export(self._run.result(), path)
                 self._reports.append(Exported(path))
@@ -177,6 +187,8 @@ def _refusal(command: Command, error: Exception) -> Report:
             return NotOpened(generation, sentence(error, f"opening {path.name}"), otherwise)
         case Start(generation):
             return Failed(generation, sentence(error, "starting"))
+        case Sow(generation):
+            return Sowing(generation, NOWHERE, sentence(error, "looking for places to start from"))
         case Export(path):
             return Trouble(sentence(error, f"writing {path.name}"))
     return Trouble(sentence(error, type(command).__name__.lower()))

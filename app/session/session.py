@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from app.model import edits
-from app.model.document import Document, ImageReference
+from app.model.document import NOTHING_TO_START_FROM, Document, ImageReference, Sown
 from app.model.resolve import FIRST_PACE, PACES, Resolved, RunStatus, resolve
 from app.model.samples import sample_at
 from app.model.shapes import describe
@@ -29,13 +29,13 @@ from app.session.messages import (
     SetPace,
     SetParameters,
     Snapshot,
+    Sow,
     Start,
     WarmUp,
 )
 from app.session.pacer import Pacer
 from app.session.progress import Progress
 from app.session.runner import Runner
-from cpm_core.image import Image
 
 FRAME = 16
 """Time between looks at what the worker has sent up [ms]."""
@@ -64,6 +64,8 @@ class Session(QObject):
     """Newer contours: Result, or None when there are none."""
     overlays_changed = Signal(object)
     """Newer edge map and field: Overlays."""
+    sown_changed = Signal(object)
+    """Other places from which particles start all over the image: Sown."""
     said = Signal(str, bool)
     """A sentence for the user, and whether it tells of trouble."""
 
@@ -261,13 +263,9 @@ class Session(QObject):
     def accept(self, opened: Opened) -> None:
         """Take over an image that has been opened."""
         self._generation = self._image_generation = opened.generation
-        image = opened.image
-        reference = ImageReference(opened.path.name, str(opened.path), image.shape, _contrast(image))
-        self.image_changed.emit(image)
+        self.image_changed.emit(opened.image)
         self._progress.forget()
-        sample = sample_at(opened.path)
-        document = Document(reference, sample.shapes if sample else (), opened.parameters)
-        self._change(lambda: self._editor.begin(document))
+        self._change(lambda: self._editor.begin(_document(opened)))
         self._post(SetParameters(opened.parameters))
 
     def show_snapshot(self, snapshot: Snapshot | None) -> None:
@@ -281,6 +279,10 @@ class Session(QObject):
     def show_overlays(self, overlays: Overlays) -> None:
         """Pass edge map and field on."""
         self.overlays_changed.emit(overlays)
+
+    def show_sown(self, sown: Sown) -> None:
+        """Pass places to start from on."""
+        self.sown_changed.emit(sown)
 
     def show_status(self) -> None:
         """Say that what is resolved may have changed."""
@@ -296,8 +298,8 @@ class Session(QObject):
         if self.document.image is None:
             self.say("There is no image to run on: open one first.", True)
             return False
-        if not self.document.shapes:
-            self.say("There is nothing to start from: draw a circle or place points on the image first.", True)
+        if not self.document.starts:
+            self.say(NOTHING_TO_START_FROM, True)
             return False
         return True
 
@@ -319,6 +321,9 @@ class Session(QObject):
         change()
         if before.parameters != self.document.parameters:
             self._post(SetParameters(self.document.parameters))
+        if self.document.everywhere and before.sowing != self.document.sowing:
+            self._progress.busy("sowing", "Looking for places to start from…")
+            self._post(Sow(self._image_generation, self.document))
         if before != self.document:
             self.document_changed.emit(self.document)
             self.status_changed.emit()
@@ -336,5 +341,9 @@ class Session(QObject):
             self._timer.stop()
 
 
-def _contrast(image: Image) -> float:
-    return float(image.values.max() - image.values.min())
+def _document(opened: Opened) -> Document:
+    """The document that an image begins with."""
+    image, path, sample = opened.image, opened.path, sample_at(opened.path)
+    contrast = float(image.values.max() - image.values.min())
+    reference = ImageReference(path.name, str(path), image.shape, contrast)
+    return Document(reference, sample.shapes if sample else (), opened.parameters)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QWidget
 
-from app.model.resolve import Resolved
+from app.model.resolve import ON_AN_IMAGE, Resolved
 from app.views.icons import icon
 from app.views.panels.layers_panel import LAYERS
 from app.views.theme import Theme
@@ -33,7 +33,8 @@ class Entry:
     icon : str
         Name of the icon, empty for none.
     group : str
-        Actions of the same group are alternatives; ``"toggle"`` makes it checkable by itself.
+        Actions of the same group are alternatives; ``"toggle"`` makes it checkable by itself, ``"state"`` checked as
+        `Resolved` says.
     checked : bool
         Whether it is checked at first.
     gap : bool
@@ -51,7 +52,7 @@ class Entry:
     gap: bool = False
 
 
-MENUS = ("File", "Edit", "View", "Run", "Help")
+MENUS = ("File", "Edit", "Draw", "View", "Run", "Help")
 
 ENTRIES = (
     Entry("open", "File", "&Open image…", ("Ctrl+O",), "Open an image.", "open"),
@@ -59,42 +60,71 @@ ENTRIES = (
     Entry("quit", "File", "&Quit", ("Ctrl+Q",), "End the program.", gap=True),
     Entry("undo", "Edit", "Undo", ("Ctrl+Z",), "Take back the last change.", "undo"),
     Entry("redo", "Edit", "Redo", ("Ctrl+Shift+Z", "Ctrl+Y"), "Do again what was undone.", "redo"),
-    Entry(
-        "circle",
-        "Edit",
-        "&Circle tool",
-        ("C",),
-        "Drag from the centre to draw a circle.",
-        "circle",
-        "tool",
-        True,
-        gap=True,
-    ),
-    Entry(
-        "points",
-        "Edit",
-        "&Point tool",
-        ("P",),
-        "Click to place a point; drag to spray a stroke of them.",
-        "points",
-        "tool",
-    ),
-    Entry("select", "Edit", "&Select tool", ("S",), "Select, move and resize what is drawn.", "select", "tool"),
-    Entry(
-        "add_circle",
-        "Edit",
-        "Add circle in the &middle",
-        ("Ctrl+K",),
-        "Add a circle in the middle of what is seen.",
-        gap=True,
-    ),
-    Entry("add_grid", "Edit", "Add a &grid of points", ("Ctrl+G",), "Spread points evenly over the whole image."),
-    Entry("select_next", "Edit", "Select &next shape", ("N",), "Select one shape after the other."),
+    Entry("select_next", "Edit", "Select &next shape", ("N",), "Select one shape after the other.", gap=True),
     Entry(
         "escape", "Edit", "Gi&ve up", ("Escape",), "Give up what is being drawn, else select nothing and hide messages."
     ),
     Entry("delete", "Edit", "&Delete", ("Delete", "Backspace"), "Remove the selected shape.", gap=True),
     Entry("clear", "Edit", "Delete &all shapes", ("Ctrl+Shift+Backspace",), "Remove everything that is drawn."),
+    Entry("select", "Draw", "&Select tool", ("S",), "Select, move and reshape what is drawn.", "select", "tool"),
+    Entry("circle", "Draw", "&Circle tool", ("C",), "Drag from the centre to draw a circle.", "circle", "tool", True),
+    Entry("points", "Draw", "&Point tool", ("P",), "Click to place a point.", "points", "tool"),
+    Entry("stroke", "Draw", "S&troke tool", ("T",), "Drag, or click corners, where to start.", "stroke", "tool"),
+    Entry(
+        "region",
+        "Draw",
+        "Region of &interest tool",
+        ("I",),
+        "Drag, or click corners, around what particles are to stay in.",
+        "region",
+        "tool",
+        gap=True,
+    ),
+    Entry(
+        "barrier",
+        "Draw",
+        "&Barrier tool",
+        ("B",),
+        "Drag, or click corners, where no particle is to cross.",
+        "barrier",
+        "tool",
+    ),
+    Entry(
+        "start_grid",
+        "Draw",
+        "Start everywhere (&grid)",
+        ("Ctrl+G",),
+        "Start evenly all over the image, or no longer.",
+        "grid",
+        "state",
+        gap=True,
+    ),
+    Entry(
+        "start_edges",
+        "Draw",
+        "Start on strong &edges",
+        ("Ctrl+Shift+G",),
+        "Start where the image changes most, or no longer.",
+        "edges",
+        "state",
+    ),
+    Entry(
+        "start_centers",
+        "Draw",
+        "Start at ce&ntres",
+        ("Ctrl+Shift+C",),
+        "Start in the middle of what edges enclose, or no longer.",
+        "centers",
+        "state",
+    ),
+    Entry(
+        "add_circle",
+        "Draw",
+        "Add circle in the &middle",
+        ("Ctrl+K",),
+        "Add a circle in the middle of what is seen.",
+        gap=True,
+    ),
     Entry("fit", "View", "&Fit to window", ("F", "Ctrl+0"), "Show the whole image.", "fit"),
     Entry("zoom_in", "View", "Zoom &in", ("+", "=", "Ctrl++"), "Enlarge."),
     Entry("zoom_out", "View", "Zoom &out", ("-", "Ctrl+-"), "Make smaller."),
@@ -170,6 +200,8 @@ class Actions:
         """Enable what makes sense and word it accordingly."""
         for name in _CONDITIONAL:
             self._actions[name].setEnabled(name in resolved.enabled)
+        for name in _STATES:
+            self._actions[name].setChecked(name in resolved.checked)
         for name, text in (("run", resolved.run_text), ("undo", resolved.undo_text), ("redo", resolved.redo_text)):
             if self._actions[name].text() != text:
                 self._actions[name].setText(text)
@@ -192,7 +224,7 @@ class Actions:
         if entry.group:
             action.setCheckable(True)
             action.setChecked(entry.checked)
-        if entry.group and entry.group != "toggle":
+        if entry.group and entry.group not in ("toggle", "state"):
             self._groups.setdefault(entry.group, QActionGroup(parent)).addAction(action)
         if entry.group == "toggle":
             action.toggled.connect(handler)
@@ -222,14 +254,10 @@ _CONDITIONAL = (
     "redo",
     "delete",
     "clear",
-    "circle",
-    "points",
-    "select",
-    "add_circle",
-    "add_grid",
     "select_next",
-    "fit",
+    *ON_AN_IMAGE,
 )
+_STATES = tuple(entry.name for entry in ENTRIES if entry.group == "state")
 
 
 def _tooltip(text: str, entry: Entry) -> str:

@@ -7,6 +7,7 @@ import sys
 
 import pyqtgraph as pg
 from PySide6.QtCore import QTimer
+from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
 
 from app.model.samples import samples
@@ -16,6 +17,9 @@ from app.views.main_window import MainWindow
 
 SWITCH_INTERVAL = 0.0002
 """Longest time that the worker keeps the window waiting for the interpreter [s]."""
+
+PICTURE_CACHE = 256 * 1024
+"""Room for what the layers look like; with less than they take together, each would be painted in every frame [KB]."""
 
 
 def make_application() -> QApplication:
@@ -28,6 +32,7 @@ def make_application() -> QApplication:
     application.setStyle("Fusion")
     application.setWindowIcon(program_icon())
     pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
+    QPixmapCache.setCacheLimit(PICTURE_CACHE)
     sys.setswitchinterval(SWITCH_INTERVAL)
     return application
 

@@ -6,14 +6,14 @@ import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QResizeEvent, QWheelEvent
 
-from app.model.shapes import Position
+from app.model.paths import Position
 from app.views import theme
 from app.views.contour_layer import ContourLayer
 from app.views.coordinates import image_rectangle, to_position
 from app.views.drawing_layer import DrawingLayer
 from app.views.layers import EdgeMapLayer, FieldLayer, ImageLayer
 from app.views.particle_layer import ParticleLayer
-from app.views.tools import Tool
+from app.views.tools import Grip, Tool
 from cpm_core.image import Image
 
 REACH = 8.0
@@ -45,15 +45,16 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         self.particles = ParticleLayer(self.view)
         self.drawing = DrawingLayer(self.view)
         self.tool: Tool | None = None
+        self.grip: Grip | None = None
+        self._dragged: Tool | None = None
         self._shape: tuple[int, ...] | None = None
         self._panned_from: QPointF | None = None
-        self._gesturing = False
         self._fitted = True
 
     @property
     def gesturing(self) -> bool:
-        """Whether a tool is being dragged."""
-        return self._gesturing
+        """Whether a tool is in the middle of something."""
+        return self._dragged is not None or (self.tool is not None and self.tool.drafting)
 
     def show_image(self, image: Image) -> None:
         """Show another image, as large as it fits."""
@@ -95,9 +96,10 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
 
     def cancel(self) -> None:
         """Give up what a tool is in the middle of."""
-        if self._gesturing and self.tool is not None:
-            self._gesturing = False
-            self.tool.cancel()
+        tool = self._dragged or (self.tool if self.gesturing else None)
+        self._dragged = None
+        if tool is not None:
+            tool.cancel()
 
     def use(self, tool: Tool) -> None:
         """Hand the left button to another tool."""
@@ -111,8 +113,9 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         """Begin a gesture or a pan."""
         event.accept()
         if event.button() == Qt.MouseButton.LeftButton and self.tool is not None and self._shape is not None:
-            self._gesturing = True
-            self.tool.press(self.position(event.position()), self._reach())
+            at, reach = self.position(event.position()), self._reach()
+            self._dragged = self._tool_at(at)
+            self._dragged.press(at, reach)
         elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
             self._panned_from = event.position()
             self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
@@ -125,22 +128,24 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
             moved = self._panned_from - event.position()
             self._panned_from = event.position()
             self.pan(moved.x(), moved.y())
-        elif self._gesturing and self.tool is not None:
-            self.tool.drag(at)
+        elif self._dragged is not None:
+            self._dragged.drag(at)
         elif self.tool is not None:
-            self.viewport().setCursor(self.tool.cursor(at, self._reach()))
+            self.tool.hover(at)
+            self.viewport().setCursor(self._tool_at(at).cursor(at, self._reach()))
         self.pointed.emit(at)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """End it."""
         event.accept()
-        if event.button() == Qt.MouseButton.LeftButton and self._gesturing and self.tool is not None:
-            self._gesturing = False
-            self.tool.release()
+        if event.button() == Qt.MouseButton.LeftButton and self._dragged is not None:
+            tool, self._dragged = self._dragged, None
+            tool.release()
         elif self._panned_from is not None:
             self._panned_from = None
             if self.tool is not None:
-                self.viewport().setCursor(self.tool.cursor(self.position(event.position()), self._reach()))
+                at = self.position(event.position())
+                self.viewport().setCursor(self._tool_at(at).cursor(at, self._reach()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """A second click is a click like any other."""
@@ -165,8 +170,8 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         super().leaveEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """A gesture does not outlive the focus."""
-        if event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
+        """A drag does not outlive the focus."""
+        if self._dragged is not None and event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
             self.cancel()
         super().focusOutEvent(event)
 
@@ -175,6 +180,13 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         super().resizeEvent(event)
         if getattr(self, "_fitted", False):
             self.fit()
+
+    def _tool_at(self, at: Position) -> Tool:
+        """The tool that a press would go to: what takes hold of a handle comes before the tool in use."""
+        assert self.tool is not None
+        if self.grip is not None and not self.tool.drafting and self.grip.grips(at, self._reach()):
+            return self.grip
+        return self.tool
 
     def _reach(self) -> float:
         return REACH * float(self.view.viewPixelSize()[0])

@@ -11,7 +11,9 @@ from app.views.icons import program_icon
 _TOUR = """
 <h3>In one minute</h3>
 <ol>
-<li><b>Draw</b> where to start: drag a circle in or around an object, or place points.</li>
+<li><b>Draw</b> where to start: drag a circle in or around an object, draw a stroke, or place points; or
+start everywhere, on strong edges or at centres without drawing (menu Draw).</li>
+<li><b>Limit</b> the particles where need be: they stay in a region of interest and do not cross a barrier.</li>
 <li><b>Run</b> (Space). Particles are pulled to edges and push each other along them, into every bay, until they
 rest.</li>
 <li><b>Steer</b> while it runs: each slider acts at the very next step.</li>
@@ -21,6 +23,8 @@ rest.</li>
 <p>Left button: the tool. Middle or right button: pan. Wheel: zoom around the pointer.
 Arrow keys move the selected shape by a pixel, with Shift by ten; &lt; and &gt; make a selected circle smaller and
 larger.</p>
+<p>Strokes, regions of interest and barriers are drawn freehand with a drag, or corner by corner with clicks; Enter or
+a double click ends them, Backspace takes the last corner back, Esc gives up.</p>
 <p>A changed drawing acts from the next start: press Reset while the particles run; otherwise Run starts anew by
 itself. Changed parameters act at once; a run that has come to rest goes on with them after Resume.</p>
 """

@@ -134,13 +134,3 @@ def arrow_lines(starts: Array, ends: Array) -> Array:
     left = ends - 0.30 * vectors + 0.18 * across
     right = ends - 0.30 * vectors - 0.18 * across
     return np.stack([starts, ends, left, ends, right, ends], axis=1).reshape(-1, 2)
-
-
-def joined(paths: list[Array]) -> tuple[Array, Array, NDArray[np.int32]]:
-    """Many paths as one: x, y, and for each point whether it is joined to the next."""
-    if not paths:
-        return np.empty(0), np.empty(0), np.empty(0, dtype=np.int32)
-    x, y = to_xy(np.concatenate(paths))
-    connect = np.ones(len(x), dtype=np.int32)
-    connect[np.cumsum([len(path) for path in paths]) - 1] = 0
-    return x, y, connect

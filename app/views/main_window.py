@@ -11,8 +11,10 @@ from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QFontMetrics
 from PySide6.QtWidgets import QDockWidget, QLabel, QMainWindow, QToolBar, QToolButton, QWidget
 
 from app.model import edits
+from app.model.paths import Position
+from app.model.resolve import TOOLS
 from app.model.samples import samples
-from app.model.shapes import Points, Position
+from app.model.shapes import KINDS, Everywhere, Kind, describe
 from app.session.messages import Snapshot
 from app.session.session import Session
 from app.views import theme
@@ -24,15 +26,14 @@ from app.views.panels.layers_panel import LAYERS
 from app.views.side_column import SideColumn
 from app.views.speed import SpeedControl
 from app.views.stage import Stage
+from app.views.tool_palette import ToolPalette
 from cpm_core.image import Image
-from cpm_core.initialization import uniform_grid
 
 _SHORT = {
     "open": "Open",
+    "undo": "Undo",
+    "redo": "Redo",
     "export": "Export",
-    "circle": "Circle",
-    "points": "Points",
-    "select": "Select",
     "step": "Step",
     "reset": "Reset",
     "fit": "Fit",
@@ -64,6 +65,7 @@ class MainWindow(QMainWindow):
         self.side = SideColumn(session)
         self.speed = SpeedControl(session)
         self.actions_by_name = Actions(self, self._handlers())
+        self.palette_of_tools = ToolPalette(self.actions_by_name)
         self._image: Image | None = None
         self._snapshot: Snapshot | None = None
         self._pointer = QLabel()
@@ -132,11 +134,11 @@ class MainWindow(QMainWindow):
                         action.setStatusTip(sample.about)
 
     def _build_tool_bar(self) -> None:
-        bar = QToolBar("Tools")
+        bar = QToolBar("Run")
         bar.setMovable(False)
         bar.toggleViewAction().setEnabled(False)
         bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        for names in (("open",), ("circle", "points", "select"), ("run", "step", "reset")):
+        for names in (("open",), ("undo", "redo"), ("run", "step", "reset")):
             for name in names:
                 self._add_button(bar, name)
             bar.addSeparator()
@@ -145,6 +147,7 @@ class MainWindow(QMainWindow):
         for name in ("fit", "export"):
             self._add_button(bar, name)
         self.addToolBar(bar)
+        self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, self.palette_of_tools)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
 
     def _add_button(self, bar: QToolBar, name: str) -> None:
@@ -188,7 +191,6 @@ class MainWindow(QMainWindow):
             "undo": session.undo,
             "redo": session.redo,
             "add_circle": self.stage.add_circle,
-            "add_grid": self._add_grid,
             "select_next": session.select_next,
             "escape": self.stage.escape,
             "delete": session.delete_selected,
@@ -208,7 +210,8 @@ class MainWindow(QMainWindow):
             "help": lambda: show_help(self),
             "about": lambda: show_about(self),
         }
-        handlers |= {name: partial(self.stage.use_tool, name) for name in ("circle", "points", "select")}
+        handlers |= {name: partial(self.stage.use_tool, name) for name in TOOLS}
+        handlers |= {f"start_{kind}": partial(self._toggle_everywhere, kind) for kind in KINDS}
         handlers |= {f"layer_{layer.name}": partial(self._show_layer, layer.name) for layer in LAYERS}
         return handlers
 
@@ -228,11 +231,13 @@ class MainWindow(QMainWindow):
             self._folder = str(Path(chosen).parent)
             self.session.export(chosen)
 
-    def _add_grid(self) -> None:
-        image = self.session.document.image
-        if image is not None:
-            points = Points(tuple((float(row), float(col)) for row, col in uniform_grid(image.shape)))
-            self.session.edit("add grid of points", lambda document: edits.add_shape(document, points))
+    def _toggle_everywhere(self, kind: Kind) -> None:
+        start = Everywhere(kind)
+        session = self.session
+        name = f"{'end ' if start in session.document.shapes else ''}{describe(start)}"
+        session.edit(name, lambda document: edits.toggle_everywhere(document, kind))
+        # Whether or not the document has changed, the action shows what is.
+        self._show_resolved()
 
     def _show_layer(self, name: str, shown: bool) -> None:
         self.stage.show_layer(name, shown)
@@ -280,6 +285,7 @@ class MainWindow(QMainWindow):
         used = chosen or theme.system_theme()
         theme.apply_theme(used)
         self.actions_by_name.use_theme(used)
+        self.palette_of_tools.use_theme(used)
         self.side.use_theme(used)
         self.stage.messages.use_theme(used)
 

@@ -13,6 +13,7 @@ from app.session.messages import Overlays, Snapshot
 from app.session.session import Session
 from app.views.canvas import Canvas
 from app.views.message_bar import MessageBar
+from app.views.path_tool import BARRIER, REGION, STROKE, PathTool
 from app.views.tools import CircleTool, PointTool, SelectTool, Tool
 from cpm_core.image import Image
 from cpm_core.result import Result
@@ -24,6 +25,7 @@ _ARROWS = {
     Qt.Key.Key_Right: (0.0, 1.0),
 }
 _SIZES = {Qt.Key.Key_Less: -1.0, Qt.Key.Key_Greater: 1.0}
+_DRAFT_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Backspace)
 _PAN = 40.0
 _MIDDLE_FRACTION = 0.2
 
@@ -44,7 +46,14 @@ class Stage(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
         layout.addWidget(self.canvas, 1)
-        tools: tuple[Tool, ...] = (CircleTool(session), PointTool(session), SelectTool(session))
+        self.canvas.grip = select = SelectTool(session)
+        tools: tuple[Tool, ...] = (
+            select,
+            CircleTool(session),
+            PointTool(session),
+            *(PathTool(session, kind, self._show_draft) for kind in (STROKE, REGION, BARRIER)),
+        )
+        self._hint = ""
         self._tools = {tool.name: tool for tool in tools}
         self._visible = {"edge_map": False, "field": False}
         self._drawn: tuple[object, ...] = ()
@@ -56,11 +65,15 @@ class Stage(QWidget):
         session.snapshot_changed.connect(self._show_snapshot)
         session.contours_changed.connect(self._show_contours)
         session.overlays_changed.connect(self._show_overlays)
+        session.sown_changed.connect(self.canvas.drawing.show_sown)
         session.said.connect(self.messages.say)
 
     def use_tool(self, name: str) -> None:
-        """Change the tool."""
+        """Change the tool; who is about to draw is done with what was selected, whose handles would be in the way."""
         self.canvas.use(self._tools[name])
+        if name != "select":
+            self._session.select(None)
+        self.show_hint(self._hint)
 
     def show_layer(self, name: str, shown: bool) -> None:
         """Show or hide a layer; overlays are asked for only while they are seen."""
@@ -86,7 +99,10 @@ class Stage(QWidget):
             self._session.select(None)
 
     def show_hint(self, text: str) -> None:
-        """Say what to do next, at the foot of the canvas."""
+        """Say what to do next, at the foot of the canvas; a tool that wants to say something comes first."""
+        self._hint = text
+        tool = self.canvas.tool
+        text = (tool.advice if tool is not None and self._session.document.image is not None else "") or text
         if self.hint.text() != text or self.hint.isHidden() == bool(text):
             self.hint.setText(text)
             self.hint.setVisible(bool(text))
@@ -110,12 +126,24 @@ class Stage(QWidget):
         if event.type() == QEvent.Type.Resize:
             self.messages.place()
             self._place_hint()
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and self._wants(event):
+            event.accept()
+            return True
         if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and self._take_key(event):
             return True
         return super().eventFilter(watched, event)
 
+    def _wants(self, event: QKeyEvent) -> bool:
+        """Whether a key that is a shortcut of the window belongs to what is being drawn."""
+        tool = self.canvas.tool
+        return event.key() == Qt.Key.Key_Backspace and tool is not None and tool.drafting
+
     def _take_key(self, event: QKeyEvent) -> bool:
         key = Qt.Key(event.key())
+        tool = self.canvas.tool
+        if tool is not None and tool.drafting and key in _DRAFT_KEYS:
+            (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
+            return True
         factor = 10.0 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
         index = self._session.selected
         if key in _ARROWS:
@@ -152,6 +180,12 @@ class Stage(QWidget):
             self._drawn = wanted
             self.canvas.drawing.show(session.document, session.selected, session.status.started)
 
+    def _show_draft(self) -> None:
+        tool = self.canvas.tool
+        if isinstance(tool, PathTool):
+            self.canvas.drawing.show_draft(tool.corners, tool.path, tool.kind.colour, tool.kind.closed)
+        self.show_hint(self._hint)
+
     def _show_snapshot(self, snapshot: Snapshot | None) -> None:
         if snapshot is None:
             self.canvas.particles.show(np.empty((0, 2)), np.empty(0, dtype=bool))
@@ -159,7 +193,7 @@ class Stage(QWidget):
             self.canvas.particles.show(snapshot.position, snapshot.resting)
 
     def _show_contours(self, result: Result | None) -> None:
-        self.canvas.contours.show(result.contours if result else ())
+        self.canvas.contours.show(result.contours if result else (), result.bridges if result else ())
 
     def _show_overlays(self, overlays: Overlays) -> None:
         self.canvas.edge_map.show(overlays.edge_map if self._visible["edge_map"] else None)

@@ -17,6 +17,10 @@ OPEN = "#ff9d1e"
 JUNCTION = "#ff7ac6"
 DRAWING = "#c9ced6"
 CHOSEN = "#ffffff"
+BRIDGE = "#ffffff"
+REGION = "#b48cff"
+BARRIER = "#f0533a"
+DIMMED = "#88101216"
 HALO = "#101216"
 FIELD = "#ff9ad5"
 
@@ -127,6 +131,7 @@ def _style_sheet(theme: Theme) -> str:
     QToolBar QToolButton:hover {{ background: {theme.button}; border-color: {theme.line}; }}
     QToolBar QToolButton:focus {{ border-color: {theme.accent}; }}
     QToolBar QToolButton:checked {{ background: {theme.button}; border-color: {theme.accent}; }}
+    QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: right top; }}
     QToolBar QToolButton#primary {{ background: {theme.accent}; color: {theme.accent_text}; font-weight: 600; }}
     QToolBar QToolButton#primary:disabled {{ background: {theme.button}; color: {theme.dim}; }}
     QStatusBar {{ border-top: 1px solid {theme.line}; }}

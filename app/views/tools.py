@@ -10,11 +10,9 @@ from PySide6.QtCore import Qt
 
 from app.model import edits
 from app.model.hit_testing import hit
-from app.model.shapes import SMALLEST_RADIUS, Circle, Points, Position, Shape, describe
+from app.model.paths import Position
+from app.model.shapes import SMALLEST_RADIUS, Circle, Path, Points, Shape, describe
 from app.session.session import Session
-
-SPRAY_SPACING = 2.0
-"""Distance between two points of a stroke [px]."""
 
 Cursor = Qt.CursorShape
 
@@ -28,6 +26,14 @@ class Tool(Protocol):
     def name(self) -> str:
         """What it is called in code."""
 
+    @property
+    def drafting(self) -> bool:
+        """Whether it is in the middle of something with the button up."""
+
+    @property
+    def advice(self) -> str:
+        """One sentence on what to do with it, empty when that is plain."""
+
     def press(self, at: Position, reach: float) -> None:
         """The left button goes down; `reach` is how far off still counts [px]."""
 
@@ -37,6 +43,15 @@ class Tool(Protocol):
     def release(self) -> None:
         """The button comes up."""
 
+    def hover(self, at: Position) -> None:
+        """The pointer moves with the button up."""
+
+    def finish(self) -> None:
+        """End what it is in the middle of."""
+
+    def take_back(self) -> None:
+        """Take back the last part of what it is in the middle of."""
+
     def cancel(self) -> None:
         """Give up the gesture, as if it had not been begun."""
 
@@ -44,7 +59,30 @@ class Tool(Protocol):
         """Shape of the pointer over a position."""
 
 
-class SelectTool:
+class Grip(Tool, Protocol):
+    """A tool that takes hold of handles whichever tool is in use."""
+
+    def grips(self, at: Position, reach: float) -> bool:
+        """Whether there is a handle to take hold of."""
+
+
+class Momentary:
+    """What all tools have in common whose gestures last as long as the button is down."""
+
+    drafting = False
+    advice = ""
+
+    def hover(self, at: Position) -> None:
+        """Nothing follows the pointer."""
+
+    def finish(self) -> None:
+        """Nothing is left to be ended."""
+
+    def take_back(self) -> None:
+        """Nothing is left to be taken back."""
+
+
+class SelectTool(Momentary):
     """Selects, moves and, by the handles, resizes."""
 
     name = "select"
@@ -68,12 +106,14 @@ class SelectTool:
         self._session.select(self._index)
 
     def drag(self, at: Position) -> None:
-        """Move the selected shape, or its rim."""
+        """Move the selected shape, or its rim or corner."""
         if self._shape is None:
             return
         by = (at[0] - self._anchor[0], at[1] - self._anchor[1])
         if self._part == "handle" and isinstance(self._shape, Circle):
             self._replace("resize circle", self._shape.resized_to(at))
+        elif self._part == "handle" and isinstance(self._shape, Path):
+            self._replace(f"reshape {describe(self._shape)}", self._shape.reshaped(self._anchor, at))
         else:
             self._replace(f"move {describe(self._shape)}", self._shape.moved(by))
 
@@ -93,7 +133,16 @@ class SelectTool:
         found = hit(self._session.document.shapes, at, reach, self._session.selected)
         if found is None:
             return Cursor.ArrowCursor
-        return Cursor.SizeAllCursor if found.part == "body" else _resize_cursor(self._session, found.index, at)
+        shape = self._session.document.shapes[found.index]
+        if found.part == "body" or not isinstance(shape, Circle):
+            return Cursor.SizeAllCursor if found.part == "body" else Cursor.PointingHandCursor
+        upright = abs(at[0] - shape.center[0]) > abs(at[1] - shape.center[1])
+        return Cursor.SizeVerCursor if upright else Cursor.SizeHorCursor
+
+    def grips(self, at: Position, reach: float) -> bool:
+        """Whether a handle of the selected shape lies under the pointer."""
+        found = hit(self._session.document.shapes, at, reach, self._session.selected)
+        return found is not None and found.part == "handle"
 
     def _replace(self, name: str, shape: Shape) -> None:
         index = self._index
@@ -101,35 +150,26 @@ class SelectTool:
             self._session.edit(name, lambda document: edits.replace_shape(document, index, shape), self._gesture)
 
 
-class CircleTool:
-    """Draws a circle from its centre; the handles of the selected one resize it as with the select tool."""
+class CircleTool(Momentary):
+    """Draws a circle from its centre."""
 
     name = "circle"
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._select = SelectTool(session)
-        self._selecting = False
         self._center: Position | None = None
         self._index = 0
         self._gesture = ""
 
     def press(self, at: Position, reach: float) -> None:
-        """Begin a circle, or take hold of a handle."""
-        found = hit(self._session.document.shapes, at, reach, self._session.selected)
-        self._selecting = found is not None and found.part == "handle"
-        if self._selecting:
-            self._select.press(at, reach)
-            return
+        """Begin a circle."""
         self._center = at
         self._index = len(self._session.document.shapes)
         self._gesture = f"circle {next(_gestures)}"
 
     def drag(self, at: Position) -> None:
         """Lead the rim through the pointer."""
-        if self._selecting:
-            self._select.drag(at)
-        elif self._center is not None and (self._drawn or math.dist(self._center, at) >= SMALLEST_RADIUS):
+        if self._center is not None and (self._drawn or math.dist(self._center, at) >= SMALLEST_RADIUS):
             circle = Circle(self._center, max(math.dist(self._center, at), SMALLEST_RADIUS))
             index = self._index
             if self._drawn:
@@ -142,28 +182,21 @@ class CircleTool:
 
     def release(self) -> None:
         """Keep the circle."""
-        if self._selecting:
-            self._select.release()
-        elif self._center is not None and not self._drawn:
+        if self._center is not None and not self._drawn:
             self._session.say("Keep the button down and drag to draw a circle from its centre.")
-        self._selecting, self._center = False, None
+        self._center = None
         self._session.seal()
 
     def cancel(self) -> None:
         """Take the circle back."""
-        if self._selecting:
-            self._select.cancel()
-        elif self._center is not None and self._drawn:
+        if self._center is not None and self._drawn:
             index = self._index
             self._session.edit("draw circle", lambda document: edits.delete_shape(document, index), self._gesture)
-        self._selecting, self._center = False, None
+        self._center = None
         self._session.seal()
 
     def cursor(self, at: Position, reach: float) -> Cursor:
-        """A cross, and arrows over a handle."""
-        found = hit(self._session.document.shapes, at, reach, self._session.selected)
-        if found is not None and found.part == "handle":
-            return _resize_cursor(self._session, found.index, at)
+        """A cross."""
         return Cursor.CrossCursor
 
     @property
@@ -171,65 +204,44 @@ class CircleTool:
         return len(self._session.document.shapes) > self._index
 
 
-class PointTool:
-    """Places a point with a click and sprays a stroke of them with a drag."""
+class PointTool(Momentary):
+    """Places a point, which follows the pointer for as long as the button is down."""
 
     name = "points"
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._stroke: list[Position] = []
-        self._index = 0
+        self._index: int | None = None
         self._gesture = ""
 
     def press(self, at: Position, reach: float) -> None:
-        """Place the first point."""
-        self._stroke = [at]
+        """Place a point."""
         self._index = len(self._session.document.shapes)
-        self._gesture = f"points {next(_gestures)}"
-        points = Points((at,))
-        self._session.edit("place point", lambda document: edits.add_shape(document, points), self._gesture)
+        self._gesture = f"point {next(_gestures)}"
+        point = Points((at,))
+        self._session.edit("place point", lambda document: edits.add_shape(document, point), self._gesture)
         self._session.select(None)
 
     def drag(self, at: Position) -> None:
-        """Place points evenly up to the pointer."""
-        if not self._stroke:
-            return
-        placed = along(self._stroke[-1], at, SPRAY_SPACING)
-        if placed:
-            self._stroke.extend(placed)
-            points, index = Points(tuple(self._stroke)), self._index
+        """Put it where the pointer is."""
+        index, point = self._index, Points((at,))
+        if index is not None:
             self._session.edit(
-                "spray points", lambda document: edits.replace_shape(document, index, points), self._gesture
+                "place point", lambda document: edits.replace_shape(document, index, point), self._gesture
             )
 
     def release(self) -> None:
-        """Keep the points."""
-        self._stroke = []
+        """Leave it there."""
+        self._index = None
         self._session.seal()
 
     def cancel(self) -> None:
-        """Take the points back."""
-        if self._stroke:
-            index = self._index
+        """Take it back."""
+        index = self._index
+        if index is not None:
             self._session.edit("place point", lambda document: edits.delete_shape(document, index), self._gesture)
         self.release()
 
     def cursor(self, at: Position, reach: float) -> Cursor:
         """A cross."""
         return Cursor.CrossCursor
-
-
-def along(start: Position, end: Position, spacing: float) -> list[Position]:
-    """Positions after `start` towards `end`, `spacing` apart."""
-    length = math.dist(start, end)
-    steps = int(length / spacing)
-    unit = ((end[0] - start[0]) / length, (end[1] - start[1]) / length) if length else (0.0, 0.0)
-    return [(start[0] + k * spacing * unit[0], start[1] + k * spacing * unit[1]) for k in range(1, steps + 1)]
-
-
-def _resize_cursor(session: Session, index: int, at: Position) -> Cursor:
-    shape = session.document.shapes[index]
-    if isinstance(shape, Circle) and abs(at[0] - shape.center[0]) > abs(at[1] - shape.center[1]):
-        return Cursor.SizeVerCursor
-    return Cursor.SizeHorCursor

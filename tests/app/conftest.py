@@ -53,6 +53,11 @@ class Hand:
         self.press(row, col)
         self.release(row, col)
 
+    def double_click(self, row: float, col: float) -> None:
+        """Two clicks at once, as Qt tells them: press, release, double click, release."""
+        self.click(row, col)
+        self.qtbot.mouseDClick(self.canvas.viewport(), Qt.MouseButton.LeftButton, pos=self.at(row, col))
+
     def drag(self, *positions: tuple[float, float]) -> None:
         """Press at the first position, move through the others, release at the last."""
         self.press(*positions[0])

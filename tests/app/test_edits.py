@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from app.model import edits
-from app.model.controls import controls, value_of
+from app.model.controls import controls, slider_range, value_of
 from app.model.document import Document
-from app.model.shapes import Circle, Points, Shape
+from app.model.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Stroke
 from cpm_core.parameters import PRESETS, Parameters
 
 coordinates = st.floats(-200, 200, allow_nan=False)
 positions = st.tuples(coordinates, coordinates)
 circles = st.builds(Circle, positions, st.floats(1, 100))
 points = st.builds(Points, st.lists(positions, min_size=1, max_size=5).map(tuple))
-shapes = st.one_of(circles, points)
+lines = st.lists(positions, min_size=3, max_size=5, unique=True).map(tuple)
+shapes = st.one_of(circles, points, *(st.builds(kind, lines) for kind in (Stroke, Region, Barrier)))
 
 
 @given(st.lists(shapes, max_size=4), shapes)
@@ -46,6 +48,39 @@ def test_the_seeds_are_those_of_every_shape_in_the_order_drawn() -> None:
     assert Document(shapes=(first, second)).seeds().tolist() == [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]
 
 
+def test_every_kind_of_start_gives_seeds_and_no_limit_does() -> None:
+    line = ((10.0, 10.0), (10.0, 30.0))
+    sown = {"grid": np.array([[1.0, 1.0], [9.0, 9.0]])}
+    document = Document(shapes=(Barrier(line), Stroke(line), Region((*line, (40.0, 30.0))), Everywhere("grid")))
+    assert document.starts == (Stroke(line), Everywhere("grid"))
+    seeds = document.seeds(sown)
+    assert seeds[-2:].tolist() == sown["grid"].tolist()
+    stroke = seeds[:-2]
+    assert (stroke[:, 0] == 10.0).all()
+    assert np.diff(stroke[:, 1]) == pytest.approx(2.0, abs=0.2)
+
+
+def test_limits_alone_are_nothing_to_start_from() -> None:
+    with pytest.raises(ValueError, match="nothing to start from"):
+        Document(shapes=(Barrier(((1.0, 2.0), (3.0, 4.0))),)).seeds()
+
+
+@given(st.lists(shapes, max_size=4), st.sampled_from(KINDS))
+def test_starting_everywhere_twice_over_is_starting_nowhere(drawn: list[Shape], kind) -> None:
+    before = Document(shapes=tuple(drawn))
+    once = edits.toggle_everywhere(before, kind)
+    assert once.everywhere == (kind,)
+    assert edits.toggle_everywhere(once, kind) == before
+
+
+@given(st.lists(shapes, max_size=5))
+def test_regions_and_barriers_of_the_document_are_those_drawn_in_their_order(drawn: list[Shape]) -> None:
+    regions = Document(shapes=tuple(drawn)).regions
+    interest = tuple(shape.points for shape in drawn if isinstance(shape, Region))
+    barriers = tuple(shape.points for shape in drawn if isinstance(shape, Barrier))
+    assert (regions.interest, regions.barriers) == (interest, barriers) if regions else not (interest or barriers)
+
+
 def test_a_document_without_shapes_has_no_seeds_and_says_what_to_do() -> None:
     with pytest.raises(ValueError, match="draw a circle"):
         Document().seeds()
@@ -69,6 +104,25 @@ def test_every_control_shows_its_default_and_takes_both_ends_of_its_slider(contr
     for value in (control.slider_low, control.slider_high):
         changed = edits.set_parameter(Document(), control.name, value)
         assert value_of(changed.parameters, control.name) == pytest.approx(value)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("min_length", "at rest"), ("max_gap", "at rest"), ("w2", "next step"), ("scales", "next start")],
+)
+def test_a_control_says_when_it_acts(name: str, said: str) -> None:
+    assert said in next(control.acts for control in controls() if control.name == name)
+
+
+@pytest.mark.parametrize("control", controls(), ids=lambda control: control.name)
+def test_sliders_in_grey_levels_go_with_the_contrast_of_the_image_and_no_others(control) -> None:
+    plain = (control.slider_low, control.slider_high)
+    half, full, twice = (slider_range(control, contrast) for contrast in (127.5, 255.0, 510.0))
+    assert full == pytest.approx(plain)
+    if "grey" in control.unit:
+        assert (half[1], twice[1]) == pytest.approx((0.5 * full[1], 2.0 * full[1]))
+    else:
+        assert half == twice == plain
 
 
 @pytest.mark.parametrize(("name", "value"), [("beta", -1.0), ("ratio", 1.5), ("scales", 99), ("smoothing", "some")])

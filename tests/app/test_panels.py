@@ -10,10 +10,11 @@ from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QLabel, QToolButton
 
 from app.model.controls import controls
+from app.model.resolve import RunStatus, resolve
 from app.session.messages import Trace
-from app.views.contour_layer import pieces
+from app.views.curves import pieces
 from app.views.help import show_about, show_help
-from app.views.layers import ARROW_SPACING, arrow_lines, arrows, joined
+from app.views.layers import ARROW_SPACING, arrow_lines, arrows
 from app.views.panels.plot import PlotPanel
 from cpm_core import Parameters
 
@@ -107,6 +108,21 @@ def test_no_label_is_cut_off(window, hand, size, advanced) -> None:
             assert right <= column.width(), child.text()
 
 
+def test_the_figures_of_a_large_run_fit_their_places(window, hand) -> None:
+    status = RunStatus(
+        "running", step=123_456, count=98_765, scale=2, epsilon=0.0123, steps_per_second=1234.0, closed=123, open=456,
+        bridges=23, longest_bridge=104.6,
+    )  # fmt: skip
+    panel = window.side.status
+    panel.show_resolved(resolve(window.session.document, status), "60")
+    assert panel.value("Bridged") == "23 gaps, longest 104.6 px"
+    hand.wait(lambda: window.side.isVisible() and not window.side.layout().activate())
+    for label in panel.findChildren(QLabel):
+        if not label.wordWrap():
+            assert label.width() >= label.fontMetrics().horizontalAdvance(label.text()), label.text()
+            assert label.mapTo(window.side, QPoint(label.width(), 0)).x() <= window.side.width(), label.text()
+
+
 def test_the_plot_draws_whatever_a_run_can_give(qtbot) -> None:
     plot = PlotPanel()
     qtbot.addWidget(plot)
@@ -132,13 +148,6 @@ def test_arrows_neither_crowd_nor_leave_what_is_seen() -> None:
         assert (ends[:, 0] == starts[:, 0]).all()
         assert (ends[:, 1] > starts[:, 1]).all()
         assert arrow_lines(starts, ends).shape == (6 * len(starts), 2)
-
-
-def test_joined_paths_are_joined_within_but_not_between() -> None:
-    x, y, connect = joined([np.array([[0.0, 1.0], [2.0, 3.0]]), np.array([[4.0, 5.0], [6.0, 7.0], [8.0, 9.0]])])
-    assert x.tolist() == [1.0, 3.0, 5.0, 7.0, 9.0]
-    assert y.tolist() == [0.0, 2.0, 4.0, 6.0, 8.0]
-    assert connect.tolist() == [1, 0, 1, 1, 0]
 
 
 @pytest.mark.parametrize("length", [1, 2, 64, 65, 66, 129, 1000])

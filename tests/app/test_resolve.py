@@ -7,7 +7,7 @@ import pytest
 from app.model import edits
 from app.model.document import Document, ImageReference
 from app.model.resolve import RunStatus, resolve
-from app.model.shapes import Circle
+from app.model.shapes import Barrier, Circle
 
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
 DRAWN = Document(IMAGE, (Circle((32.0, 32.0), 10.0),))
@@ -59,3 +59,30 @@ def test_the_recipe_changes_with_the_drawing_and_the_scales_but_not_with_live_pa
     assert edits.clear_shapes(DRAWN).recipe != DRAWN.recipe
     assert edits.set_parameter(DRAWN, "scales", 2).recipe != DRAWN.recipe
     assert edits.set_parameter(DRAWN, "beta", 1.0).recipe == DRAWN.recipe
+
+
+def test_limits_alone_are_no_drawing_to_start_from() -> None:
+    document = Document(IMAGE, (Barrier(((1.0, 2.0), (3.0, 4.0))),))
+    shown = resolve(document, RunStatus("ready"))
+    assert shown.state == "Nothing to start from yet"
+    assert "where particles start" in shown.hint
+    assert document.recipe != Document(IMAGE).recipe
+
+
+def test_a_start_everywhere_is_checked_for_as_long_as_the_document_has_it() -> None:
+    once = edits.toggle_everywhere(Document(IMAGE), "edges")
+    assert resolve(once, RunStatus("ready")).checked == {"start_edges"}
+    assert resolve(edits.toggle_everywhere(once, "edges"), RunStatus("ready")).checked == frozenset()
+
+
+@pytest.mark.parametrize(
+    ("status", "said"),
+    [
+        (RunStatus("ready"), "–"),
+        (RunStatus("running"), "no gap"),
+        (RunStatus("running", bridges=1, longest_bridge=3.25), "1 gap of 3.2 px"),
+        (RunStatus("finished", bridges=3, longest_bridge=12.4), "3 gaps, longest 12.4 px"),
+    ],
+)
+def test_bridged_gaps_are_counted_and_the_longest_is_told(status: RunStatus, said: str) -> None:
+    assert {label: value for label, value, _ in resolve(DRAWN, status).numbers}["Bridged"] == said

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 
 import numpy as np
@@ -79,6 +80,7 @@ def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -
     engine = Engine(ready._image, Parameters())
     state = engine.start(circle((32.0, 32.0), 10.0))
     hand.key(KEY.Key_Period)
+    hand.wait(lambda: ready.session.idle)
     generation = ready.session.generation
     state = engine.step(state, Parameters())
     slider = ready.side.parameters.rows["beta"].slider
@@ -137,6 +139,63 @@ def test_a_run_at_rest_goes_on_with_other_parameters(ready, hand) -> None:
     assert session.generation == generation
     assert session.status.count < count
     assert ready.actions_by_name["run"].text() == "Run anew"
+
+
+def test_contours_at_rest_follow_what_chooses_them_without_a_step(ready, hand) -> None:
+    session = ready.session
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    step = session.status.step
+    assert hand.canvas.contours.counts == (1, 0)
+    slider = ready.side.parameters.rows["min_length"].slider
+    slider.setFocus()
+    hand.qtbot.keyClick(slider, KEY.Key_End)
+    hand.wait(lambda: hand.canvas.contours.counts == (0, 0))
+    assert ready.side.status.value("Contours") == "0 closed, 0 open"
+    hand.qtbot.keyClick(slider, KEY.Key_Home)
+    hand.wait(lambda: hand.canvas.contours.counts == (1, 0))
+    hand.wait(lambda: session.idle)
+    assert (session.status.step, session.status.phase) == (step, "finished")
+    assert ready.actions_by_name["run"].text() == "Run anew"
+
+
+def test_a_wider_gap_bridges_at_rest_and_is_shown_and_told(window, hand, tmp_path) -> None:
+    session, canvas = window.session, hand.canvas
+    path = tmp_path / "interrupted.npy"
+    np.save(path, interrupted_disc())
+    session.open(path)
+    hand.wait(lambda: session.document.image.name == path.name and session.idle)
+    session.edit("circle", lambda document: edits.add_shape(document, Circle((65.0, 55.0), 20.0)))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    step = session.status.step
+    assert (canvas.contours.counts, canvas.contours.bridged) == ((0, 1), 0)
+    assert window.side.status.value("Bridged") == "no gap"
+    (contour,) = session._runner._run.result().contours
+    gap = float(np.linalg.norm(contour.points[0] - contour.points[-1]))
+    assert gap > 5.0
+    slider = window.side.parameters.rows["max_gap"].slider
+    slider.setFocus()
+    hand.qtbot.keyClick(slider, KEY.Key_End)
+    hand.wait(lambda: canvas.contours.bridged == 1)
+    assert canvas.contours.counts == (1, 0)
+    told = re.fullmatch(r"1 gap of ([\d.]+) px", window.side.status.value("Bridged"))
+    assert told is not None
+    assert float(told[1]) == pytest.approx(gap, abs=2.0)
+    assert (session.status.step, session.status.phase) == (step, "finished")
+
+
+def interrupted_disc() -> np.ndarray:
+    """A bright disc of radius 40 whose contrast fades out at its right, and away from its rim, so gently that no other
+    edge comes of it."""
+    row, col = np.indices((130, 140)) - 65.0
+    away = np.hypot(row, col) - 40.0
+    fade = np.clip((np.hypot(row, col - 40.0) - 2.5) / 45.0, 0.0, 1.0)
+    contrast = 80.0 * fade**2 * (3.0 - 2.0 * fade)
+    return 128.0 - contrast * np.clip(2.0 * away, -1.0, 1.0) * np.exp(-np.abs(away) / 60.0)
 
 
 def test_undoing_the_change_lets_the_run_go_on(ready, hand) -> None:

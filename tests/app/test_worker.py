@@ -12,8 +12,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.model import edits
 from app.model.document import Document
-from app.model.shapes import Points
+from app.model.shapes import Barrier, Points, Region
 from app.session.core import Core
 from app.session.mailbox import Mailbox
 from app.session.messages import (
@@ -27,6 +28,8 @@ from app.session.messages import (
     SetPace,
     SetParameters,
     Snapshot,
+    Sow,
+    Sowing,
     Start,
     Trouble,
     WarmUp,
@@ -34,7 +37,7 @@ from app.session.messages import (
 from app.session.pacer import Pacer
 from app.session.runner import Runner
 from app.session.trace import Recorder
-from cpm_core import Image, Parameters
+from cpm_core import Image, Parameters, Regions, uniform_grid
 
 DOCUMENT = Document(shapes=(Points(((5.0, 5.0), (6.0, 6.0))),))
 
@@ -61,8 +64,9 @@ class FakeState:
 class FakeEngine:
     """An engine without physics."""
 
-    def __init__(self, image: Image, parameters: Parameters) -> None:
+    def __init__(self, image: Image, parameters: Parameters, regions: Regions | None) -> None:
         self.image = image
+        self.regions = regions
         self.scales = parameters.scales
         self.states: list[FakeState] = []
         self.last_step = 10**9
@@ -70,6 +74,7 @@ class FakeEngine:
         self.gate.set()
 
     def start(self, seeds: np.ndarray) -> FakeState:
+        self.seeds = seeds
         return FakeState()
 
     def step(self, state: FakeState, parameters: Parameters) -> FakeState:
@@ -97,7 +102,9 @@ class Bench:
     def __init__(self) -> None:
         self.engines: list[FakeEngine] = []
         self.warm = threading.Event()
-        core = Core(load_image=self._load, engine=self._build, export=lambda *_: None, warm_up=self.warm.set)
+        self.hold = threading.Event()
+        self.hold.set()
+        core = Core(load_image=self._load, engine=self._build, export=lambda *_: None, warm_up=self._warm_up)
         self.runner = Runner(core)  # type: ignore[arg-type]
         self.reports: list[object] = []
 
@@ -106,9 +113,13 @@ class Bench:
             raise ValueError(f"{path.name} is no image.")
         return Image(np.eye(64), source=path.name)
 
-    def _build(self, image: Image, parameters: Parameters) -> FakeEngine:
-        self.engines.append(FakeEngine(image, parameters))
+    def _build(self, image: Image, parameters: Parameters, regions: Regions | None) -> FakeEngine:
+        self.engines.append(FakeEngine(image, parameters, regions))
         return self.engines[-1]
+
+    def _warm_up(self) -> None:
+        assert self.hold.wait(20)
+        self.warm.set()
 
     def open(self, generation: int = 1) -> FakeEngine:
         self.runner.post(Open(generation, Path("good.png"), Parameters()))
@@ -240,6 +251,46 @@ def test_other_scales_make_another_engine_at_the_next_start_only(bench: Bench) -
     bench.runner.post(Start(2, 1, replace(DOCUMENT, parameters=Parameters(scales=2))))
     bench.settle()
     assert [engine.scales for engine in bench.engines] == [3, 2]
+
+
+def test_limits_go_to_another_engine_at_the_next_start_and_stay_until_they_change(bench: Bench) -> None:
+    bench.open()
+    barrier = Barrier(((1.0, 1.0), (1.0, 9.0)))
+    limited = replace(DOCUMENT, shapes=(*DOCUMENT.shapes, barrier))
+    for generation, document in enumerate((limited, limited, DOCUMENT), start=2):
+        bench.runner.post(Start(generation, 1, document))
+        bench.settle()
+    assert [engine.regions for engine in bench.engines] == [None, Regions(barriers=(barrier.points,)), None]
+
+
+def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(bench: Bench) -> None:
+    bench.open()
+    bench.settle()
+    engine_is_busy = threading.Event()
+    bench.hold = engine_is_busy
+    bench.runner.post(WarmUp())
+    documents = [edits.toggle_everywhere(replace(DOCUMENT, parameters=Parameters(smoothing=s)), "grid") for s in (1, 2)]
+    for document in (*documents, *documents):
+        bench.runner.post(Sow(1, document))
+    engine_is_busy.set()
+    bench.settle()
+    (sowing,) = [report for report in bench.reports if isinstance(report, Sowing)]
+    assert sowing.generation == 1
+    np.testing.assert_array_equal(sowing.sown["grid"], uniform_grid((64, 64)))
+
+
+def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_run_starts(bench: Bench) -> None:
+    bench.open()
+    region = Region(((10.0, 10.0), (10.0, 40.0), (30.0, 40.0), (30.0, 10.0)))
+    document = edits.toggle_everywhere(Document(shapes=(region,)), "grid")
+    bench.runner.post(Sow(1, document))
+    bench.runner.post(Start(2, 1, document))
+    bench.settle()
+    (sowing,) = [report for report in bench.reports if isinstance(report, Sowing)]
+    grid = uniform_grid((64, 64))
+    inside = (grid[:, 0] > 10) & (grid[:, 0] < 30) & (grid[:, 1] > 10) & (grid[:, 1] < 40)
+    np.testing.assert_array_equal(sowing.sown["grid"], grid[inside])
+    np.testing.assert_array_equal(bench.engines[-1].seeds, grid[inside])
 
 
 def test_an_engine_that_fails_is_reported_in_a_sentence_and_the_worker_lives(bench: Bench, caplog) -> None:

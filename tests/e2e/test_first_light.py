@@ -68,6 +68,29 @@ def test_what_is_seen_changes_as_the_particles_move(window, qtbot) -> None:
     assert shown.value() == pytest.approx(255 * (value - low) / (high - low), abs=2)
 
 
+def test_no_particle_crosses_a_barrier_drawn_by_hand(window, qtbot) -> None:
+    session, canvas = window.session, window.stage.canvas
+    rows: list[np.ndarray] = []
+    session.snapshot_changed.connect(lambda snapshot: snapshot and rows.append(snapshot.position[:, 0]))
+    across = 160.0
+    left, right = (canvas.point((across, col)).toPoint() for col in (-4.0, 260.0))
+    qtbot.keyClick(canvas, Qt.Key.Key_B)
+    qtbot.mousePress(canvas.viewport(), Qt.MouseButton.LeftButton, pos=left)
+    for share in (0.25, 0.5, 0.75, 1.0):
+        qtbot.mouseMove(canvas.viewport(), left + (right - left) * share)
+    qtbot.mouseRelease(canvas.viewport(), Qt.MouseButton.LeftButton, pos=right)
+    circle, barrier = session.document.shapes
+    assert [row for row, _ in barrier.points] == pytest.approx([across] * len(barrier.points), abs=0.5)
+    assert circle.center[0] + circle.radius < across - 1.0
+    qtbot.keyClick(canvas, Qt.Key.Key_Space)
+    qtbot.waitUntil(lambda: session.status.phase == "finished", timeout=PATIENCE)
+    qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
+    # Without the barrier the U is followed to its foot, far below.
+    assert max(row.max() for row in rows) < across + 0.5
+    assert rows[-1].max() > across - 10.0
+    assert sum(canvas.contours.counts) >= 1
+
+
 def test_every_sample_opens_ready_and_runs(window, qtbot) -> None:
     for sample in samples():
         window.session.open(sample.path)

@@ -27,7 +27,12 @@ LAYERS = (
     LayerEntry("particles", "Particles", "Ctrl+1", True, (theme.MOVING, theme.RESTING), "Moving, and nearly at rest."),
     LayerEntry("contours", "Contours", "Ctrl+2", True, (theme.CLOSED, theme.OPEN), "Closed, and open."),
     LayerEntry(
-        "drawing", "Drawing", "Ctrl+3", True, (theme.DRAWING,), "The circles and points that a run starts from."
+        "drawing",
+        "Drawing",
+        "Ctrl+3",
+        True,
+        (theme.DRAWING, theme.REGION, theme.BARRIER),
+        "What a run starts from, regions of interest, and barriers.",
     ),
     LayerEntry(
         "edge_map", "Edge map", "Ctrl+4", False, ("#f98c0a",), "Strength of the edges that attract the particles."
@@ -62,3 +67,7 @@ class LayersPanel(QWidget):
         junction.setStyleSheet(f"color: {theme.JUNCTION}")
         junction.setToolTip("Where contours meet.")
         grid.addWidget(junction, len(LAYERS) // 2, 1)
+        # Its colour is that of the text: on the canvas it is told by its dashes.
+        bridge = QLabel("╍╍ Bridged gaps")
+        bridge.setToolTip("Where a contour was led over a gap in its edge.")
+        grid.addWidget(bridge, len(LAYERS) // 2 + 1, 1)

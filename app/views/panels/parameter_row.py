@@ -127,7 +127,7 @@ class ParameterRow(QWidget):
         low, high = QLabel(f"{self.control.slider_low:g}"), QLabel(f"{self.control.slider_high:g}")
         for end in (low, high):
             end.setObjectName("dim")
-        if self.control.name == "min_strength":
+        if self.control.in_grey_levels:
             low.hide()
             high.hide()
         grid = QGridLayout(self)

@@ -6,6 +6,9 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
 from app.model.resolve import Resolved
 
+_WIDE = ("Contours", "Bridged")
+"""Figures that take a line of their own."""
+
 
 class StatusPanel(QWidget):
     """State in words, and the figures of the run in two columns."""
@@ -17,6 +20,7 @@ class StatusPanel(QWidget):
         self._state.setWordWrap(True)
         self._state.setMinimumHeight(2 * self._state.fontMetrics().lineSpacing() + 2)
         self._values: dict[str, QLabel] = {}
+        self._next = 0
         self._grid = QGridLayout()
         self._grid.setHorizontalSpacing(8)
         self._grid.setVerticalSpacing(3)
@@ -31,11 +35,14 @@ class StatusPanel(QWidget):
     def show_resolved(self, resolved: Resolved, frames_per_second: str) -> None:
         """Show a state and its figures; what is the same as before is left alone."""
         _set(self._state, resolved.state)
-        figures = (
-            *resolved.numbers,
-            ("Frames/s", frames_per_second, "How often a second the window looks for newer particles and draws them."),
+        frames = (
+            "Frames/s",
+            frames_per_second,
+            "How often a second the window looks for newer particles and draws them.",
         )
-        for label, value, explanation in figures:
+        narrow = [number for number in resolved.numbers if number[0] not in _WIDE]
+        wide = [number for number in resolved.numbers if number[0] in _WIDE]
+        for label, value, explanation in (*narrow, frames, *wide):
             if label not in self._values:
                 self._add(label, explanation)
             _set(self._values[label], value)
@@ -50,8 +57,10 @@ class StatusPanel(QWidget):
         return self._state.text()
 
     def _add(self, label: str, explanation: str) -> None:
-        index = len(self._values)
-        row, column = index // 2, 2 * (index % 2)
+        wide = label in _WIDE
+        self._next += self._next % 2 if wide else 0
+        row, column = self._next // 2, 2 * (self._next % 2)
+        self._next += 2 if wide else 1
         name, value = QLabel(label), QLabel()
         name.setObjectName("dim")
         for widget in (name, value):
@@ -59,7 +68,7 @@ class StatusPanel(QWidget):
         value.setAccessibleName(label)
         self._values[label] = value
         self._grid.addWidget(name, row, column)
-        self._grid.addWidget(value, row, column + 1)
+        self._grid.addWidget(value, row, column + 1, 1, 3 if wide else 1)
 
 
 def _set(label: QLabel, text: str) -> None:

@@ -1,0 +1,67 @@
+"""Paths that a hand has drawn: their length, how far off a position lies, and the same path with fewer corners."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from skimage.measure import approximate_polygon
+
+Position = tuple[float, float]
+
+_TOLERANCE = 0.25
+"""Farthest that a path may be led away from where the hand went [px]: less than the pointer's own pixel."""
+
+
+def length(path: Sequence[Position]) -> float:
+    """Length along a path [px]."""
+    return sum(math.dist(begin, end) for begin, end in pairwise(path))
+
+
+def distance(path: Sequence[Position], position: Position) -> float:
+    """Distance of a position from the nearest place on a path [px].
+
+    Parameters
+    ----------
+    path : sequence of tuple of float
+        At least one corner (row, col) [px].
+    position : tuple of float
+        (row, col) [px].
+    """
+    corners = np.array(path, dtype=float)
+    if len(corners) == 1:
+        return math.dist(path[0], position)
+    begin, along = corners[:-1], np.diff(corners, axis=0)
+    square = np.einsum("ij,ij->i", along, along)
+    offset = np.array(position) - begin
+    share = np.einsum("ij,ij->i", offset, along) / np.where(square > 0, square, 1.0)
+    nearest = begin + np.clip(share, 0.0, 1.0)[:, None] * along
+    return float(np.hypot(*(np.array(position) - nearest).T).min())
+
+
+def area(path: Sequence[Position]) -> float:
+    """Area inside a path whose last corner is joined to its first [px²]."""
+    row, col = np.array(path, dtype=float).T
+    return 0.5 * abs(float(row @ np.roll(col, -1) - col @ np.roll(row, -1)))
+
+
+def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
+    """The same path without the corners that it can do without; both ends stay.
+
+    A freehand path has a corner for every movement of the pointer; a document is to stay small.
+    """
+    kept = approximate_polygon(np.array(path, dtype=float), _TOLERANCE)  # type: ignore[no-untyped-call]
+    return tuple((float(row), float(col)) for row, col in kept)
+
+
+def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:
+    """The same path displaced by (rows, cols)."""
+    return tuple((row + by[0], col + by[1]) for row, col in path)
+
+
+def led(path: Sequence[Position], corner: Position, to: Position) -> tuple[Position, ...]:
+    """The same path with the corner nearest to a position led to another one."""
+    nearest = min(range(len(path)), key=lambda index: math.dist(path[index], corner))
+    return tuple(to if index == nearest else position for index, position in enumerate(path))

@@ -1,0 +1,92 @@
+"""Curves on the canvas, drawn once and kept until they change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPainterPath
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from app.views import theme
+from app.views.coordinates import image_rectangle, to_xy
+from app.views.layers import cached, line_pen
+
+Array = NDArray[np.float64]
+
+_RIM = 4.0
+_PIECE = 64
+_DASHES = (2.5, 1.8)
+
+
+class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """Curves of one colour with a dark halo.
+
+    Each is drawn in pieces of its own: the time that Qt takes for a wide line grows much faster than its length.
+
+    Parameters
+    ----------
+    colour : str
+        Colour.
+    z : float
+        Place in the pile of layers.
+    width, halo : float
+        Widths of the line and of what is dark around it, 0 for nothing dark [px of the screen].
+    dashed : bool
+        Whether the colour is interrupted.
+    """
+
+    def __init__(self, colour: str, z: float, width: float = 2.0, halo: float = 3.6, dashed: bool = False) -> None:
+        super().__init__()
+        pen = line_pen(colour, width)
+        if dashed:
+            pen.setDashPattern(_DASHES)
+            pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+        self._pens = (line_pen(theme.HALO, halo), pen) if halo else (pen,)
+        self._room = QRectF()
+        self._pieces: list[QPainterPath] = []
+        self._wanted = True
+        self.count = 0
+        self.setZValue(z)
+        self.setVisible(False)
+        cached(self)
+
+    def use_shape(self, shape: tuple[int, ...], rim: float = _RIM) -> None:
+        """Make room for an image of this shape and, all around, for a rim of so many px of the image."""
+        self.prepareGeometryChange()
+        self._room = image_rectangle(shape).adjusted(-rim, -rim, rim, rim)
+
+    def show(self, paths: Sequence[Array]) -> None:
+        """Show curves, each of shape (K, 2)."""
+        if paths or self.count:
+            self.count = len(paths)
+            self._pieces = [pg.arrayToQPath(*to_xy(piece)) for path in paths for piece in pieces(path)]
+            self.update()
+            self.set_wanted(self._wanted)
+
+    def set_wanted(self, wanted: bool) -> None:
+        """Say whether the curves are to be seen; where there are none, nothing is drawn in any frame."""
+        self._wanted = wanted
+        self.setVisible(wanted and self.count > 0)
+
+    def boundingRect(self) -> QRectF:
+        """Room that may be drawn on."""
+        return self._room
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw the halos, then the curves."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setBrush(QColor(0, 0, 0, 0))
+        for pen in self._pens:
+            painter.setPen(pen)
+            for piece in self._pieces:
+                painter.drawPath(piece)
+
+
+def pieces(path: Array) -> Iterator[Array]:
+    """Pieces of a path that overlap by a segment, so that no joint is left open."""
+    for begin in range(0, max(len(path) - 1, 1), _PIECE):
+        yield np.ascontiguousarray(path[max(begin - 1, 0) : begin + _PIECE + 1])

@@ -1,0 +1,241 @@
+"""Strokes, regions of interest and barriers: drawn with real mouse and key events, then moved, deleted and undone."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage
+
+from app.model import paths
+from app.model.shapes import Barrier, Region, Stroke
+from cpm_core import Regions
+
+KEY = Qt.Key
+CONTROL = Qt.KeyboardModifier.ControlModifier
+PIXEL = 0.5
+
+KINDS = {KEY.Key_T: Stroke, KEY.Key_I: Region, KEY.Key_B: Barrier}
+CORNERS = ((10.0, 12.0), (12.0, 48.0), (50.0, 44.0), (46.0, 10.0))
+
+
+def only(window):
+    (shape,) = window.session.document.shapes
+    return shape
+
+
+def near(points, expected) -> bool:
+    return len(points) == len(expected) and all(
+        math.dist(point, other) <= PIXEL for point, other in zip(points, expected, strict=True)
+    )
+
+
+def draw(hand, key: KEY, corners=CORNERS) -> None:
+    """Draw a path corner by corner and end it with Enter."""
+    hand.canvas.setFocus()
+    hand.key(key)
+    for corner in corners:
+        hand.click(*corner)
+    hand.key(KEY.Key_Return)
+
+
+@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
+def test_clicks_place_corners_and_enter_ends_the_path_as_one_step_of_undo(window, hand, key) -> None:
+    draw(hand, key)
+    shape = only(window)
+    assert type(shape) is KINDS[key]
+    assert near(shape.points, CORNERS)
+    assert window.session.selected == 0
+    hand.key(KEY.Key_Z, CONTROL)
+    assert window.session.document.shapes == ()
+    hand.key(KEY.Key_Y, CONTROL)
+    assert only(window) == shape
+
+
+@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
+def test_a_drag_draws_freehand_and_the_path_keeps_to_where_the_pointer_went(window, hand, key) -> None:
+    hand.key(key)
+    angles = np.linspace(0.0, 1.5 * np.pi, 120)
+    way = [(32.0 + 20.0 * math.sin(angle), 32.0 + 20.0 * math.cos(angle)) for angle in angles]
+    hand.drag(*way)
+    shape = only(window)
+    assert type(shape) is KINDS[key]
+    assert max(paths.distance(shape.points, position) for position in way) < 1.5
+    assert max(paths.distance(way, point) for point in shape.points) < 1.0
+    assert 8 <= len(shape.points) < len(way)
+
+
+@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
+def test_a_double_click_places_the_last_corner_and_ends_the_path(window, hand, key) -> None:
+    hand.key(key)
+    for corner in CORNERS[:-1]:
+        hand.click(*corner)
+    hand.double_click(*CORNERS[-1])
+    assert near(only(window).points, CORNERS)
+
+
+def test_a_click_on_the_first_corner_closes_a_region_but_not_a_barrier(window, hand) -> None:
+    hand.key(KEY.Key_I)
+    for corner in (*CORNERS, CORNERS[0]):
+        hand.click(*corner)
+    assert near(only(window).points, CORNERS)
+    hand.key(KEY.Key_B)
+    for corner in (*CORNERS, CORNERS[0]):
+        hand.click(*corner)
+    assert len(window.session.document.shapes) == 1
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Return)
+    assert near(window.session.document.shapes[1].points, (*CORNERS, CORNERS[0]))
+
+
+@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
+def test_escape_gives_up_a_path_and_leaves_nothing_to_undo(window, hand, key) -> None:
+    hand.key(key)
+    hand.click(10, 10)
+    hand.click(10, 40)
+    hand.move(40, 40)
+    assert window.session.document.shapes == ()
+    assert "Esc gives up" in window.stage.hint.text()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Escape)
+    hand.key(KEY.Key_Return)
+    assert window.session.document.shapes == ()
+    assert not window.actions_by_name["undo"].isEnabled()
+    assert "Esc gives up" not in window.stage.hint.text()
+
+
+def test_backspace_takes_back_the_last_corner_and_leaves_the_selected_shape_alone(ready, hand) -> None:
+    ready.session.select(0)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_B)
+    for corner in CORNERS:
+        hand.click(*corner)
+    hand.key(KEY.Key_Backspace)
+    hand.key(KEY.Key_Return)
+    circle, barrier = ready.session.document.shapes
+    assert near(barrier.points, CORNERS[:-1])
+    hand.key(KEY.Key_Backspace)
+    assert ready.session.document.shapes == (circle,)
+
+
+@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
+def test_a_single_click_makes_nothing_and_says_how(window, hand, key) -> None:
+    hand.canvas.setFocus()
+    hand.key(key)
+    hand.click(20, 20)
+    hand.key(KEY.Key_Return)
+    assert window.session.document.shapes == ()
+    assert "corner by corner" in window.stage.messages.text
+
+
+def test_another_tool_gives_up_the_path_that_was_begun(window, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_I)
+    hand.click(10, 10)
+    hand.click(10, 40)
+    hand.key(KEY.Key_C)
+    hand.drag((32, 32), (32, 36), (32, 42))
+    hand.key(KEY.Key_I)
+    hand.key(KEY.Key_Return)
+    assert len(window.session.document.shapes) == 1
+
+
+@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
+def test_a_path_is_selected_on_its_line_moved_by_drag_and_keys_and_deleted(window, hand, key) -> None:
+    draw(hand, key)
+    drawn = only(window)
+    hand.key(KEY.Key_Escape)
+    assert window.session.selected is None
+    hand.key(KEY.Key_S)
+    middle = tuple(np.mean(drawn.points[:2], axis=0))
+    hand.drag(middle, (middle[0] + 2, middle[1] + 2), (middle[0] + 4, middle[1] + 3))
+    assert window.session.selected == 0
+    moved = only(window)
+    assert near(moved.points, [(row + 4, col + 3) for row, col in drawn.points])
+    assert [math.dist(a, b) for a, b in pairwise(moved.points)] == pytest.approx(
+        [math.dist(a, b) for a, b in pairwise(drawn.points)]
+    )
+    hand.key(KEY.Key_Down)
+    assert only(window).points == tuple((row + 1, col) for row, col in moved.points)
+    hand.key(KEY.Key_Delete)
+    assert window.session.document.shapes == ()
+
+
+@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
+def test_a_corner_of_the_selected_path_is_led_elsewhere_whichever_tool_is_in_use(window, hand, key) -> None:
+    draw(hand, key)
+    hand.drag(CORNERS[1], (15, 50), (20, 54))
+    assert near(only(window).points, (CORNERS[0], (20.0, 54.0), *CORNERS[2:]))
+    assert window.actions_by_name["undo"].text().startswith("Undo reshape")
+    hand.press(*CORNERS[0])
+    hand.move(30, 30)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Escape)
+    hand.release(30, 30)
+    assert near(only(window).points, (CORNERS[0], (20.0, 54.0), *CORNERS[2:]))
+    hand.key(KEY.Key_Z, CONTROL)
+    assert near(only(window).points, CORNERS)
+
+
+def test_limits_alone_ask_for_a_start_and_go_to_the_engine_in_px_of_the_image(window, hand) -> None:
+    draw(hand, KEY.Key_I)
+    draw(hand, KEY.Key_B, CORNERS[:2])
+    region, barrier = window.session.document.shapes
+    assert window.session.document.regions == Regions(interest=(region.points,), barriers=(barrier.points,))
+    assert "where particles start" in window.stage.hint.text()
+    hand.key(KEY.Key_Space)
+    assert window.session.status.phase == "ready"
+    assert "nothing to start from" in window.stage.messages.text
+
+
+def test_a_limit_drawn_during_a_run_is_said_and_acts_from_the_next_start_on(ready, hand) -> None:
+    session = ready.session
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: session.idle)
+    generation = session.generation
+    draw(hand, KEY.Key_I, ((2.0, 2.0), (2.0, 60.0), (40.0, 60.0), (40.0, 2.0)))
+    assert session.status.stale
+    assert "Run starts anew" in ready.stage.hint.text()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    assert session.generation > generation
+    assert len(ready._snapshot.position) > 10
+    assert ready._snapshot.position[:, 0].max() < 40.0 + PIXEL
+
+
+def test_a_region_beside_the_image_is_refused_in_a_sentence(ready, hand) -> None:
+    hand.canvas.fit()
+    hand.canvas.zoom(0.5)
+    draw(hand, KEY.Key_I, ((70.0, 70.0), (70.0, 90.0), (90.0, 90.0)))
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: ready.session.idle)
+    assert ready.stage.messages.text.startswith("Region of interest 1 holds no pixel")
+    assert ready.session.status.phase == "ready"
+
+
+def test_what_lies_outside_a_region_is_dimmed_and_a_barrier_is_seen_until_the_drawing_is_hidden(window, hand) -> None:
+    def seen() -> QImage:
+        return hand.canvas.viewport().grab().toImage()
+
+    def value(image: QImage, row: float, col: float) -> int:
+        ratio = hand.canvas.devicePixelRatioF()
+        return image.pixelColor((hand.at(row, col).toPointF() * ratio).toPoint()).value()
+
+    hand.key(KEY.Key_Escape)
+    without = seen()
+    draw(hand, KEY.Key_I, ((20.0, 10.0), (20.0, 54.0), (44.0, 54.0), (44.0, 10.0)))
+    hand.key(KEY.Key_Escape)
+    region = seen()
+    assert value(region, 32, 32) == value(without, 32, 32)
+    assert value(region, 17, 32) < 0.7 * value(without, 17, 32)
+    draw(hand, KEY.Key_B, ((5.0, 5.0), (5.0, 60.0)))
+    hand.key(KEY.Key_Escape)
+    assert value(seen(), 5, 30) > 2 * value(region, 5, 30)
+    hand.key(KEY.Key_3, CONTROL)
+    assert value(seen(), 17, 32) == value(without, 17, 32)
+    assert value(seen(), 5, 30) == value(without, 5, 30)

@@ -1,0 +1,50 @@
+"""Paths: lengths, distances and fewer corners, against what can be worked out by hand or by looking everywhere."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.model import paths
+
+coordinates = st.integers(-50, 50).map(float)
+positions = st.tuples(coordinates, coordinates)
+lines = st.lists(positions, min_size=2, max_size=6)
+
+
+@given(lines, positions)
+def test_the_distance_is_that_of_the_nearest_place_on_the_path(line, position) -> None:
+    share = np.linspace(0.0, 1.0, 2001)[:, None]
+    places = np.concatenate([np.array(a) + share * (np.array(b) - a) for a, b in pairwise(line)])
+    nearest = np.hypot(*(places - position).T).min()
+    assert paths.distance(line, position) == pytest.approx(nearest, abs=0.05)
+
+
+@given(lines)
+def test_a_thinned_path_has_the_same_ends_and_stays_within_a_quarter_of_a_pixel(line) -> None:
+    thin = paths.thinned(line)
+    assert (thin[0], thin[-1]) == (line[0], line[-1])
+    assert set(thin) <= set(line)
+    assert all(paths.distance(thin, corner) <= 0.25 + 1e-9 for corner in line)
+
+
+def test_a_straight_freehand_line_needs_its_ends_alone() -> None:
+    assert paths.thinned([(float(k), 2.0 * k) for k in range(30)]) == ((0.0, 0.0), (29.0, 58.0))
+
+
+def test_length_and_area_of_a_rectangle() -> None:
+    corners = ((1.0, 1.0), (1.0, 5.0), (4.0, 5.0), (4.0, 1.0))
+    assert paths.length(corners) == 4.0 + 3.0 + 4.0
+    assert paths.area(corners) == 12.0
+
+
+@given(lines, positions)
+def test_a_moved_path_keeps_its_shape(line, by) -> None:
+    moved = paths.moved(line, by)
+    assert paths.length(moved) == pytest.approx(paths.length(line))
+    assert math.dist(moved[0], line[0]) == pytest.approx(math.hypot(*by))

@@ -1,0 +1,126 @@
+"""Starts that need no drawing: switched on and off, shown where they are, and kept to regions of interest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.model import edits
+from app.model.shapes import KINDS, Everywhere, Region
+from cpm_core import divergence_centers, gradient_threshold, uniform_grid
+
+KEY = Qt.Key
+CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+KEYS = {
+    "grid": (KEY.Key_G, CONTROL),
+    "edges": (KEY.Key_G, CONTROL | SHIFT),
+    "centers": (KEY.Key_C, CONTROL | SHIFT),
+}
+
+
+def expected(kind: str, values: np.ndarray) -> np.ndarray:
+    """What the core gives for an image."""
+    match kind:
+        case "grid":
+            return uniform_grid(values.shape)
+        case "edges":
+            return gradient_threshold(values)
+    return divergence_centers(values)
+
+
+@pytest.fixture
+def seen(window) -> list:
+    """The places that the session has told of."""
+    told: list = []
+    window.session.sown_changed.connect(told.append)
+    return told
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_key_starts_everywhere_and_the_same_key_ends_it_each_a_step_of_undo(window, hand, seen, kind) -> None:
+    action = window.actions_by_name[f"start_{kind}"]
+    hand.key(*KEYS[kind])
+    assert window.session.document.shapes == (Everywhere(kind),)
+    assert action.isChecked()
+    hand.wait(lambda: bool(seen))
+    np.testing.assert_array_equal(seen[-1][kind], expected(kind, window._image.values))
+    assert hand.canvas.drawing.everywhere == len(seen[-1][kind])
+    hand.key(*KEYS[kind])
+    assert window.session.document.shapes == ()
+    assert not action.isChecked()
+    assert hand.canvas.drawing.everywhere == 0
+    hand.key(KEY.Key_Z, CONTROL)
+    assert window.session.document.shapes == (Everywhere(kind),)
+    assert action.isChecked()
+    hand.key(KEY.Key_Z, CONTROL)
+    assert window.session.document.shapes == ()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_run_begins_with_the_particles_that_were_shown(window, hand, seen, kind) -> None:
+    hand.key(*KEYS[kind])
+    window.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))
+    hand.wait(lambda: bool(seen) and window.session.idle)
+    first: list = []
+    window.session.snapshot_changed.connect(lambda snapshot: first.append(snapshot.position) if snapshot else None)
+    window.session._start_if_needed()
+    hand.wait(lambda: bool(first))
+    shown = seen[-1][kind]
+    assert len(shown) > 0
+    np.testing.assert_array_equal(np.unique(first[0], axis=0), np.unique(shown, axis=0))
+
+
+def test_it_is_selected_in_turn_and_deleted_like_any_shape(ready, hand) -> None:
+    hand.key(*KEYS["grid"])
+    hand.key(KEY.Key_N)
+    hand.key(KEY.Key_N)
+    assert isinstance(ready.session.document.shapes[ready.session.selected], Everywhere)
+    assert "takes back" in ready.stage.hint.text()
+    hand.key(KEY.Key_Up)
+    hand.key(KEY.Key_Delete)
+    assert not ready.session.document.everywhere
+    assert not ready.actions_by_name["start_grid"].isChecked()
+    assert hand.canvas.drawing.everywhere == 0
+
+
+def test_a_region_of_interest_keeps_them_and_the_smoothing_moves_them(window, hand, seen) -> None:
+    hand.key(*KEYS["edges"])
+    hand.wait(lambda: bool(seen))
+    everywhere = seen[-1]["edges"]
+    region = Region(((0.0, 0.0), (0.0, 63.0), (31.5, 63.0), (31.5, 0.0)))
+    window.session.edit("region", lambda document: edits.add_shape(document, region))
+    hand.wait(lambda: len(seen) == 2)
+    np.testing.assert_array_equal(seen[-1]["edges"], everywhere[everywhere[:, 0] < 31.5])
+    window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 3.0))
+    hand.wait(lambda: len(seen) == 3)
+    wider = gradient_threshold(window._image.values, smoothing=3.0)
+    np.testing.assert_array_equal(seen[-1]["edges"], wider[wider[:, 0] < 31.5])
+    window.session.edit("damping", lambda document: edits.set_parameter(document, "beta", 1.0))
+    hand.wait(lambda: window.session.idle)
+    assert len(seen) == 3
+
+
+def test_the_window_says_that_it_is_looking_for_places_and_what_went_wrong(window, hand, monkeypatch, caplog) -> None:
+    def fail(*_: object) -> None:
+        raise RuntimeError("out of places")
+
+    monkeypatch.setattr("app.session.run.Sower.sow", fail)
+    hand.key(*KEYS["centers"])
+    assert window.side.status.state.startswith("Looking for places")
+    hand.wait(lambda: window.session.idle)
+    assert window.side.status.state == "Ready"
+    assert "out of places" in window.stage.messages.text
+    assert "out of places" in caplog.text
+
+
+def test_places_found_late_do_not_land_on_another_image(window, hand, seen, tmp_path) -> None:
+    other = tmp_path / "other.npy"
+    np.save(other, np.indices((40, 50)).sum(axis=0) % 17 * 1.0)
+    hand.key(*KEYS["grid"])
+    window.session.open(other)
+    hand.wait(lambda: window.session.document.image.name == "other.npy" and window.session.idle)
+    assert hand.canvas.drawing.everywhere == 0
+    hand.key(*KEYS["grid"])
+    hand.wait(lambda: window.session.idle)
+    assert hand.canvas.drawing.everywhere == len(uniform_grid((40, 50)))
