@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.formats.atomic import write_together
-from cpm_core.gallery import automatic, recovery, studies
+from cpm_core.gallery import automatic, recovery, skeletons, studies
 from cpm_core.gallery.drawing import draw, require_matplotlib
 from cpm_core.gallery.pages import Page
 
@@ -81,6 +81,11 @@ _TABLE = (
         "fig13", "Automatic segmentation of natural scenes", "Drawn scenes with shading and texture, started on strong "
         "gradients.",
         automatic.natural,
+    ),
+    Figure(
+        "fig14", "Skeletons",
+        "Middle lines of black and white and of grey shapes, and the shapes rebuilt from them and their radii.",
+        skeletons.skeletons,
     ),
     Figure(
         "fig17", "Sensitivity to parameters",

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from cpm_core import Contour, cli, edge_map
-from cpm_core.gallery import figures, pictures, recovery, silhouettes, studies
+from cpm_core.gallery import figures, pictures, recovery, silhouettes, skeletons, studies
 from cpm_core.gallery.drawing import draw
 from cpm_core.gallery.figures import FIGURES, Figure, summary, write_figures
 from cpm_core.gallery.outlines import (
@@ -35,6 +35,7 @@ from cpm_core.gallery.outlines import (
 )
 from cpm_core.gallery.pages import Map, Page, Picture, Stairs
 from cpm_core.gallery.runs import run
+from cpm_core.gallery.scenes import closed
 from cpm_core.reconstruction.measures import sampled
 
 from .scenes import antialiased, circle_points
@@ -180,6 +181,23 @@ def test_scenes_are_the_same_every_time_and_begin_inside_the_image(name):
     assert np.array_equal(one.seeds, other.seeds)
     assert ((one.seeds >= 0) & (one.seeds <= np.array(one.values.shape) - 1)).all()
     assert np.isfinite(one.values).all()
+
+
+@pytest.mark.parametrize("name", ["ellipse", "grey starfish", "grey cross in noise"])
+def test_a_medial_axis_is_as_far_from_the_outline_on_either_side(name):
+    shape = skeletons.shapes()[name]
+    outline = np.concatenate([sampled(ring, 0.1) for ring in closed(shape.outline)])
+    for line in shape.axis:
+        along = (line.points[1] - line.points[0]) / line.length
+        for place in sampled(line, 4.0):
+            off = outline - place
+            left = off[:, 0] * along[1] - off[:, 1] * along[0] > 0.0
+            one, other = (np.hypot(*off[side].T).min() for side in (left, ~left))
+            assert one == pytest.approx(other, abs=0.25)  # a chord may cut an inner corner by as much
+        end = line.points[1]  # the farthest place: the disk about it touches the outline at the tip
+        assert np.hypot(*(outline - end).T).min() == pytest.approx(
+            np.hypot(*(outline[np.argmax((outline - end) @ along)] - end)), abs=0.02
+        )
 
 
 def test_noise_changes_as_many_pixels_as_it_says():
