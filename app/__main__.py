@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 CANNOT_OPEN = 2
 
-_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "bench"})
+_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "bench", "figures"})
 
 
 def main(argv: Sequence[str] | None = None) -> int:

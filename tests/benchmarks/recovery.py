@@ -16,8 +16,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from cpm_core import Contour, circle, segment
+from cpm_core import circle, segment
 from cpm_core.compilation import warm_up
+from cpm_core.reconstruction.measures import sampled
 from tests.core.scenes import disk, ring, u_shape
 
 CASES = {
@@ -25,14 +26,6 @@ CASES = {
     "ring, radii 30 and 60 px": (ring((192, 192), (96.3, 95.8), 30.0, 60.0), circle((96, 140), 15)),
     "U": (u_shape(), circle((60, 40), 12)),
 }
-
-
-def along(contour: Contour, step: float = 0.25) -> np.ndarray:
-    """Points every `step` px along a contour."""
-    path = contour.path
-    length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))]
-    at = np.arange(0.0, length[-1], step)
-    return np.stack([np.interp(at, length, path[:, k]) for k in range(2)], axis=1)
 
 
 def main() -> None:
@@ -44,7 +37,7 @@ def main() -> None:
             began = time.perf_counter()
             result = segment(scene.values, seeds)
             seconds.append(time.perf_counter() - began)
-        error = np.abs(scene.distance(np.concatenate([along(contour) for contour in result.contours])))
+        error = np.abs(scene.distance(np.concatenate([sampled(contour) for contour in result.contours])))
         closed = sum(contour.closed for contour in result.contours)
         sys.stdout.write(
             f"{name}: {len(result.contours)} contours, {closed} closed, mean error {error.mean():.3f} px, "
