@@ -271,9 +271,7 @@ DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name i
 
 PRESETS: dict[str, Parameters] = {
     "shape": Parameters(),
-    "automatic": Parameters(
-        w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.15, max_frame=0.08, sure_edge=0.3
-    ),
+    "automatic": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.15, max_frame=0.08, sure_edge=0.3),
     "noisy": Parameters(smoothing="auto"),
 }
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), and noisy images."""

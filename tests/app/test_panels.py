@@ -16,7 +16,7 @@ from app.views.curves import pieces
 from app.views.help import show_about, show_help
 from app.views.layers import ARROW_SPACING, arrow_lines, arrows
 from app.views.panels.plot import PlotPanel
-from cpm_core import Parameters
+from cpm_core import PRESETS, Parameters
 
 
 def test_every_parameter_tells_symbol_range_default_and_what_more_of_it_does(window) -> None:
@@ -74,7 +74,7 @@ def test_a_preset_sets_all_parameters_and_own_settings_show_as_none(window, hand
     hand.qtbot.keyClick(presets, Qt.Key.Key_Down)
     hand.qtbot.keyClick(presets, Qt.Key.Key_Return)
     presets.activated.emit(1)
-    assert window.session.document.parameters == Parameters(w1=0.6, w2=0.7, beta=0.4)
+    assert window.session.document.parameters == PRESETS["automatic"]
     window.side.parameters.rows["beta"].slider.setValue(3)
     assert presets.currentIndex() == -1
 

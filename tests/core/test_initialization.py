@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import (
-    PRESETS,
+    Parameters,
     circle,
     divergence_centers,
     edge_map,
@@ -192,7 +192,7 @@ def test_particles_from_the_centers_of_divergence_reach_every_edge():
     values, boundary = three_objects()
     seeds = divergence_centers(values)
     assert len(seeds) < 0.25 * len(uniform_grid(values.shape))
-    contours = segment(values, seeds, PRESETS["automatic"]).contours
+    contours = segment(values, seeds, Parameters(w1=0.6, w2=0.7, beta=0.4)).contours
     assert [contour.closed for contour in contours] == [True] * 4
     assert outline_distance(boundary, [contour.path for contour in contours]).max() < 1.5
 
