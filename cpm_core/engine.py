@@ -91,8 +91,8 @@ class Engine:
         return self._levels.at(scale, parameters)
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
-        """Edge map of a scale, shape (H, W)."""
-        return self.level(parameters, scale).edge_map
+        """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
+        return self.level(parameters, scale).charges
 
     def field(self, parameters: Parameters, scale: int = 0) -> Array:
         """Lorentz force on the pixels of a scale, shape (2, H, W): vectors of at most unit length."""

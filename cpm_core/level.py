@@ -53,6 +53,8 @@ class Level:
         The image.
     strongest : float
         Largest edge strength [grey levels / px].
+    least_charge : float
+        Edge strength under which a pixel carries no fixed charge.
     floor : float
         Edge strength under which there is no edge for a particle to sit on.
     smoothing : float
@@ -64,6 +66,7 @@ class Level:
     felt: Array
     values: Array
     strongest: float
+    least_charge: float
     floor: float
     smoothing: float
     walls: Walls = NO_WALLS
@@ -72,6 +75,11 @@ class Level:
     def lorentz(self) -> Array:
         r"""Normalised Lorentz force on the pixels, shape (D, \*shape)."""
         return self.felt[: self.felt.ndim - 1]
+
+    @property
+    def charges(self) -> Array:
+        r"""Size of the fixed charges, shape (\*shape): the edge map where it is not under `least_charge`."""
+        return np.where(self.edge_map >= self.least_charge, self.edge_map, 0.0)
 
     @property
     def gradient(self) -> Array:
@@ -117,7 +125,8 @@ def build_level(
     smoothing : float
         Gaussian before the gradient [px].
     edge_floor : float
-        Fraction of the largest edge strength under which no fixed charge is placed.
+        Fraction of the largest edge strength under which no fixed charge is placed; 0 places all of them and leaves it
+        to the background to tell how weak an edge may be.
     regions : Regions, optional
         Regions of interest and barriers, in px of the scale. Outside the regions of interest there is no fixed charge,
         and what is the largest edge strength and what is background is told by the inside.
@@ -134,15 +143,20 @@ def build_level(
     if regions is not None and regions.interest:
         inside &= regions.pixels(values.shape)
     strongest = float(strength.max(where=inside, initial=0.0))
-    charged = np.where(strength >= edge_floor * strongest, strength, 0.0)
-    lorentz = lorentz_force(electric_field(np.where(inside, charged, 0.0)), grad, strength, strongest)
-    if strongest == 0.0:  # a coarse scale may have no pixel inside: nowhere is an edge to sit on
-        return Level(np.concatenate([lorentz, grad, 0.0 * charged[None]]), values, strongest, np.inf, smoothing, walls)
-    background = min(background_strength(strength[inside]), _MOST_BACKGROUND * strongest)
-    floor = max(WEAKEST_EDGE * strongest, edge_floor * strongest, background)
+    least = edge_floor * strongest
+    charged = np.where(inside & (strength >= least), strength, 0.0)
+    lorentz = lorentz_force(electric_field(charged), grad, strength, strongest)
     if not inside.all():
-        charged[ndimage.distance_transform_edt(~inside) > _MARGIN] = 0.0
-    return Level(np.concatenate([lorentz, grad, charged[None]]), values, strongest, floor, smoothing, walls)
+        strength[ndimage.distance_transform_edt(~inside) > _MARGIN] = 0.0
+    felt = np.concatenate([lorentz, grad, strength[None]])
+    if strongest == 0.0:  # a coarse scale may have no pixel inside: nowhere is an edge to sit on
+        floor = np.inf
+    elif edge_floor > 0.0:
+        floor = max(WEAKEST_EDGE * strongest, least)
+    else:
+        background = min(background_strength(strength[inside]), _MOST_BACKGROUND * strongest)
+        floor = max(WEAKEST_EDGE * strongest, background)
+    return Level(felt, values, strongest, least, floor, smoothing, walls)
 
 
 def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:

@@ -123,7 +123,8 @@ _TABLE = (
     ),
     ParameterInfo(
         "edge_floor", "f_min", "", 0.0, 0.99, 0.0, 0.6, 0.01, "Edge floor",
-        "Fraction of the largest edge strength under which no fixed charge is placed.",
+        "Fraction of the largest edge strength under which no fixed charge is placed; at 0 all are placed, and what is "
+        "too weak for an edge is told by the background.",
         "More of it leaves out weak edges and texture.",
         "", "field", True,
     ),
@@ -271,7 +272,7 @@ DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name i
 
 PRESETS: dict[str, Parameters] = {
     "shape": Parameters(),
-    "automatic": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.15, max_frame=0.08, sure_edge=0.3),
+    "automatic": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.2, max_frame=0.08, sure_edge=0.3),
     "noisy": Parameters(smoothing="auto"),
 }
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), and noisy images."""

@@ -50,7 +50,7 @@ def drop_weak(graph: Graph, level: Level, parameters: Parameters) -> None:
     drop_under(graph, strength, parameters.min_strength)
     if parameters.min_contrast > 0.0:
         drop_under(graph, ratings(graph, level.contrast), parameters.min_contrast)
-    drop_unconnected(graph, strength, parameters.sure_edge * level.strongest)
+    drop_unconnected(graph, level.strength(graph.points), parameters.sure_edge * level.strongest)
 
 
 def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
@@ -94,16 +94,16 @@ def drop_under(graph: Graph, rated: Ratings, least: float) -> None:
             graph.unlink(a, b)
 
 
-def drop_unconnected(graph: Graph, rated: Ratings, sure: float) -> None:
-    """Take away all that is not connected to an edge rated `sure` or more."""
+def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
+    """Take away all that is not connected to a vertex of strength `sure` or more."""
     reached: set[int] = set()
-    waiting = [v for edge, rating in rated.items() if rating >= sure and edge[1] in graph.links[edge[0]] for v in edge]
+    waiting = np.flatnonzero(strength >= sure).tolist()
     while waiting:
         vertex = waiting.pop()
         if vertex not in reached:
             reached.add(vertex)
             waiting.extend(graph.links[vertex])
-    for a, b in rated:
+    for a, b in graph.edges().tolist():
         if a not in reached:
             graph.unlink(a, b)
 

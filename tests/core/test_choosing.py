@@ -29,7 +29,7 @@ def kept_edges(made, least, sure):
     graph = Graph(points, edges)
     rated = ratings(graph, lambda _: strength)
     drop_under(graph, rated, least)
-    drop_unconnected(graph, rated, sure)
+    drop_unconnected(graph, strength, sure)
     return {tuple(edge) for edge in graph.edges().tolist()}, rated
 
 
@@ -40,7 +40,8 @@ thresholds = st.floats(0.0, 9.0)
 @given(rated_graphs(), thresholds, thresholds)
 def test_what_stays_is_strong_enough_and_connected_to_what_is_sure(made, least, sure):
     kept, rated = kept_edges(made, least, sure)
-    truth = {edge for edge, rating in rated.items() if rating >= least and rating >= sure}
+    strength = made[2]
+    truth = {e for e, rating in rated.items() if rating >= least and max(strength[e[0]], strength[e[1]]) >= sure}
     while True:
         near = {edge for edge in rated if rated[edge] >= least and any(set(edge) & set(other) for other in truth)}
         if near <= truth:
