@@ -3,7 +3,8 @@
 A start wholly inside a ring finds the hole or the rim, whichever pulls harder, and repulsion that is weaker than the
 attraction of edges (w1 < w2) never lets anybody cross to the other one. A region between edges that does not reach the
 border of the image is the inside of something; once any of its boundaries has been reached, the others belong to the
-same thing, and particles are launched beside them. What lies outside, up to the border, is left to the drawing.
+same thing, and particles are launched beside them. What lies outside, up to the border, is left to the drawing, and so
+is what a wall runs through.
 """
 
 from __future__ import annotations
@@ -23,6 +24,9 @@ Labels = NDArray[np.int64]
 
 LAUNCHES = 3
 """Times in a run that particles may be launched beside boundaries that nobody has reached."""
+
+_BESIDE_WALL = 1.0
+"""Distance under which a pixel is one that a wall runs through [px]."""
 
 _LEAST_AREA = 16
 """Pixels that a region must have."""
@@ -55,7 +59,10 @@ def launch_places(level: Level, positions: Array) -> Array:
     nowhere = np.zeros((0, 2))
     if not len(positions):
         return nowhere
-    regions = _enclosed(level.edge_map < level.floor)
+    walled = np.zeros(level.shape, bool)
+    if len(level.walls.segments):
+        walled = level.walls.clearance < _BESIDE_WALL
+    regions = _enclosed(level.edge_map < level.floor, walled)
     rims, region_of = _rims(regions)
     if not len(region_of):
         return nowhere
@@ -72,10 +79,10 @@ def launch_places(level: Level, positions: Array) -> Array:
     return places[deletion(places, np.zeros(len(places)), level.shape, 2.0 * _STRIDE)]
 
 
-def _enclosed(free: NDArray[np.bool_]) -> Labels:
-    """Number the regions between edges that do not touch the border of the image."""
+def _enclosed(free: NDArray[np.bool_], walled: NDArray[np.bool_]) -> Labels:
+    """Number the regions between edges that touch neither the border of the image nor a wall."""
     labels, count = ndimage.label(free)
-    outside = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
+    outside = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1], labels[walled]]))
     small = np.flatnonzero(np.bincount(labels.ravel(), minlength=count + 1) < _LEAST_AREA)
     dropped = np.zeros(count + 1, bool)
     dropped[outside], dropped[small], dropped[0] = True, True, True

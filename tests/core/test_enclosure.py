@@ -7,6 +7,7 @@ from cpm_core.enclosure import launch_places
 from cpm_core.initialization import circle
 from cpm_core.level import build_level
 from cpm_core.parameters import Parameters
+from cpm_core.regions import Regions
 from cpm_core.segmentation import segment
 
 ROW, COL = np.indices((120, 140))
@@ -53,3 +54,13 @@ def test_a_start_on_any_side_finds_ring_and_hole(start):
     np.testing.assert_allclose(sorted(c.area for c in result.contours), [np.pi * 14.0**2, np.pi * 50.0**2], rtol=0.01)
     assert all(c.closed for c in result.contours)
     assert result.converged
+
+
+def test_nobody_is_launched_across_a_barrier():
+    """A barrier between the hole and the outline, closed but not around either of them alone."""
+    around = [(60.0 + 30.0 * np.sin(a), 66.0 + 30.0 * np.cos(a)) for a in np.linspace(0.0, 2.0 * np.pi, 41)]
+    regions = Regions(barriers=(tuple(around),))
+    contours = segment(ring(), circle((60.0, 60.0), 5.0), Parameters(), regions=regions).contours
+    assert [c.area for c in contours] == [pytest.approx(np.pi * 14.0**2, rel=0.01)]
+    inside = segment(ring(), circle((60.0, 60.0), 5.0), Parameters(), regions=Regions(interest=(tuple(around[:-1]),)))
+    assert len(inside.contours) == 1
