@@ -5,7 +5,8 @@ The charged-particle model of Jalba, Wilkinson and Roerdink (2004): arrays in, a
 The model on one page
 ---------------------
 1. The image is smoothed by a Gaussian of width sigma; the length of its gradient is the **edge map** f. Every pixel
-   carries a **fixed charge** -f (`edge_map`).
+   carries a **fixed charge** -f (`edge_map`). Automatic smoothing chooses sigma by the noise, and takes heavy noise out
+   beforehand (`denoising`); the edge of a dark or bright rim can be left out (`frame`).
 2. The fixed charges make an **electric field**, E(r) = sum_k -f_k (r - R_k) / |r - R_k|^3, eq. (8), which pulls
    positive charges to edges (`electric_field`). Its direction is the **Lorentz force** F_l; on an edge it falls
    linearly through zero (`level`).
@@ -17,11 +18,13 @@ The model on one page
    and a particle that sees its edge go on without anybody on it gets one ahead. **Deletion**: of two nearer than
    d_min / 2 one goes. **Annealing**: d_max is multiplied by a at every step (`population`).
 6. Where no new ground is gained, repulsion fades and friction grows; a run is in **equilibrium** when eq. (23) holds
-   and hardly anything has moved, appeared or vanished for twenty steps (`ground`, `equilibrium`).
+   and hardly anything has moved, appeared or vanished for twenty steps (`ground`, `equilibrium`). Before a run ends,
+   particles are launched beside boundaries that nobody has reached of whatever is enclosed and has been reached on
+   another boundary: the outline around a hole, or a hole in an object (`enclosure`).
 7. All this happens on one **scale** after the other, from coarse to fine; each begins with what the coarser one found
    and with the **initialization**, the particles that were drawn (`multiscale`, `initialization`).
 8. The **reconstruction** moves points to the crest of the edge, fills it up, joins them by the crust, leaves out what
-   is weak, builds **bridges** across gaps when asked to, and walks along the edges to closed and open **contours** with
+   is weak or has the same on both sides (`contrast`), builds **bridges** across gaps when asked to, and walks along the edges to closed and open **contours** with
    **junctions** (`reconstruction`).
 9. All of it happens inside the **regions of interest** and on this side of the **barriers**, if there are any
    (`regions`); at each scale they are the walls that no move, birth, contour or bridge crosses (`walls`).
