@@ -24,8 +24,8 @@ The model on one page
 7. All this happens on one **scale** after the other, from coarse to fine; each begins with what the coarser one found
    and with the **initialization**, the particles that were drawn (`multiscale`, `initialization`).
 8. The **reconstruction** moves points to the crest of the edge, fills it up, joins them by the crust, leaves out what
-   is weak or has the same on both sides (`contrast`), builds **bridges** across gaps when asked to, and walks along the edges to closed and open **contours** with
-   **junctions** (`reconstruction`).
+   is weak or has the same on both sides (`contrast`), builds **bridges** across gaps when asked to, and walks along the
+   edges to closed and open **contours** with **junctions** (`reconstruction`).
 9. All of it happens inside the **regions of interest** and on this side of the **barriers**, if there are any
    (`regions`); at each scale they are the walls that no move, birth, contour or bridge crosses (`walls`).
 
