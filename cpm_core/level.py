@@ -162,13 +162,15 @@ def build_level(
 def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:
     r"""Normalised Lorentz force on the pixels.
 
-    Away from edges it is the unit vector of the field (section 3.3). On an edge two things are done otherwise:
+    Away from edges it is the unit vector of the field (section 3.3). On an edge three things are done otherwise:
 
     - The field is divided by its largest size beside the edge and not by its own, so that the force falls linearly
       through zero where the field does. Unit vectors would round that place to the middle between two pixels.
     - The part along the edge is taken out. On the crest it is all that is left of the field, and scaled up it would
       drain particles from weak stretches towards strong ones and keep them circling; motion along an edge is the
       Coulomb force's.
+    - Where the field leads off the crest, as it does all across a weak edge beside a strong one, the slope of the edge
+      map takes its place, so that every edge holds what sits on it.
 
     Parameters
     ----------
@@ -194,6 +196,11 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
     force = field / np.maximum(np.maximum(size, near * beside), max(1e-12 * float(size.max()), 1e-300))
     normal = unit_vectors(grad)
     across = np.einsum("i...,i...->...", force, normal)
+    # uphill on the edge's own flank, of unit size where that is steepest
+    slope = np.einsum("i...,i...->...", np.stack(np.gradient(strength)), normal)
+    steepest = ndimage.maximum_filter(np.abs(slope), size=_SUMMIT_REACH, mode="nearest")
+    uphill = slope / np.maximum(steepest, 1e-300)
+    across = np.where(across * uphill < 0.0, uphill, across)
     return np.asarray((1.0 - near) * force + near * across * normal)
 
 

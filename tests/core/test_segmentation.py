@@ -257,3 +257,15 @@ def test_no_setting_is_critical(setting):
     assert result.converged
     assert [contour.closed for contour in result.contours] == [True]
     assert outline_distance(scene.boundary, [contour.path for contour in result.contours]).max() < 1.5
+
+
+@pytest.mark.parametrize("apart", [5, 6, 7, 8, 12])
+@pytest.mark.parametrize("level", [30.0, 40.0])
+def test_a_weak_edge_beside_a_strong_one_is_not_drained(apart, level):
+    """A faint square around a bright one, whose field is the stronger one all across the faint edge."""
+    image = np.zeros((112, 112))
+    image[20:92, 20:92] = level
+    image[20 + apart : 92 - apart, 20 + apart : 92 - apart] = 255.0
+    contours = segment(image, uniform_grid(image.shape), Parameters(w1=0.6, w2=0.7, beta=0.4)).contours
+    assert [c.closed for c in contours] == [True, True]
+    assert [c.area for c in contours] == pytest.approx([72.0**2, (72.0 - 2 * apart) ** 2], rel=0.005)
