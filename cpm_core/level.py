@@ -197,7 +197,7 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
     normal = unit_vectors(grad)
     across = np.einsum("i...,i...->...", force, normal)
     # uphill on the edge's own flank, of unit size where that is steepest
-    slope = np.einsum("i...,i...->...", np.stack(np.gradient(strength)), normal)
+    slope = np.einsum("i...,i...->...", gradient(strength, 0.0), normal)
     steepest = ndimage.maximum_filter(np.abs(slope), size=_SUMMIT_REACH, mode="nearest")
     uphill = slope / np.maximum(steepest, 1e-300)
     across = np.where(across * uphill < 0.0, uphill, across)
