@@ -20,7 +20,8 @@ The model on one page
 6. Where no new ground is gained, repulsion fades and friction grows; a run is in **equilibrium** when eq. (23) holds
    and hardly anything has moved, appeared or vanished for twenty steps (`ground`, `equilibrium`). Before a run ends,
    particles are launched beside boundaries that nobody has reached of whatever is enclosed and has been reached on
-   another boundary: the outline around a hole, or a hole in an object (`enclosure`).
+   another boundary: the outline around a hole, or a hole in an object (`enclosure`). Who is at rest on no edge then is
+   removed.
 7. All this happens on one **scale** after the other, from coarse to fine; each begins with what the coarser one found
    and with the **initialization**, the particles that were drawn (`multiscale`, `initialization`).
 8. The **reconstruction** moves points to the crest of the edge, fills it up, joins them by the crust, leaves out what

@@ -284,7 +284,8 @@ class Engine:
             launched = self._launched(state, level)
             if launched is not None:
                 return launched
-            return state.stopped(f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps", True)
+            reason = f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps"
+            return self._without_stragglers(state, level).stopped(reason, True)
         if overdue:
             return state.stopped(f"not at rest after {most} steps at full size")
         return state
@@ -309,6 +310,14 @@ class Engine:
             idle=0,
             quiet=0,
         )
+
+    @staticmethod
+    def _without_stragglers(state: State, level: Level) -> State:
+        """Leave out the particles at rest where there is no edge, if any have found one: nothing draws them on."""
+        found = level.strength(state.particles.position) >= level.floor
+        if found.all() or not found.any():
+            return state
+        return replace(state, particles=state.particles.where(found), deleted=state.deleted + int((~found).sum()))
 
     @staticmethod
     def _settled(state: State, level: Level) -> State:

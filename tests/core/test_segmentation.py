@@ -269,3 +269,14 @@ def test_a_weak_edge_beside_a_strong_one_is_not_drained(apart, level):
     contours = segment(image, uniform_grid(image.shape), Parameters(w1=0.6, w2=0.7, beta=0.4)).contours
     assert [c.closed for c in contours] == [True, True]
     assert [c.area for c in contours] == pytest.approx([72.0**2, (72.0 - 2 * apart) ** 2], rel=0.005)
+
+
+def test_no_particle_is_left_where_there_is_no_edge():
+    scene = disk((96, 90), (50.0, 41.0), 20.0)
+    engine = Engine(scene.values, Parameters())
+    state = engine.start(uniform_grid(scene.values.shape))
+    while not state.stop_reason:
+        before, state = state, engine.step(state, Parameters())
+    assert state.converged
+    assert np.abs(scene.distance(before.position)).max() > 20.0
+    assert np.abs(scene.distance(state.position)).max() < 2.0
