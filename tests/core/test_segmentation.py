@@ -278,5 +278,5 @@ def test_no_particle_is_left_where_there_is_no_edge():
     while not state.stop_reason:
         before, state = state, engine.step(state, Parameters())
     assert state.converged
-    assert np.abs(scene.distance(before.position)).max() > 20.0
+    assert np.abs(scene.distance(before.position)).max() > 10.0
     assert np.abs(scene.distance(state.position)).max() < 2.0
