@@ -86,15 +86,27 @@ class Graph:
                     if b in self.links[a] and c in self.links[a] and c in self.links[b]:
                         self.unlink(*max(((a, b), (b, c), (a, c)), key=lambda side: self.distance(*side)))
 
-    def drop_spurs(self, longest: int) -> None:
-        """Take away branches of at most `longest` edges that hang loose from a junction."""
+    def drop_spurs(self, longest: float) -> None:
+        """Take away branches of a length of at most `longest` [px] that hang loose from a junction."""
         for end in self.ends():
-            if self.degree(end) != 1:
-                continue
-            path = self.branch(end)
-            if len(path) - 1 <= longest and self.degree(path[-1]) >= 3:
-                for a, b in pairwise(path):
-                    self.unlink(a, b)
+            path = self.branch(end) if self.degree(end) == 1 else [end]
+            if self.degree(path[-1]) >= 3 and self.length(path) <= longest:
+                self._drop(path)
+
+    def drop_specks(self, longest: float) -> None:
+        """Take away open curves of a length of at most `longest` [px] that are connected to nothing."""
+        for end in self.ends():
+            path = self.branch(end) if self.degree(end) == 1 else [end]
+            if self.degree(path[-1]) == 1 and self.length(path) <= longest:
+                self._drop(path)
+
+    def length(self, path: list[int]) -> float:
+        """Length of the way along vertices [px]."""
+        return float(np.linalg.norm(np.diff(self.points[path], axis=0), axis=1).sum())
+
+    def _drop(self, path: list[int]) -> None:
+        for a, b in pairwise(path):
+            self.unlink(a, b)
 
     def walks(self) -> Iterable[tuple[list[int], bool]]:
         """Every edge once: paths between vertices that have not exactly two edges, then closed rounds.
