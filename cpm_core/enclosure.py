@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
+from cpm_core.field.interpolation import interpolate
 from cpm_core.level import Level
 from cpm_core.population import deletion
 
@@ -37,12 +38,19 @@ _REACH, _REACH_SMOOTHING = 3.0, 2.0
 _COVERED = 0.5
 """Share of a boundary that must have particles beside it for it to count as reached."""
 
+_LEAST_STRETCH = 8
+"""Pixels in a row of a boundary that nobody is beside for particles to be launched there: boundaries a few pixels apart
+share their rim, and one of them may be missing alone."""
+
+_NEIGHBORS = 8
+"""Particles nearest to a pixel of a rim that are looked at."""
+
 _STRIDE = 6.0
 """Distance between particles that are launched [px]."""
 
 
 def launch_places(level: Level, positions: Array) -> Array:
-    """Places beside boundaries of enclosed regions that have been reached on another boundary only.
+    """Places beside boundaries, or stretches of them, of enclosed regions that have been reached elsewhere only.
 
     Parameters
     ----------
@@ -69,14 +77,36 @@ def launch_places(level: Level, positions: Array) -> Array:
     place = np.argwhere(rims > 0)
     number = rims[rims > 0]
     reach = _REACH + _REACH_SMOOTHING * level.smoothing
-    near = cKDTree(positions).query(place, distance_upper_bound=reach)[0] <= reach
+    near = _has_near(level, place, positions, reach)
     size = np.bincount(number, minlength=len(region_of))
     covered = np.bincount(number, weights=near, minlength=len(region_of)) / np.maximum(size, 1)
     known = np.zeros(region_of.max() + 1, bool)
     known[region_of[covered >= _COVERED]] = True
-    missing = (covered < _COVERED) & known[region_of]
-    places: Array = place[missing[number] & ~near].astype(float)
+    missing = ~near & known[region_of][number]
+    places: Array = place[missing & (_stretch(place, missing, level.shape) >= _LEAST_STRETCH)].astype(float)
     return places[deletion(places, np.zeros(len(places)), level.shape, 2.0 * _STRIDE)]
+
+
+def _has_near(level: Level, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
+    """Which pixels of a rim have a particle near them on the same side of an edge: of two edges that run close to each
+    other one rises where the other falls."""
+    uphill = level.gradient[(slice(None), *place.T)].T
+    known = interpolate(level.gradient, positions)
+    distance, index = cKDTree(positions).query(place, k=min(_NEIGHBORS, len(positions)), distance_upper_bound=reach)
+    distance, index = distance.reshape(len(place), -1), index.reshape(len(place), -1)
+    found = np.isfinite(distance)
+    along = np.einsum("ni,nki->nk", uphill, known[np.where(found, index, 0)])
+    return np.asarray((found & (along > 0.0)).any(axis=1))
+
+
+def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: tuple[int, ...]) -> NDArray[np.int64]:
+    """Pixels in the connected stretch of chosen ones that each pixel belongs to; 0 for those that are not chosen."""
+    mask = np.zeros(shape, bool)
+    mask[tuple(place[chosen].T)] = True
+    labels, _ = ndimage.label(mask, structure=np.ones((3, 3), bool))
+    size = np.bincount(labels.ravel())
+    size[0] = 0
+    return np.asarray(size[labels[tuple(place.T)]])
 
 
 def _enclosed(free: NDArray[np.bool_], walled: NDArray[np.bool_]) -> Labels:

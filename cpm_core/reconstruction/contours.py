@@ -60,6 +60,7 @@ def find_contours(
     graph.drop_specks(_SPECK * parameters.d_min)
     close_gaps(graph, level, reach)
     graph.drop_spurs(_SPUR * parameters.d_min)
+    graph.merge_junctions(parameters.d_min)
     if max(parameters.min_strength, parameters.sure_edge, parameters.min_contrast) > 0.0:
         drop_weak(graph, level, parameters)
         graph.drop_spurs(_SPUR * parameters.d_min)

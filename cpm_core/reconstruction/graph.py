@@ -100,6 +100,21 @@ class Graph:
             if self.degree(path[-1]) == 1 and self.length(path) <= longest:
                 self._drop(path)
 
+    def merge_junctions(self, longest: float) -> None:
+        """Make one junction of two that are joined by a way of a length of at most `longest` [px]."""
+        self.points = self.points.copy()
+        for path, closed in list(self.walks()):
+            kept, gone = path[0], path[-1]
+            intact = all(b in self.links[a] for a, b in pairwise(path))
+            if closed or not intact or min(map(self.degree, (kept, gone))) < 3 or self.length(path) > longest:
+                continue
+            self._drop(path)
+            self.points[kept] = 0.5 * (self.points[kept] + self.points[gone])
+            for other in sorted(self.links[gone]):
+                self.unlink(gone, other)
+                if other != kept:
+                    self.link(kept, other)
+
     def length(self, path: list[int]) -> float:
         """Length of the way along vertices [px]."""
         return float(np.linalg.norm(np.diff(self.points[path], axis=0), axis=1).sum())

@@ -11,7 +11,7 @@ from cpm_core.level import Level
 
 Array = NDArray[np.float64]
 
-FARTHEST = 1.5
+FARTHEST = 2.5
 """Distance from its place to the crest beyond which a particle is not taken to belong to it [px]."""
 
 _PROBE = 0.3

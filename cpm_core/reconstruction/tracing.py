@@ -175,7 +175,8 @@ def _follow(
             loose = steps
         met = _meets(cells, ahead, i, sign, place, towards, length, reach.step)
         if met >= 0 and not crosses(walls, place, cells.position[met]):
-            return steps, met
+            beyond = place - cells.position[met]
+            return steps - 1 if beyond[0] * towards[0] + beyond[1] * towards[1] > 0.0 else steps, met
     return loose, -1
 
 
@@ -209,7 +210,8 @@ def _advance(ridge: _Ridge, start: Array, towards: Array, sign: float, step: flo
         part = _part_inside(ridge, start, out)
         if part < 1.0:
             for k in range(2):
-                out[k] = start[k] + part * (out[k] - start[k])
+                inside = start[k] + part * (out[k] - start[k])
+                out[k] = min(max(inside, 0.0), ridge.strength.shape[k] - 1.0)
             return part * step > _DONE, True
         if _correct(ridge, out, -towards[1], towards[0], _SIDEWAYS * step) and _direction(ridge, out, turned):
             if sign * (turned[0] * towards[0] + turned[1] * towards[1]) >= _TURN:

@@ -117,7 +117,7 @@ def test_regions_and_barriers_tell_where_particles_may_be(disk, command, tmp_pat
 
 
 def test_bridges_are_told(tmp_path, command):
-    """A level edge that fades out towards the middle, and comes back."""
+    """A level edge that fades out towards the middle, and comes back: under the floor for 18 px."""
     row, col = np.mgrid[:100, :120]
     fade = np.clip((np.abs(col - 60.0) - 7.0) / 25.0, 0.0, 1.0)
     below = 1.0 / (1.0 + np.exp((50.0 - row) / 0.5))
@@ -126,7 +126,7 @@ def test_bridges_are_told(tmp_path, command):
     assert json.loads(command(*run, "--json")[1])["bridges"] == 0
     assert "Bridged" not in command(*run)[1]
     assert json.loads(command(*run, "--max-gap", 40, "--json")[1])["bridges"] == 1
-    assert "\nBridged 1 gap, longest 2" in command(*run, "--max-gap", 40)[1]
+    assert "\nBridged 1 gap, longest 18." in command(*run, "--max-gap", 40)[1]
 
 
 def test_run_stops_after_the_steps_it_may_take(disk, command):
