@@ -24,7 +24,7 @@ The model on one page
    removed.
 7. All this happens on one **scale** after the other, from coarse to fine; each begins with what the coarser one found
    and with the **initialization**, the particles that were drawn (`multiscale`, `initialization`).
-8. The **reconstruction** moves points to the crest of the edge, fills it up, joins them by the crust, leaves out what
+8. The **reconstruction** moves points to the crest of the edge, joins them by walking along the crest, leaves out what
    is weak or has the same on both sides (`contrast`), builds **bridges** across gaps when asked to, and walks along the
    edges to closed and open **contours** with **junctions** (`reconstruction`).
 9. All of it happens inside the **regions of interest** and on this side of the **barriers**, if there are any

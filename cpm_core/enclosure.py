@@ -88,12 +88,14 @@ def launch_places(level: Level, positions: Array) -> Array:
 
 
 def _has_near(level: Level, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
-    """Which pixels of a rim have a particle near them on the same side of an edge: of two edges that run close to each
-    other one rises where the other falls."""
+    """Which pixels of a rim have a particle near them on the same side of an edge.
+
+    Of two edges that run close to each other one rises where the other falls.
+    """
     uphill = level.gradient[(slice(None), *place.T)].T
     known = interpolate(level.gradient, positions)
-    distance, index = cKDTree(positions).query(place, k=min(_NEIGHBORS, len(positions)), distance_upper_bound=reach)
-    distance, index = distance.reshape(len(place), -1), index.reshape(len(place), -1)
+    nearest = np.arange(1, min(_NEIGHBORS, len(positions)) + 1)
+    distance, index = cKDTree(positions).query(place, k=nearest, distance_upper_bound=reach)
     found = np.isfinite(distance)
     along = np.einsum("ni,nki->nk", uphill, known[np.where(found, index, 0)])
     return np.asarray((found & (along > 0.0)).any(axis=1))

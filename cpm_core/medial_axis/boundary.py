@@ -52,7 +52,7 @@ def find_boundary(level: Level, parameters: Parameters) -> Boundary:
     """Find the edges of an image without a drawing, at a fraction of a pixel.
 
     Every pixel above the floor is where a particle could sit; from there on it is the reconstruction of a run: crest,
-    fill, crust, gaps, contours. A contour that ends at the border of the image goes on straight beyond it, as far as
+    trace, gaps, contours. A contour that ends at the border of the image goes on straight beyond it, as far as
     the image is large, so that what is cut off by the border has no edge there.
 
     Parameters

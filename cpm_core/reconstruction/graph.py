@@ -76,16 +76,6 @@ class Graph:
             before, vertex = vertex, ahead[0]
             path.append(vertex)
 
-    def drop_triangles(self) -> None:
-        """Open every triangle at its longest side: on a curve it is always one edge too many."""
-        for a in range(len(self.links)):
-            if self.degree(a) < 3:
-                continue
-            for b in sorted(self.links[a]):
-                for c in sorted(self.links[a] & self.links[b]):
-                    if b in self.links[a] and c in self.links[a] and c in self.links[b]:
-                        self.unlink(*max(((a, b), (b, c), (a, c)), key=lambda side: self.distance(*side)))
-
     def drop_spurs(self, longest: float) -> None:
         """Take away branches of a length of at most `longest` [px] that hang loose from a junction."""
         for end in self.ends():

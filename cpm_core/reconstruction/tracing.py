@@ -213,11 +213,14 @@ def _advance(ridge: _Ridge, start: Array, towards: Array, sign: float, step: flo
                 inside = start[k] + part * (out[k] - start[k])
                 out[k] = min(max(inside, 0.0), ridge.strength.shape[k] - 1.0)
             return part * step > _DONE, True
-        if _correct(ridge, out, -towards[1], towards[0], _SIDEWAYS * step) and _direction(ridge, out, turned):
-            if sign * (turned[0] * towards[0] + turned[1] * towards[1]) >= _TURN:
-                for k in range(2):
-                    towards[k] = sign * turned[k]
-                return True, False
+        if (
+            _correct(ridge, out, -towards[1], towards[0], _SIDEWAYS * step)
+            and _direction(ridge, out, turned)
+            and sign * (turned[0] * towards[0] + turned[1] * towards[1]) >= _TURN
+        ):
+            for k in range(2):
+                towards[k] = sign * turned[k]
+            return True, False
         step *= 0.5
     return False, False
 
@@ -290,7 +293,7 @@ def _bilinear(values: Array, row: float, col: float) -> float:
     """Bilinear interpolation; beyond the border as on it."""
     rows, cols = values.shape
     row, col = min(max(row, 0.0), rows - 1.0), min(max(col, 0.0), cols - 1.0)
-    i, j = min(np.int64(row), max(rows - 2, 0)), min(np.int64(col), max(cols - 2, 0))
+    i, j = min(int(row), max(rows - 2, 0)), min(int(col), max(cols - 2, 0))
     s, t = row - i, col - j
     k, m = min(i + 1, rows - 1), min(j + 1, cols - 1)
     above = (1.0 - t) * values[i, j] + t * values[i, m]
@@ -304,12 +307,13 @@ def _cubic(spline: Array, row: float, col: float) -> float:
     """Value of a cubic spline, from its coefficients."""
     rows, cols = spline.shape
     row, col = min(max(row, 0.0), rows - 1.0), min(max(col, 0.0), cols - 1.0)
-    i, j = np.int64(row), np.int64(col)
+    i, j = int(row), int(col)
     total = 0.0
     for k in range(4):
+        line = spline[_mirrored(i + k - 1, rows)]
         along = 0.0
         for m in range(4):
-            along += _weight(col - j, m) * spline[_mirrored(i + k - 1, rows), _mirrored(j + m - 1, cols)]
+            along += _weight(col - j, m) * line[_mirrored(j + m - 1, cols)]
         total += _weight(row - i, k) * along
     return total
 
@@ -336,9 +340,7 @@ def _mirrored(i: int, count: int) -> int:
 
 
 @compiled
-def _add(
-    vertices: Array, edges: Index, filled: Index, i: int, way: Array, steps: int, met: int
-) -> tuple[Array, Index]:
+def _add(vertices: Array, edges: Index, filled: Index, i: int, way: Array, steps: int, met: int) -> tuple[Array, Index]:
     """Join seed `i` to the one met, or to the last place of the way, by as few of its places as will do."""
     if steps == 0 and met < 0:
         return vertices, edges

@@ -232,21 +232,6 @@ def test_contours_are_sorted_and_know_their_junctions(graph):
         assert c.junctions == ((False, False) if c.closed else tuple(ends))
 
 
-@settings(max_examples=150, deadline=None)
-@given(graphs())
-def test_triangles_are_opened_at_their_longest_side_and_nothing_falls_apart(graph):
-    before, connected = edges_of(graph), components(graph)
-    graph.drop_triangles()
-    after = edges_of(graph)
-    assert components(graph) == connected
-    for a, b, c in itertools.combinations(range(len(graph.links)), 3):
-        if {(a, b), (b, c), (a, c)} <= after:  # a round of three by itself is a curve
-            assert [graph.degree(v) for v in (a, b, c)] == [2, 2, 2]
-    for a, b in before - after:
-        third = [c for c in range(len(graph.links)) if {tuple(sorted((a, c))), tuple(sorted((b, c)))} <= before]
-        assert any(max(graph.distance(a, c), graph.distance(b, c)) <= graph.distance(a, b) for c in third)
-
-
 def chain_with_branch(branch):
     """Twenty vertices in a row, and a branch of so many edges from the tenth."""
     row = [(0.0, float(x)) for x in range(20)]
