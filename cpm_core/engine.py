@@ -165,7 +165,8 @@ class Engine:
             In px of the image.
         """
         scale, shape = state.scale, self.image.shape
-        found, bridged = find_contours(state.particles.position, self.level(parameters, scale), parameters)
+        level = self.level(parameters, scale)
+        found, bridged = find_contours(state.particles.position, level, parameters, state.converged)
         size = 2.0**scale
         contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
         bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)

@@ -219,7 +219,8 @@ def _to_sides(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: fl
         search = MCP_Geometric(costs + _LEAVING * off + _BLOCKED * (forward < -1.0))
         total, path = _cheapest(search, low, place, graph.points[near])
         way = _stopped(graph, ground, end, _smoothed(path, place, graph.points[near[_nearest(graph, near, path[-1])]]))
-        if way is not None and _length(way.path) <= _DETOUR * graph.distance(end, way.other):
+        gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a vertex farther off
+        if way is not None and gap <= longest and _length(way.path) <= _DETOUR * gap:
             yield _Way(_SIDE * total, end, way.other, way.path)
 
 

@@ -108,6 +108,11 @@ def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
             graph.unlink(a, b)
 
 
+def shortest(level: Level, parameters: Parameters) -> float:
+    """Length under which a contour is none [px]."""
+    return max(LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * level.smoothing)
+
+
 def choose(contours: tuple[Contour, ...], level: Level, parameters: Parameters) -> tuple[Contour, ...]:
     """Measure contours and leave out the short and the degenerate.
 
@@ -125,7 +130,7 @@ def choose(contours: tuple[Contour, ...], level: Level, parameters: Parameters) 
     tuple of Contour
         Those that stay, with their strength.
     """
-    least = max(LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * level.smoothing, parameters.min_length)
+    least = max(shortest(level, parameters), parameters.min_length)
     return tuple(
         replace(c, strength=float(level.strength(c.points).mean()), contrast=float(level.contrast(c.points).mean()))
         for c in contours

@@ -11,7 +11,7 @@ from cpm_core.level import Level
 from cpm_core.parameters import Parameters
 from cpm_core.population import deletion
 from cpm_core.reconstruction.bridging import bridge_gaps, bridges_of
-from cpm_core.reconstruction.choosing import LEAST_LENGTH, choose, drop_weak
+from cpm_core.reconstruction.choosing import LEAST_LENGTH, choose, drop_weak, shortest
 from cpm_core.reconstruction.closing import close_gaps
 from cpm_core.reconstruction.graph import Graph
 from cpm_core.reconstruction.refinement import crest
@@ -26,12 +26,15 @@ _SPECK, _SPUR = 2.0, 3.0
 """Length, in d_min, that a piece by itself, and a loose branch at a junction, must exceed to be more than a wrinkle
 between two edges."""
 
+_MERGED = 1.0
+"""Distance of junctions, at least sigma, up to which they are one [px]; the mouths of slits are wider."""
+
 _BRIDGE_SPACING = 2.0
 """Largest distance of the vertices of a bridge [px]."""
 
 
 def find_contours(
-    positions: Array, level: Level, parameters: Parameters
+    positions: Array, level: Level, parameters: Parameters, at_rest: bool = False
 ) -> tuple[tuple[Contour, ...], tuple[Bridge, ...]]:
     """Contours that particles have found.
 
@@ -43,6 +46,8 @@ def find_contours(
         Fields of the scale.
     parameters : Parameters
         For `d_min`, `d_max`, `max_gap`, `min_strength`, `sure_edge`, `min_contrast` and `min_length`.
+    at_rest : bool
+        Whether no more particles will come, so that longer stretches of an edge without any are part of a contour.
 
     Returns
     -------
@@ -56,11 +61,12 @@ def find_contours(
     points = points[found & ~level.walls.crossed(seated, points)]
     kept = deletion(points, level.strength(points), level.shape, parameters.d_min)
     reach = max(parameters.d_min + parameters.d_max, _LEAST_REACH * parameters.d_min)
-    graph = Graph(*trace(points[kept], level, parameters.d_min))
+    graph = Graph(*trace(points[kept], level, parameters.d_min, at_rest))
     graph.drop_specks(_SPECK * parameters.d_min)
     close_gaps(graph, level, reach)
     graph.drop_spurs(_SPUR * parameters.d_min)
-    graph.merge_junctions(parameters.d_min)
+    graph.merge_junctions(max(_MERGED, level.smoothing))
+    graph.drop_ties(shortest(level, parameters))
     if max(parameters.min_strength, parameters.sure_edge, parameters.min_contrast) > 0.0:
         drop_weak(graph, level, parameters)
         graph.drop_spurs(_SPUR * parameters.d_min)

@@ -105,6 +105,16 @@ class Graph:
                 if other != kept:
                     self.link(kept, other)
 
+    def drop_ties(self, longest: float) -> None:
+        """Take away ways of a length of less than `longest` [px] from one junction to another, shortest first.
+
+        What they hang between then goes on without them: at the mouth of a narrow slit they tie its two sides together.
+        """
+        ways = [path for path, closed in self.walks() if not closed and min(map(self.degree, (path[0], path[-1]))) > 2]
+        for path in sorted(ways, key=self.length):
+            if self.length(path) < longest and min(map(self.degree, (path[0], path[-1]))) > 2:
+                self._drop(path)
+
     def length(self, path: list[int]) -> float:
         """Length of the way along vertices [px]."""
         return float(np.linalg.norm(np.diff(self.points[path], axis=0), axis=1).sum())

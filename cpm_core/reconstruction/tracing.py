@@ -31,6 +31,13 @@ _HALVINGS = 4
 _LONGEST, _LOOSE = 10.0, 5.0
 """Length, in d_min, of the crest between two points at most, and beyond a last one."""
 
+_LONGEST_AT_REST = 50.0
+"""The former at the end of a run: along a limb of two pixels the electric field has one place of rest for both sides,
+and particles leave one of them empty."""
+
+_DIP = 2.5
+"""Length, in d_min, over which the crest between two points may be under the floor: a longer one is a gap."""
+
 _DEVIATION = 0.03
 """Distance from the traced crest that the sides of a contour keep [px]."""
 
@@ -68,12 +75,13 @@ class _Reach(NamedTuple):
     step: float
     longest: float
     loose: float
+    dip: float
     fading: float
     floor: float
     faintest: float
 
 
-def trace(points: Array, level: Level, d_min: float) -> tuple[Array, Index]:
+def trace(points: Array, level: Level, d_min: float, at_rest: bool = False) -> tuple[Array, Index]:
     """Join points on the crest along it.
 
     Parameters
@@ -85,6 +93,8 @@ def trace(points: Array, level: Level, d_min: float) -> tuple[Array, Index]:
     d_min : float
         Spacing of particles [px]. From a point up to ten of it are walked to the next one, and five of it are kept
         where there is none.
+    at_rest : bool
+        Whether no more particles will come, so that up to fifty of it are walked.
 
     Returns
     -------
@@ -95,8 +105,9 @@ def trace(points: Array, level: Level, d_min: float) -> tuple[Array, Index]:
     """
     reach = _Reach(
         step=min(_STEP, _STEP_OF_SPACING * d_min),
-        longest=_LONGEST * d_min,
+        longest=(_LONGEST_AT_REST if at_rest else _LONGEST) * d_min,
         loose=_LOOSE * d_min,
+        dip=_DIP * d_min,
         fading=0.5 * _FADING * d_min,
         floor=level.floor,
         faintest=FAINTEST * level.floor,
@@ -118,8 +129,10 @@ def _trace(ridge: _Ridge, walls: Walls, seeds: Array, reach: _Reach) -> tuple[Ar
         size = max(np.sqrt(down * down + right * right), 1e-300)
         if _correct(ridge, seeds[i], down / size, right / size, _SIDEWAYS * reach.step):
             _direction(ridge, seeds[i], ahead[i])
+        for k in range(2):
+            seeds[i, k] = min(max(seeds[i, k], 0.0), ridge.strength.shape[k] - 1.0)
     cells = build_cells(seeds, count, extent, max(1.0, reach.step))
-    way = np.empty((int(reach.longest / reach.step * 2**_HALVINGS) + 2, 2))
+    way = np.empty((int(2.0 * reach.longest / reach.step) + 2, 2))
     following = np.full(count, -1, np.int64)
     followed = np.zeros(count, np.bool_)
     vertices, edges = np.empty((2 * count + 16, 2)), np.empty((2 * count + 16, 2), np.int64)
@@ -153,7 +166,7 @@ def _follow(
     good for a loose end.
     """
     place, towards = cells.position[i].copy(), sign * ahead[i]
-    steps, loose, length, behind, leaving = 0, 0, 0.0, 0, False
+    steps, loose, length, behind, leaving, under = 0, 0, 0.0, 0, False, 0.0
     strengths, lengths = np.empty(len(way) + 1), np.empty(len(way) + 1)
     strengths[0], lengths[0] = _bilinear(ridge.strength, place[0], place[1]), 0.0
     while length < reach.longest and steps < len(way) and not leaving:
@@ -169,7 +182,8 @@ def _follow(
         strengths[steps], lengths[steps] = last, length
         while length - lengths[behind + 1] > reach.fading:
             behind += 1
-        if last < reach.faintest or last < FAINTEST * strengths[behind]:
+        under = 0.0 if last >= reach.floor else under + length - lengths[steps - 1]
+        if last < reach.faintest or last < FAINTEST * strengths[behind] or under > reach.dip:
             break
         if last >= reach.floor and length <= reach.loose and loose == steps - 1:
             loose = steps
@@ -207,12 +221,8 @@ def _advance(ridge: _Ridge, start: Array, towards: Array, sign: float, step: flo
     for _ in range(_HALVINGS + 1):
         for k in range(2):
             out[k] = start[k] + step * towards[k]
-        part = _part_inside(ridge, start, out)
-        if part < 1.0:
-            for k in range(2):
-                inside = start[k] + part * (out[k] - start[k])
-                out[k] = min(max(inside, 0.0), ridge.strength.shape[k] - 1.0)
-            return part * step > _DONE, True
+        if _cut(ridge, start, out):
+            return squared_distance(start, out) > _DONE**2, True
         if (
             _correct(ridge, out, -towards[1], towards[0], _SIDEWAYS * step)
             and _direction(ridge, out, turned)
@@ -220,14 +230,14 @@ def _advance(ridge: _Ridge, start: Array, towards: Array, sign: float, step: flo
         ):
             for k in range(2):
                 towards[k] = sign * turned[k]
-            return True, False
+            return True, _cut(ridge, start, out)
         step *= 0.5
     return False, False
 
 
 @compiled
-def _part_inside(ridge: _Ridge, start: Array, end: Array) -> float:
-    """Part of a straight way that lies inside the image."""
+def _cut(ridge: _Ridge, start: Array, end: Array) -> bool:
+    """Cut a straight way at the border of the image; tell whether it led beyond."""
     part = 1.0
     for k in range(2):
         last = ridge.strength.shape[k] - 1.0
@@ -235,7 +245,12 @@ def _part_inside(ridge: _Ridge, start: Array, end: Array) -> float:
             part = min(part, start[k] / (start[k] - end[k]))
         elif end[k] > last:
             part = min(part, (last - start[k]) / (end[k] - start[k]))
-    return max(part, 0.0)
+    if part == 1.0:
+        return False
+    for k in range(2):
+        inside = start[k] + max(part, 0.0) * (end[k] - start[k])
+        end[k] = min(max(inside, 0.0), ridge.strength.shape[k] - 1.0)
+    return True
 
 
 @compiled

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, Regions, circle
@@ -215,6 +215,7 @@ def test_specks_are_not_joined():
 
 
 @settings(max_examples=25, deadline=None)
+@example(seed=7090, longest=40.0)
 @given(st.integers(0, 10**6), st.floats(1.0, 40.0))
 def test_bridges_only_add_and_cross_nothing_and_are_no_wider_than_asked(seed, longest):
     rng = np.random.default_rng(seed)
