@@ -33,6 +33,20 @@ def test_the_boundary_that_nobody_reached_gets_particles_beside_it(known):
     assert len(launch_places(level, np.concatenate([hole, outline]))) == 0
 
 
+@pytest.mark.parametrize("gap", [3.0, 5.0, 8.0])
+def test_a_hole_close_to_the_outline_is_missing_though_particles_are_near(gap):
+    """Their rims may be one; which side of an edge a particle is on tells the one from the other."""
+    center, radius = (60.0, 66.0 + 50.0 - gap - 6.0), 6.0
+    image = 200.0 * np.clip(50.5 - np.hypot(ROW - 60.0, COL - 66.0), 0.0, 1.0)
+    image *= np.clip(np.hypot(ROW - center[0], COL - center[1]) - radius + 0.5, 0.0, 1.0)
+    places = launch_places(build_level(image, 1.0, 0.0), rim((60.0, 66.0), 50.0))
+    assert len(places) >= 2
+    assert np.abs(np.hypot(*(places - center).T) - radius).max() < 4.5
+    result = segment(image, circle((60.0, 30.0), 6.0), Parameters())
+    np.testing.assert_allclose(sorted(c.area for c in result.contours), [np.pi * radius**2, np.pi * 50.0**2], rtol=0.1)
+    assert all(c.closed for c in result.contours)
+
+
 def test_what_lies_outside_is_left_alone():
     image = ring() + 200.0 * (np.hypot(ROW - 14, COL - 126) < 9)
     level = build_level(image, 1.0, 0.0)

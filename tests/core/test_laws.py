@@ -40,8 +40,20 @@ def kidney(row, col):
     return away(row, col) < 19.0 + 5.5 * np.cos(angle) - 3.0 * np.cos(2.0 * angle)
 
 
-SHAPES = {"disk": disk, "ring": ring, "blob": blob, "kidney": kidney}
-"""Smooth objects, given by formulas and so at any size."""
+def square(row, col):
+    """Turned by about 20 degrees."""
+    down, right = row - CENTER[0], col - CENTER[1]
+    return np.maximum(np.abs(0.94 * down + 0.34 * right), np.abs(0.94 * right - 0.34 * down)) < 17.2
+
+
+def u_shape(row, col):
+    down, right = row - CENTER[0], col - CENTER[1]
+    return (np.maximum(np.abs(down), np.abs(right)) < 21.3) & ~((np.abs(right) < 7.6) & (down < 6.8))
+
+
+SMOOTH = {"disk": disk, "ring": ring, "blob": blob, "kidney": kidney}
+SHAPES = {**SMOOTH, "square": square, "u": u_shape}
+"""Objects, smooth and with corners, given by formulas and so at any size."""
 
 
 @cache
@@ -115,7 +127,7 @@ def test_a_settled_contour_does_not_drift(name):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_settled_contour_comes_back_after_a_stir(name):
-    """Set going again by another damping, all forces alive, they settle on the same contour; seen: 0.05 px."""
+    """Set going again by another damping, all forces alive, they settle on the same contour; seen: 0.03 px."""
     stirred = Parameters(beta=0.7)
     state = rest(name).resumed()
     while not state.stop_reason:
@@ -125,7 +137,7 @@ def test_a_settled_contour_comes_back_after_a_stir(name):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_the_order_of_the_particles_does_not_matter(name):
-    """Within 0.1 px; seen: 0.07."""
+    """Within 0.1 px; seen: 0.03."""
     first = contours_of(name, rest(name))
     assert all_closed(name, first)
     for seed in range(3):
@@ -133,9 +145,9 @@ def test_the_order_of_the_particles_does_not_matter(name):
         assert apart(first, contours_of(name, settled(engine(name), shuffled, Parameters()))) < 0.1
 
 
-@pytest.mark.parametrize("name", ["disk", "blob", "kidney"])
+@pytest.mark.parametrize("name", ["disk", "blob", "kidney", "square", "u"])
 def test_the_start_does_not_matter(name):
-    """Ten circles across the boundary, no two alike, lead to the same contour; seen: 0.08 px."""
+    """Ten circles across the boundary, no two alike, lead to the same contour; seen: 0.03 px."""
     random = np.random.default_rng(7)
     found = []
     for turn in np.linspace(0.0, 2.0 * np.pi, 10, endpoint=False):
@@ -148,12 +160,12 @@ def test_the_start_does_not_matter(name):
             assert apart(one, other) < 0.1
 
 
-@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("name", SMOOTH)
 def test_twice_the_image_has_twice_the_contours(name):
-    """With twice the smoothing it is the same image, drawn finer: within 0.1 px of the smaller one; seen: 0.074.
+    """With twice the smoothing it is the same image, drawn finer: within 0.1 px of the smaller one; seen: 0.065.
 
-    What is left is the chords of the smaller contour, whose vertices are no nearer to one another than those of the
-    larger.
+    What is left is the size of a pixel, over which the image is averaged and its differences are taken, and which does
+    not double. At a right angle it shows more: 0.17 px in the square, 0.27 px in the U.
     """
     parameters = Parameters(smoothing=2.0)
     larger = Engine(image(name, 2), parameters)

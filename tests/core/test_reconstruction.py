@@ -255,6 +255,42 @@ def test_long_branches_stay(branch):
     assert edges_of(graph) == before
 
 
+def test_specks_are_dropped_and_longer_pieces_stay():
+    points = np.array(
+        [(0.0, 0.0), (0.0, 2.0), (9.0, 0.0), (9.0, 2.0), (9.0, 4.5), (20.0, 0.0), (20.0, 9.0), (24.0, 5.0)]
+    )
+    graph = Graph(points, np.array([(0, 1), (2, 3), (3, 4), (5, 6), (6, 7), (5, 7)]))
+    graph.drop_specks(4.0)
+    assert edges_of(graph) == {(2, 3), (3, 4), (5, 6), (6, 7), (5, 7)}
+
+
+def ladder(rung):
+    """Two rows of twenty vertices, joined by a rung of so many vertices between the tenth of each."""
+    rows = [(float(y), float(x)) for y in (0, rung + 1) for x in range(20)]
+    between = [(float(y), 9.0) for y in range(1, rung + 1)]
+    edges = [(i, i + 1) for i in range(39) if i != 19]
+    way = [9, *range(40, 40 + rung), 29]
+    return Graph(np.array(rows + between), np.array(edges + list(itertools.pairwise(way)), dtype=np.int64))
+
+
+@pytest.mark.parametrize(("rung", "longest", "count"), [(0, 2.0, 2), (2, 4.0, 2), (2, 3.0, 5), (6, 4.0, 5)])
+def test_short_ways_from_junction_to_junction_are_dropped(rung, longest, count):
+    graph = ladder(rung)
+    graph.drop_ties(longest)
+    assert len(graph.contours()) == count
+
+
+@pytest.mark.parametrize(("rung", "longest", "count"), [(0, 1.0, 4), (1, 2.0, 4), (1, 1.9, 5)])
+def test_junctions_close_to_each_other_become_one_between_them(rung, longest, count):
+    graph = ladder(rung)
+    graph.merge_junctions(longest)
+    contours = graph.contours()
+    assert len(contours) == count
+    if count == 4:
+        meeting = np.concatenate([c.points[[0, -1]][list(c.junctions)] for c in contours])
+        np.testing.assert_array_equal(meeting, np.full((4, 1), 1.0) * [0.5 * (rung + 1), 9.0])
+
+
 def test_a_short_curve_by_itself_is_no_spur():
     graph = Graph(np.arange(6.0).reshape(3, 2), np.array([(0, 1), (1, 2)]))
     graph.drop_spurs(3)

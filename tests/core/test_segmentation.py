@@ -126,7 +126,7 @@ def unshuffled(image_change, point_change):
 
 @pytest.mark.parametrize(("image_change", "point_change"), CHANGES)
 def test_a_changed_image_has_contours_changed_alike(uneven, image_change, point_change):
-    """Within 0.1 px; seen: a median of 0.01 px, 0.06 at most when mirrored or turned, 0.08 when shuffled."""
+    """Within 0.1 px; seen: 0.03 at most."""
     result = segment(image_change(BLOB), point_change(UNEVEN_START))
     truth = moved(uneven, unshuffled(image_change, point_change))
     assert apart(result, truth).max() < 0.1
@@ -134,15 +134,10 @@ def test_a_changed_image_has_contours_changed_alike(uneven, image_change, point_
 
 
 @pytest.mark.parametrize(("image_change", "point_change"), CHANGES)
-def test_so_has_one_with_corners_but_for_where_these_are_cut(corners, image_change, point_change):
-    """Nine in ten vertices within 0.2 px; at a corner one polygon may have a vertex where the other has a side.
-
-    Seen: a median of 0.01 px, 0.5 at most.
-    """
+def test_so_has_one_with_corners(corners, image_change, point_change):
+    """Within 0.1 px; seen: 0.06 at most."""
     result = segment(image_change(CORNERS), point_change(UNEVEN_START))
-    distance = apart(result, moved(corners, unshuffled(image_change, point_change)))
-    assert np.quantile(distance, 0.9) < 0.2
-    assert distance.max() < 1.0
+    assert apart(result, moved(corners, unshuffled(image_change, point_change))).max() < 0.1
 
 
 def test_segment_is_the_engine_run_to_its_end(uneven):
