@@ -29,8 +29,8 @@ _EASE = 20.0
 _LEAVING, _BLOCKED = 0.04, 30.0
 """Cost of a step for each pixel that it is off the smooth continuation, and on contours and walls."""
 
-_BACK = 6.0
-"""Length of the last stretch of a contour that tells its direction and strength [px]."""
+_BACK, _BACK_STRENGTH = 6.0, 12.0
+"""Lengths of the last stretch of a contour that tell its direction, and its strength before it faded [px]."""
 
 _TURN, _SIDE_TURN, _INCIDENCE = 0.26, 0.87, 0.82
 """Cosines: the least between an end's direction and the way to another end (75 degrees), to the side of a contour (30),
@@ -310,22 +310,22 @@ def _way_along(graph: Graph, end: int) -> dict[int, float]:
     return dict(zip(path, [0.0, *np.cumsum(steps).tolist()], strict=True))
 
 
-def _last_stretch(graph: Graph, end: int) -> list[int]:
+def _last_stretch(graph: Graph, end: int, back: float) -> list[int]:
     way = _way_along(graph, end)
-    inner = [v for v, length in way.items() if length <= _BACK]
+    inner = [v for v, length in way.items() if length <= back]
     return inner if len(inner) > 1 else list(way)[:2]
 
 
 def _direction(graph: Graph, end: int) -> Array:
     """Unit vector in which a curve leaves its loose end."""
-    stretch = _last_stretch(graph, end)
+    stretch = _last_stretch(graph, end, _BACK)
     way = graph.points[end] - graph.points[stretch[-1]]
     return np.asarray(way / max(float(np.linalg.norm(way)), 1e-300))
 
 
 def _strength(graph: Graph, level: Level, end: int) -> float:
     """Edge strength near a loose end."""
-    return float(level.strength(graph.points[_last_stretch(graph, end)]).max())
+    return float(level.strength(graph.points[_last_stretch(graph, end, _BACK_STRENGTH)]).max())
 
 
 def _length(path: Array) -> float:

@@ -66,10 +66,10 @@ def find_contours(
     close_gaps(graph, level, reach)
     graph.drop_spurs(_SPUR * parameters.d_min)
     graph.merge_junctions(max(_MERGED, level.smoothing))
-    graph.drop_ties(shortest(level, parameters))
     if max(parameters.min_strength, parameters.sure_edge, parameters.min_contrast) > 0.0:
         drop_weak(graph, level, parameters)
         graph.drop_spurs(_SPUR * parameters.d_min)
+    graph.drop_ties(shortest(level, parameters))
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
     bridges = bridge_gaps(graph, level, parameters.max_gap, spacing, LEAST_LENGTH * parameters.d_min)
     contours = choose(graph.contours(), level, parameters)

@@ -57,7 +57,8 @@ _MEETING = 0.6
 """Distance from a point, in steps, at which it counts as reached."""
 
 _FADING = 1.6
-"""Length over which an edge must not fade to less than `FAINTEST`, in d_min / 2 [px]."""
+"""Length over which an edge must not fade to less than `FAINTEST`, in d_min / 2 [px]; for a loose end twice as much, as
+a sudden end is blurred to."""
 
 
 class _Ridge(NamedTuple):
@@ -166,7 +167,8 @@ def _follow(
     good for a loose end.
     """
     place, towards = cells.position[i].copy(), sign * ahead[i]
-    steps, loose, length, behind, leaving, under = 0, 0, 0.0, 0, False, 0.0
+    steps, loose, behind, before = 0, 0, 0, 0
+    length, under, leaving = 0.0, 0.0, False
     strengths, lengths = np.empty(len(way) + 1), np.empty(len(way) + 1)
     strengths[0], lengths[0] = _bilinear(ridge.strength, place[0], place[1]), 0.0
     while length < reach.longest and steps < len(way) and not leaving:
@@ -182,10 +184,13 @@ def _follow(
         strengths[steps], lengths[steps] = last, length
         while length - lengths[behind + 1] > reach.fading:
             behind += 1
+        while length - lengths[before + 1] > 2.0 * reach.fading:
+            before += 1
         under = 0.0 if last >= reach.floor else under + length - lengths[steps - 1]
         if last < reach.faintest or last < FAINTEST * strengths[behind] or under > reach.dip:
             break
-        if last >= reach.floor and length <= reach.loose and loose == steps - 1:
+        good = last >= max(reach.floor, FAINTEST * strengths[before])
+        if good and length <= reach.loose and loose == steps - 1:
             loose = steps
         met = _meets(cells, ahead, i, sign, place, towards, length, reach.step)
         if met >= 0 and not crosses(walls, place, cells.position[met]):
