@@ -93,10 +93,10 @@ class Graph:
     def merge_junctions(self, longest: float) -> None:
         """Make one junction of two that are joined by a way of a length of at most `longest` [px]."""
         self.points = self.points.copy()
-        for path, closed in list(self.walks()):
+        for path in self._ties():
             kept, gone = path[0], path[-1]
             intact = all(b in self.links[a] for a, b in pairwise(path))
-            if closed or not intact or min(map(self.degree, (kept, gone))) < 3 or self.length(path) > longest:
+            if not intact or min(map(self.degree, (kept, gone))) < 3 or self.length(path) > longest:
                 continue
             self._drop(path)
             self.points[kept] = 0.5 * (self.points[kept] + self.points[gone])
@@ -110,10 +110,15 @@ class Graph:
 
         What they hang between then goes on without them: at the mouth of a narrow slit they tie its two sides together.
         """
-        ways = [path for path, closed in self.walks() if not closed and min(map(self.degree, (path[0], path[-1]))) > 2]
-        for path in sorted(ways, key=self.length):
+        for path in sorted(self._ties(), key=self.length):
             if self.length(path) < longest and min(map(self.degree, (path[0], path[-1]))) > 2:
                 self._drop(path)
+
+    def _ties(self) -> list[list[int]]:
+        """Ways from one junction to another."""
+        if all(len(near) < 3 for near in self.links):
+            return []
+        return [path for path, closed in self.walks() if not closed and min(map(self.degree, (path[0], path[-1]))) > 2]
 
     def length(self, path: list[int]) -> float:
         """Length of the way along vertices [px]."""
