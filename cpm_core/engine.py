@@ -164,9 +164,8 @@ class Engine:
         Result
             In px of the image.
         """
-        scale, shape = state.scale, self.image.shape
-        level = self.level(parameters, scale)
-        found, bridged = find_contours(state.particles.position, level, parameters, state.converged)
+        scale, shape, level = state.scale, self.image.shape, self.level(parameters, state.scale)
+        found, bridged = find_contours(state.particles.position, level, parameters, at_rest=state.converged)
         size = 2.0**scale
         contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
         bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
