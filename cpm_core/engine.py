@@ -276,54 +276,19 @@ class Engine:
         overdue = state.step_of_scale - state.heated >= most
         if state.scale > 0:
             if state.count == 0 or state.idle >= IDLE_STEPS or overdue:
-                return self._enter(self._settled(state, level), state.scale - 1)
+                return self._enter(_settled(state, level), state.scale - 1)
             return state
         if state.count == 0:
             return state.stopped("all particles left the image")
         if state.quiet >= QUIET_STEPS:
-            launched = self._launched(state, level)
+            launched = _launched(state, level)
             if launched is not None:
                 return launched
             reason = f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps"
-            return self._without_stragglers(state, level).stopped(reason, True)
+            return _without_stragglers(state, level).stopped(reason, True)
         if overdue:
             return state.stopped(f"not at rest after {most} steps at full size")
         return state
-
-    @staticmethod
-    def _launched(state: State, level: Level) -> State | None:
-        """Go on with particles beside enclosed boundaries that nobody has reached; None when nothing is missing."""
-        if state.launches == LAUNCHES:
-            return None
-        seated = on_edge(interpolate(level.felt, state.particles.position), level.floor)
-        places = launch_places(level, state.particles.position[seated])
-        if not len(places):
-            return None
-        return replace(
-            state,
-            particles=state.particles.with_more(places, state.next_identity),
-            next_identity=state.next_identity + len(places),
-            launches=state.launches + 1,
-            born=state.born + len(places),
-            annealed=1.0,
-            heated=state.step_of_scale,
-            idle=0,
-            quiet=0,
-        )
-
-    @staticmethod
-    def _without_stragglers(state: State, level: Level) -> State:
-        """Leave out the particles at rest where there is no edge, if any have found one: nothing draws them on."""
-        found = level.strength(state.particles.position) >= level.floor
-        if found.all() or not found.any():
-            return state
-        return replace(state, particles=state.particles.where(found), deleted=state.deleted + int((~found).sum()))
-
-    @staticmethod
-    def _settled(state: State, level: Level) -> State:
-        """Leave out the particles still in flight, which the finer scale launches anew from the drawing."""
-        seated = on_edge(interpolate(level.felt, state.particles.position), level.floor)
-        return replace(state, particles=state.particles.where(seated))
 
     def _enter(self, state: State, scale: int) -> State:
         """Begin a scale with what the coarser one found and with the drawing itself."""
@@ -348,6 +313,41 @@ class Engine:
             launches=0,
             epsilon=float("nan"),
         )
+
+
+def _launched(state: State, level: Level) -> State | None:
+    """Go on with particles beside enclosed boundaries that nobody has reached; None when nothing is missing."""
+    if state.launches == LAUNCHES:
+        return None
+    seated = on_edge(interpolate(level.felt, state.particles.position), level.floor)
+    places = launch_places(level, state.particles.position[seated])
+    if not len(places):
+        return None
+    return replace(
+        state,
+        particles=state.particles.with_more(places, state.next_identity),
+        next_identity=state.next_identity + len(places),
+        launches=state.launches + 1,
+        born=state.born + len(places),
+        annealed=1.0,
+        heated=state.step_of_scale,
+        idle=0,
+        quiet=0,
+    )
+
+
+def _without_stragglers(state: State, level: Level) -> State:
+    """Leave out the particles at rest where there is no edge, if any have found one: nothing draws them on."""
+    found = level.strength(state.particles.position) >= level.floor
+    if found.all() or not found.any():
+        return state
+    return replace(state, particles=state.particles.where(found), deleted=state.deleted + int((~found).sum()))
+
+
+def _settled(state: State, level: Level) -> State:
+    """Leave out the particles still in flight, which the finer scale launches anew from the drawing."""
+    seated = on_edge(interpolate(level.felt, state.particles.position), level.floor)
+    return replace(state, particles=state.particles.where(seated))
 
 
 def _starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:
