@@ -3,7 +3,10 @@
 Total variation finds where there are regions, but lets their boundaries wobble with the noise and takes contrast from
 small ones. Averages of the data along the edges that it has found are quieter by far, and have lost no contrast; total
 variation of these finds the edges anew. How long the averages have to be tells the strength of the noise against the
-edges: the error of a step's place falls with the square of their ratio and with the length over which it is averaged.
+edges: the error of a step's place grows with the square of their ratio and falls with the length of the average.
+
+Where noise is heaviest, grey levels are asked first what they tell (`expected`). If that is much more than their height
+does, as it is where noise has replaced pixels by others of any grey level, the data are taken for what they tell.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from cpm_core.denoising import noise_level, total_variation
+from cpm_core.grey_levels import expected
 from cpm_core.streamlines import averaged_along, directions
 
 Array = NDArray[np.float64]
@@ -29,12 +33,18 @@ _SHORTEST, _LONGEST, _GROWTH = 4.0, 14.0, 0.8
 """Averages along edges: least and largest standard deviation [px], and power of noise over contrast between them."""
 
 _COARSE = 8.0
-"""Averages longer than this are made at half size, at no loss and an eighth of the time [px]."""
+"""With averages longer than this all rounds but the last are made at half size, in an eighth of the time [px]."""
+
+_TELLING = 1.5
+"""Factor by which noise has to lose against edges for grey levels to be taken for what they tell."""
 
 _SHARPEST, _SLENDERNESS = 1.5, 0.21
 """Gaussian for the edges that are left: at least [px], and as a part of the length of the averages."""
 
-_AGREEING = 0.6
+_FINEST = 0.75
+"""Gaussian before directions of edges are looked for, at least [px]."""
+
+_AGREEING = 0.9
 """Gaussian over which directions of edges agree, as a part of the length of the averages."""
 
 _PIXELS = 0.7
@@ -79,33 +89,49 @@ def clean(values: Array) -> Cleaned:
         The image, flat between edges that are in their place to within a pixel or so, rounded where they bend within
         the length that the noise makes necessary.
     """
-    halved = _halved(values)
-    noise = 2.0 * noise_level(halved)
-    length = _length(noise, _contrast(total_variation(halved, 0.5 * _FIRST * noise)))
-    width = max(_SHARPEST, _SLENDERNESS * length)
+    seen = _look(values)
+    length = float(np.clip(_SHORTEST * seen.ratio**_GROWTH, _SHORTEST, _LONGEST))
     if length < _COARSE:
-        image = _regions(values, noise, length, width)
+        image = _regions(values, total_variation(values, _FIRST * seen.noise), seen.noise, length, _ROUNDS)
     else:
-        image = _doubled(_regions(halved, 0.5 * noise, 0.5 * length, 0.5 * width), values.shape)
+        told = _look(expected(values, _doubled(seen.rough, values.shape)))
+        if _TELLING * told.ratio < seen.ratio:
+            seen = told
+        image = _regions(seen.halved, seen.rough, 0.5 * seen.noise, 0.5 * length, _ROUNDS - 1)
+        image = _regions(seen.values, _doubled(image, values.shape), seen.noise, length, 1)
+    width = max(_SHARPEST, _SLENDERNESS * length)
     step = _STEP * width * float(ndimage.gaussian_gradient_magnitude(image, width, mode="nearest").max())
-    floor = min(_REMAINING * noise / step, _MOST_REMAINING) if step > 0.0 else 0.0
+    floor = min(_REMAINING * seen.noise / step, _MOST_REMAINING) if step > 0.0 else 0.0
     return Cleaned(image, width, floor)
 
 
-def _regions(values: Array, noise: float, length: float, width: float) -> Array:
-    """Find edges and average along them in turns."""
+class _Look(NamedTuple):
+    """A first look at an image: it, half its size, its noise, that without most of the noise, noise over contrast."""
+
+    values: Array
+    halved: Array
+    noise: float
+    rough: Array
+    ratio: float
+
+
+def _look(values: Array) -> _Look:
+    """Take a first look at an image."""
+    halved = _halved(values)
+    noise = noise_level(halved)
+    rough = total_variation(halved, _FIRST * noise)
+    contrast = _contrast(rough)
+    # halving halves white noise
+    return _Look(values, halved, 2.0 * noise, rough, 2.0 * noise / max(contrast, 1e-6 * noise, 1e-300))
+
+
+def _regions(values: Array, image: Array, noise: float, length: float, rounds: int) -> Array:
+    """Regions of an image by averages along the edges of `image`, which is made anew with every round."""
     surface = np.asarray(ndimage.gaussian_filter(values, _PIXELS, mode="nearest"))
-    image = total_variation(values, _FIRST * noise)
-    for _ in range(_ROUNDS):
-        way = directions(image, width, _AGREEING * length)
+    for _ in range(rounds):
+        way = directions(image, max(_FINEST, _SLENDERNESS * length), _AGREEING * length)
         image = total_variation(averaged_along(surface, way, length), _FURTHER * noise)
     return image
-
-
-def _length(noise: float, contrast: float) -> float:
-    """Averages along edges that noise of a strength makes necessary [px]."""
-    ratio = noise / max(contrast, 1e-9 * noise, 1e-300)
-    return float(np.clip(_SHORTEST * ratio**_GROWTH, _SHORTEST, _LONGEST))
 
 
 def _contrast(image: Array) -> float:

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 _REACH = 3.0
 """Where the Gaussian along a line ends, in its standard deviations."""
 
-_DOUBT = 12.0
+_DOUBT = 5.0
 """Power of the coherence that is left of a weight after one standard deviation along the line."""
 
 _GONE = 0.02
