@@ -50,8 +50,8 @@ _AGREEING = 0.9
 _PIXELS = 0.7
 """Gaussian that makes pixels a surface to be averaged along any line [px]."""
 
-_REMAINING, _MOST_REMAINING = 0.2, 0.35
-"""Steps that may remain of noise, in its standard deviations, and in the largest step at most."""
+_REMAINING, _LEAST_REMAINING, _MOST_REMAINING = 0.2, 0.12, 0.35
+"""Steps that may remain of noise, in its standard deviations, and in the largest step at least and at most."""
 
 _STEP = float(np.sqrt(2.0 * np.pi))
 """Height of a step over its slope, in widths of the Gaussian it was smoothed with."""
@@ -101,8 +101,8 @@ def clean(values: Array) -> Cleaned:
         image = _regions(seen.values, _doubled(image, values.shape), seen.noise, length, 1)
     width = max(_SHARPEST, _SLENDERNESS * length)
     step = _STEP * width * float(ndimage.gaussian_gradient_magnitude(image, width, mode="nearest").max())
-    floor = min(_REMAINING * seen.noise / step, _MOST_REMAINING) if step > 0.0 else 0.0
-    return Cleaned(image, width, floor)
+    remaining = _REMAINING * seen.noise / step if step > 0.0 else 0.0
+    return Cleaned(image, width, min(max(remaining, _LEAST_REMAINING), _MOST_REMAINING))
 
 
 class _Look(NamedTuple):
@@ -118,11 +118,11 @@ class _Look(NamedTuple):
 def _look(values: Array) -> _Look:
     """Take a first look at an image."""
     halved = _halved(values)
-    noise = noise_level(halved)
-    rough = total_variation(halved, _FIRST * noise)
+    # halving halves white noise, and leaves more than half of noise that has a grain, or of texture
+    noise = max(2.0 * noise_level(halved), 4.0 * noise_level(_halved(halved)))
+    rough = total_variation(halved, 0.5 * _FIRST * noise)
     contrast = _contrast(rough)
-    # halving halves white noise
-    return _Look(values, halved, 2.0 * noise, rough, 2.0 * noise / max(contrast, 1e-6 * noise, 1e-300))
+    return _Look(values, halved, noise, rough, noise / max(contrast, 1e-6 * noise, 1e-300))
 
 
 def _regions(values: Array, image: Array, noise: float, length: float, rounds: int) -> Array:

@@ -7,7 +7,6 @@ direction is the structure tensor's: Weickert 1999, doi:10.1023/A:1008009714131)
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -114,7 +113,7 @@ def _follow(values: Array, down: Array, right: Array, trust: Array, weights: Arr
                     y, x, left = y + to_y, x + to_x, left * trust[near_y, near_x]
                     if left < _GONE or y < 0.0 or x < 0.0 or y > rows - 1.0 or x > cols - 1.0:
                         break
-                    r, c = min(int(math.floor(y)), rows - 2), min(int(math.floor(x)), cols - 2)
+                    r, c = min(int(y), rows - 2), min(int(x), cols - 2)
                     v, u = y - r, x - c
                     above = values[r, c] + u * (values[r, c + 1] - values[r, c])
                     below = values[r + 1, c] + u * (values[r + 1, c + 1] - values[r + 1, c])
