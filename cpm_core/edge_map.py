@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
+from cpm_core.denoising import noise_level
 from cpm_core.heavy_noise import clean
 
 Array = NDArray[np.float64]
@@ -24,6 +25,9 @@ _SERIES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
 
 _WIDE = 2.0
 """Gaussian beyond which noise counts as heavy [px]."""
+
+_FAINT = 0.05
+"""Noise, as a part of the spread of grey levels, up to which it is something else that takes up the background."""
 
 _STRONG_PERCENTILE = 99.0
 _CLEAR = 0.25
@@ -142,7 +146,7 @@ def prepared(values: Array) -> Prepared:
     Prepared
         The image to smooth, by how much, and what remains of the noise.
     """
-    if automatic_smoothing(values) <= _WIDE:
+    if automatic_smoothing(values) <= _WIDE or noise_level(values) <= _FAINT * float(values.std()):
         return Prepared(values, None, 0.0)
     return Prepared(*clean(values))
 
