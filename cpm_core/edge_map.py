@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from cpm_core.denoising import noise_level, total_variation
+from cpm_core.denoising import noise_level
+from cpm_core.heavy_noise import clean
 
 Array = NDArray[np.float64]
 
@@ -25,14 +26,8 @@ _SERIES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
 _WIDE = 2.0
 """Gaussian beyond which noise counts as heavy [px]."""
 
-_FLATTENING = 1.75
-"""Weight of the total variation, in standard deviations of the noise."""
-
-_AFTER = 4.0
-"""Gaussian for what total variation leaves: its edges are sharp, and ragged on the scale of some pixels [px]."""
-
-_REMAINS = 0.18
-"""Fraction of the largest edge strength that the steps which total variation makes of noise stay under."""
+_FAINT = 0.05
+"""Noise, as a part of the spread of grey levels, up to which it is something else that takes up the background."""
 
 _STRONG_PERCENTILE = 99.0
 _CLEAR = 0.25
@@ -138,8 +133,8 @@ class Prepared(NamedTuple):
 def prepared(values: Array) -> Prepared:
     r"""Prepare an image for its edges to be found in spite of noise.
 
-    Light noise is left to a Gaussian. Where that would have to be wide, the noise is first taken out by least total
-    variation, which leaves edges in their place.
+    Light noise is left to a Gaussian. Where that would have to be wide, the noise is first taken out by total variation
+    and averages along edges (`clean`), which leave edges in their place.
 
     Parameters
     ----------
@@ -151,9 +146,9 @@ def prepared(values: Array) -> Prepared:
     Prepared
         The image to smooth, by how much, and what remains of the noise.
     """
-    if automatic_smoothing(values) <= _WIDE:
+    if automatic_smoothing(values) <= _WIDE or noise_level(values) <= _FAINT * float(values.std()):
         return Prepared(values, None, 0.0)
-    return Prepared(total_variation(values, _FLATTENING * noise_level(values)), _AFTER, _REMAINS)
+    return Prepared(*clean(values))
 
 
 def automatic_smoothing(values: ArrayLike) -> float:

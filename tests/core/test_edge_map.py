@@ -119,3 +119,8 @@ def test_heavy_noise_is_taken_out_before_edges_are_looked_for():
     assert np.abs(ready.image - scene).mean() < 0.2 * np.abs(image - scene).mean()
     row, col = np.unravel_index(edge_map(image, "auto").argmax(), scene.shape)
     assert abs(np.hypot(row - 63.0, col - 65.0) - 35.0) < 3.0
+
+
+def test_slopes_everywhere_are_no_noise():
+    image = np.arange(900.0).reshape(30, 30)
+    assert prepared(image).image is image

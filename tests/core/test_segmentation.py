@@ -82,6 +82,19 @@ def test_moderate_noise_with_automatic_smoothing(level):
     assert DISK.distance(contour.points).mean() < 0.5
 
 
+@pytest.mark.parametrize("share", [0.2, 0.6])
+@pytest.mark.parametrize("kind", ["uniform", "salt and pepper"])
+def test_contours_are_closed_where_noise_has_replaced_pixels(kind, share):
+    rng = np.random.default_rng(4)
+    shape = (110, 104)
+    scene = ring(shape, (55.0, 51.0), 18.0, 38.0)
+    other = rng.uniform(0.0, 255.0, shape) if kind == "uniform" else 255.0 * (rng.random(shape) < 0.5)
+    image = np.where(rng.random(shape) < share, other, scene.values)
+    result = segment(image, circle((55.0, 51.0), 45.0), Parameters(smoothing="auto"))
+    assert [contour.closed for contour in result.contours] == [True, True]
+    assert scene.distance(np.concatenate([c.points for c in result.contours])).mean() < 0.8
+
+
 SHAPE = (71, 66)
 BLOB = blob(SHAPE, (33.3, 31.6))
 CORNERS = np.maximum(disk(SHAPE, (30.3, 28.6), 17.0).values, 0.8 * square(SHAPE, (34.25, 30.75), 24.0).values)
