@@ -69,6 +69,8 @@ def find_contours(
     if max(parameters.min_strength, parameters.sure_edge, parameters.min_contrast) > 0.0:
         drop_weak(graph, level, parameters)
         graph.drop_spurs(_SPUR * parameters.d_min)
+    if parameters.max_gap == 0.0:  # else a short branch may be one side of a gap
+        graph.drop_spurs(max(shortest(level, parameters), parameters.min_length))
     graph.drop_ties(shortest(level, parameters))
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
     bridges = bridge_gaps(graph, level, parameters.max_gap, spacing, LEAST_LENGTH * parameters.d_min)

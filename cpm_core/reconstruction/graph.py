@@ -77,8 +77,8 @@ class Graph:
             path.append(vertex)
 
     def drop_spurs(self, longest: float) -> None:
-        """Take away branches of a length of at most `longest` [px] that hang loose from a junction."""
-        for end in self.ends():
+        """Take away branches of a length of at most `longest` [px] that hang loose from a junction, shortest first."""
+        for end in sorted(self.ends(), key=lambda end: self.length(self.branch(end))):
             path = self.branch(end) if self.degree(end) == 1 else [end]
             if self.degree(path[-1]) >= 3 and self.length(path) <= longest:
                 self._drop(path)

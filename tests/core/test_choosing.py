@@ -160,3 +160,18 @@ def test_a_higher_threshold_never_finds_more(edges_of_four_strengths, name, top)
     ]
     assert max(np.diff(lengths)) < 1e-9
     assert lengths[-1] < lengths[0]
+
+
+def test_a_short_branch_does_not_open_the_outline_that_it_hangs_on():
+    row, col = np.indices((120, 120))
+    image = np.where((row > 60) & (col > 60), 60.0, 20.0)
+    image[np.hypot(row - 60, col - 50) < 30] = 220.0
+    engine = Engine(image, Parameters())
+    state = engine.start(uniform_grid(image.shape))
+    while not state.stop_reason:
+        state = engine.step(state, Parameters())
+    branched = engine.result(state, Parameters()).contours
+    assert any(any(contour.junctions) for contour in branched)
+    (outline,) = engine.result(state, Parameters(min_length=120.0)).contours
+    assert outline.closed
+    assert outline.length > 170.0
