@@ -112,7 +112,7 @@ def image_file(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def session(qapp: QApplication) -> Iterator[Session]:
+def session(qapp: QApplication, compiled_loops: None) -> Iterator[Session]:
     """A session without an image."""
     made = Session()
     made.set_pace(None)
