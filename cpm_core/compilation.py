@@ -15,8 +15,8 @@ from cpm_core.segmentation import segment
 def warm_up() -> None:
     """Run every compiled loop once on a small disk.
 
-    The first time ever this compiles them, which takes some twenty seconds, and keeps them on disk; later it loads them. It
-    may run in a thread of its own while a window is being shown.
+    The first time ever this compiles them, which takes some twenty seconds, and keeps them on disk; later it loads
+    them. It may run in a thread of its own while a window is being shown.
     """
     row, col = np.indices((32, 32))
     disk = 255.0 * (np.hypot(row - 15.5, col - 15.5) < 9.0)

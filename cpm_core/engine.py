@@ -196,6 +196,7 @@ class Engine:
             heated=state.step_of_scale,
             idle=0,
             quiet=0,
+            launches=0,
         )
 
     def _move(self, state: State, level: Level, parameters: Parameters) -> State:
