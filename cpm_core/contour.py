@@ -8,6 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 
+def lengths_along(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Length of the way along a polygonal curve, shape (K, D), to each of its vertices [px]; the first is at 0."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+
+
 @dataclass(frozen=True, eq=False)
 class Contour:
     """A polygonal curve through particles.

@@ -5,14 +5,14 @@ A fixed charge ``-f`` sits on every pixel, with ``f = |grad(G_sigma * I)|`` (sec
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
 from cpm_core.denoising import noise_level
-from cpm_core.heavy_noise import clean
+from cpm_core.heavy_noise import Cleaned, clean
 
 Array = NDArray[np.float64]
 
@@ -87,8 +87,7 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
     """
     image = np.asarray(values, dtype=float)
     if smoothing == "auto":
-        image, sigma, _ = prepared(image)
-        smoothing = automatic_smoothing(image) if sigma is None else sigma
+        image, smoothing, _ = prepared(image)
     return magnitude(gradient(image, float(smoothing)))
 
 
@@ -112,25 +111,7 @@ def background_strength(strength: Array) -> float:
     return float(_DEVIATIONS * np.percentile(strength, 25.0) / _RAYLEIGH_QUARTILE)
 
 
-class Prepared(NamedTuple):
-    """What the automatic smoothing makes of an image.
-
-    Attributes
-    ----------
-    image : ndarray
-        The image itself, or what is left of it without heavy noise.
-    sigma : float or None
-        Standard deviation of the Gaussian to smooth it with [px]; None leaves each scale to `automatic_smoothing`.
-    floor : float
-        Fraction of the largest edge strength up to which edges are remains of noise.
-    """
-
-    image: Array
-    sigma: float | None
-    floor: float
-
-
-def prepared(values: Array) -> Prepared:
+def prepared(values: Array) -> Cleaned:
     r"""Prepare an image for its edges to be found in spite of noise.
 
     Light noise is left to a Gaussian. Where that would have to be wide, the noise is first taken out by total variation
@@ -143,12 +124,14 @@ def prepared(values: Array) -> Prepared:
 
     Returns
     -------
-    Prepared
-        The image to smooth, by how much, and what remains of the noise.
+    Cleaned
+        The image to smooth, by how much, and what remains of the noise: the very image, with a floor of 0, where noise
+        is light.
     """
-    if automatic_smoothing(values) <= _WIDE or noise_level(values) <= _FAINT * float(values.std()):
-        return Prepared(values, None, 0.0)
-    return Prepared(*clean(values))
+    sigma = automatic_smoothing(values)
+    if sigma <= _WIDE or noise_level(values) <= _FAINT * float(values.std()):
+        return Cleaned(values, sigma, 0.0)
+    return clean(values)
 
 
 def automatic_smoothing(values: ArrayLike) -> float:

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 LAUNCHES = 3
-"""Times in a run that particles may be launched beside boundaries that nobody has reached."""
+"""Times that particles may be launched beside boundaries that nobody has reached, until parameters are changed."""
 
 _BESIDE_WALL = 1.0
 """Distance under which a pixel is one that a wall runs through [px]."""

@@ -320,8 +320,7 @@ def _launched(state: State, level: Level) -> State | None:
     """Go on with particles beside enclosed boundaries that nobody has reached; None when nothing is missing."""
     if state.launches == LAUNCHES:
         return None
-    seated = on_edge(interpolate(level.felt, state.particles.position), level.floor)
-    places = launch_places(level, state.particles.position[seated])
+    places = launch_places(level, _settled(state, level).particles.position)
     if not len(places):
         return None
     return replace(
@@ -346,7 +345,7 @@ def _without_stragglers(state: State, level: Level) -> State:
 
 
 def _settled(state: State, level: Level) -> State:
-    """Leave out the particles still in flight, which the finer scale launches anew from the drawing."""
+    """Leave out the particles that sit on no edge; a finer scale launches them anew from the drawing."""
     seated = on_edge(interpolate(level.felt, state.particles.position), level.floor)
     return replace(state, particles=state.particles.where(seated))
 

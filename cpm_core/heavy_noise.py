@@ -58,7 +58,7 @@ _STEP = float(np.sqrt(2.0 * np.pi))
 
 
 class Cleaned(NamedTuple):
-    """An image without its noise.
+    """An image rid of what noise it had to be rid of, and what it then needs.
 
     Attributes
     ----------

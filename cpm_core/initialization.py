@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
+from cpm_core.contour import lengths_along
 from cpm_core.edge_map import edge_map
 from cpm_core.field.electric import electric_field
 from cpm_core.field.interpolation import interpolate
@@ -94,7 +95,7 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
     if not np.isfinite(corners).all():
         raise ValueError(f"{int((~np.isfinite(corners)).sum())} coordinates of the stroke are not finite.")
     _positive("spacing", spacing)
-    reached = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))]
+    reached = lengths_along(corners)
     length = float(reached[-1])
     if not length <= _LONGEST_STROKE:
         raise ValueError(f"the stroke is {length:g} px long but must be at most {_LONGEST_STROKE:g} px.")

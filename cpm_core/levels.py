@@ -8,7 +8,8 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.edge_map import Prepared, automatic_smoothing, prepared
+from cpm_core.edge_map import automatic_smoothing, prepared
+from cpm_core.heavy_noise import Cleaned
 from cpm_core.level import Level, build_level
 from cpm_core.multiscale import pyramid
 from cpm_core.parameters import Parameters
@@ -37,7 +38,7 @@ class Levels:
         self._image = image
         self._regions = regions
         self._pyramid = pyramid(image, scales)
-        self._prepared: tuple[tuple[Array, ...], Prepared] | None = None
+        self._prepared: tuple[tuple[Array, ...], Cleaned] | None = None
         self._kept: OrderedDict[tuple[object, ...], Level] = OrderedDict()
         self._lock = Lock()
 
@@ -62,10 +63,11 @@ class Levels:
         if smoothing == "auto":
             levels, ready = self._ready()
             values, floor = levels[scale], max(floor, ready.floor)
-            smoothing = ready.sigma or automatic_smoothing(values)
+            told = scale == 0 or levels is not self._pyramid  # else the smoothing told is that of the image itself
+            smoothing = ready.sigma if told else automatic_smoothing(values)
         return build_level(values, smoothing, floor, regions, parameters.max_frame)
 
-    def _ready(self) -> tuple[tuple[Array, ...], Prepared]:
+    def _ready(self) -> tuple[tuple[Array, ...], Cleaned]:
         """What the automatic smoothing makes of the image, at all scales."""
         if self._prepared is None:
             ready = prepared(self._image)

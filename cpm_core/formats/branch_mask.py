@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import io
-
 import numpy as np
-import PIL.Image
 from numpy.typing import NDArray
 from skimage.draw import line
 
+from cpm_core.formats.label_mask import MOST_LABELS, as_png
 from cpm_core.skeleton import Skeleton
 
 WRITES = {".png": "branches of a skeleton as labelled lines"}
-
-_MOST_LABELS = 65535
 
 
 def paint(skeleton: Skeleton) -> NDArray[np.uint16]:
@@ -62,12 +58,9 @@ def encode(skeleton: Skeleton) -> bytes:
             f"{skeleton.source} has no skeleton, so its picture would be empty: "
             "take less smoothing, or export to SVG or CSV."
         )
-    if count > _MOST_LABELS:
+    if count > MOST_LABELS:
         raise ValueError(
             f"The skeleton of {skeleton.source} has {count} branches, "
-            f"but a mask can tell {_MOST_LABELS} apart at most: raise pruning."
+            f"but a mask can tell {MOST_LABELS} apart at most: raise pruning."
         )
-    mask = paint(skeleton)
-    stream = io.BytesIO()
-    PIL.Image.fromarray(mask.astype(np.uint8) if count <= 255 else mask).save(stream, format="PNG")
-    return stream.getvalue()
+    return as_png(paint(skeleton), count)

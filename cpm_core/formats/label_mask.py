@@ -15,7 +15,7 @@ from cpm_core.result import Result
 
 WRITES = {".png": "insides of closed contours as a label mask"}
 
-_MOST_LABELS = 65535
+MOST_LABELS = 65535
 
 
 def numbers(contours: Sequence[Contour]) -> tuple[int, ...]:
@@ -74,12 +74,16 @@ def encode(result: Result) -> bytes:
             f"No contour of {result.source} is closed, so a label mask would be empty: "
             "let it run on, or export to SVG or CSV."
         )
-    if count > _MOST_LABELS:
+    if count > MOST_LABELS:
         raise ValueError(
-            f"{result.source} has {count} closed contours, but a label mask can tell {_MOST_LABELS} apart at most: "
+            f"{result.source} has {count} closed contours, but a label mask can tell {MOST_LABELS} apart at most: "
             "raise min_length or min_strength."
         )
-    mask = paint(result.contours, result.shape)
+    return as_png(paint(result.contours, result.shape), count)
+
+
+def as_png(mask: NDArray[np.uint16], count: int) -> bytes:
+    """Make a grey PNG file of labels from 1 to `count`, of 8 bits up to 255 of them and of 16 bits above."""
     stream = io.BytesIO()
     PIL.Image.fromarray(mask.astype(np.uint8) if count <= 255 else mask).save(stream, format="PNG")
     return stream.getvalue()

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.contour import lengths_along
+
 Array = NDArray[np.float64]
 
 _STRIDE = 0.25
@@ -29,7 +31,7 @@ def along(points: Array, radii: Array) -> Array:
     ndarray, shape (M, 3)
         Row, column and radius of each disk [px].
     """
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    way = lengths_along(points)
     at = np.union1d(way, np.arange(0.0, way[-1], _STRIDE))
     return np.column_stack([np.interp(at, way, values) for values in (*points.T, radii)])
 

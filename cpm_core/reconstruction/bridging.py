@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from skimage.graph import MCP_Geometric
 
 from cpm_core.bridge import Bridge
-from cpm_core.contour import Contour
+from cpm_core.contour import Contour, lengths_along
 from cpm_core.level import Level
 from cpm_core.reconstruction.graph import Graph
 
@@ -180,7 +180,7 @@ def _between_ends(graph: Graph, ground: _Ground, ends: dict[int, Array], longest
         across = (graph.points[b] - graph.points[a]) / max(gap, 1e-300)
         if min(ends[a] @ across, -(ends[b] @ across)) < _TURN:
             continue
-        if _way_along(graph, a).get(b, np.inf) <= _ROUND * gap:
+        if graph.way_from(a).get(b, np.inf) <= _ROUND * gap:
             continue
         guide = _continuation(graph.points[a], ends[a], graph.points[b], ends[b])
         joined = graph.points[[a, b]]
@@ -202,7 +202,7 @@ def _to_sides(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: fl
     tree = cKDTree(graph.points[sides])
     for end, direction in ends.items():
         place = graph.points[end]
-        own = _way_along(graph, end)
+        own = graph.way_from(end)
         near = np.array([sides[n] for n in tree.query_ball_point(place, longest)], np.int64)
         away = graph.points[near] - place
         distance = np.linalg.norm(away, axis=1)
@@ -264,7 +264,7 @@ def _smoothed(path: Array, start: Array, end: Array) -> Array:
 
 def _resampled(path: Array, spacing: float) -> Array:
     """A path with vertices at even distances, one at least between its ends."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    along = lengths_along(path)
     count = max(2, int(np.ceil(along[-1] / spacing)))
     at = np.linspace(0.0, along[-1], count + 1)
     out = np.stack([np.interp(at, along, path[:, k]) for k in range(2)], axis=1)
@@ -303,15 +303,8 @@ def _reaches(graph: Graph, end: int, least: float) -> bool:
     return length >= least
 
 
-def _way_along(graph: Graph, end: int) -> dict[int, float]:
-    """Length of the way along the curve of a loose end to each of its vertices."""
-    path = graph.branch(end)
-    steps = np.linalg.norm(np.diff(graph.points[path], axis=0), axis=1)
-    return dict(zip(path, [0.0, *np.cumsum(steps).tolist()], strict=True))
-
-
 def _last_stretch(graph: Graph, end: int, back: float) -> list[int]:
-    way = _way_along(graph, end)
+    way = graph.way_from(end)
     inner = [v for v, length in way.items() if length <= back]
     return inner if len(inner) > 1 else list(way)[:2]
 

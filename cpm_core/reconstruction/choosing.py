@@ -109,7 +109,7 @@ def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
 
 
 def shortest(level: Level, parameters: Parameters) -> float:
-    """Length under which a contour is none [px]."""
+    """Length under which a contour is none, whatever the least length asked for [px]."""
     return max(LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * level.smoothing)
 
 

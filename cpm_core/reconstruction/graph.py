@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contour import Contour
+from cpm_core.contour import Contour, lengths_along
 
 Array = NDArray[np.float64]
 Edges = NDArray[np.int64]
@@ -75,6 +75,11 @@ class Graph:
                 return path
             before, vertex = vertex, ahead[0]
             path.append(vertex)
+
+    def way_from(self, end: int) -> dict[int, float]:
+        """Length of the way along the branch of a loose end to each of its vertices [px]."""
+        path = self.branch(end)
+        return dict(zip(path, lengths_along(self.points[path]).tolist(), strict=True))
 
     def drop_spurs(self, longest: float) -> None:
         """Take away branches of a length of at most `longest` [px] that hang loose from a junction, shortest first."""

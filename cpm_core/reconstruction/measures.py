@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from cpm_core.contour import Contour
+from cpm_core.contour import Contour, lengths_along
 
 Array = NDArray[np.float64]
 
@@ -128,7 +128,7 @@ def sampled(contour: Contour, spacing: float = SPACING) -> Array:
         The middles of N equal parts of its length.
     """
     path = contour.path
-    length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))]
+    length = lengths_along(path)
     count = max(1, int(np.ceil(length[-1] / spacing)))
     at = (np.arange(count) + 0.5) * length[-1] / count
     return np.stack([np.interp(at, length, path[:, axis]) for axis in range(2)], axis=1)
