@@ -6,7 +6,7 @@ The model on one page
 ---------------------
 1. The image is smoothed by a Gaussian of width sigma; the length of its gradient is the **edge map** f. Every pixel
    carries a **fixed charge** -f (`edge_map`). Automatic smoothing chooses sigma by the noise, and takes heavy noise out
-   beforehand (`denoising`); the edge of a dark or bright rim can be left out (`frame`).
+   beforehand (`noise`); the edge of a dark or bright rim can be left out (`frame`).
 2. The fixed charges make an **electric field**, E(r) = sum_k -f_k (r - R_k) / |r - R_k|^3, eq. (8), which pulls
    positive charges to edges (`electric_field`). Its direction is the **Lorentz force** F_l; on an edge it falls
    linearly through zero (`level`).

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.denoising import total_variation
-from cpm_core.heavy_noise import clean
 from cpm_core.initialization import circle
+from cpm_core.noise import clean
 from cpm_core.parameters import Parameters
 from cpm_core.regions import Regions
 from cpm_core.segmentation import segment
@@ -22,5 +21,4 @@ def warm_up() -> None:
     disk = 255.0 * (np.hypot(row - 15.5, col - 15.5) < 9.0)
     regions = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=(((5.3, 2.2), (6.1, 28.4)),))
     segment(disk, circle((15.5, 15.5), 5.0), Parameters(scales=2), max_steps=12, regions=regions)
-    total_variation(disk, 10.0)
     clean(disk)

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from cpm_core.denoising import noise_level
-from cpm_core.heavy_noise import Cleaned, clean
+from cpm_core.noise import Cleaned, clean, noise_level
 
 Array = NDArray[np.float64]
 

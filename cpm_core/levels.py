@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.edge_map import automatic_smoothing, prepared
-from cpm_core.heavy_noise import Cleaned
 from cpm_core.level import Level, build_level
 from cpm_core.multiscale import pyramid
+from cpm_core.noise import Cleaned
 from cpm_core.parameters import Parameters
 from cpm_core.regions import Regions
 

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from cpm_core.denoising import noise_level, total_variation
-from cpm_core.grey_levels import expected
-from cpm_core.streamlines import averaged_along, directions
+from cpm_core.noise.denoising import noise_level, total_variation
+from cpm_core.noise.grey_levels import expected
+from cpm_core.noise.streamlines import averaged_along, directions
 
 Array = NDArray[np.float64]
 
