@@ -1,0 +1,52 @@
+"""Work on many items, shared among the cores.
+
+No loop of the model starts threads of its own, so that two callers can never meet inside one parallel region; a caller
+cuts its items into parts, and each part is written by one thread alone, whatever their number: the same input gives the
+same bits on any machine. Nobody waits behind the work of another caller: a part that no thread has begun when the
+caller is done with its own is done by the caller.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+
+_MOST = 8
+"""Threads beyond which the parts get too small to be worth it."""
+
+
+def cores() -> int:
+    """Cores that this process may use, up to a sensible number."""
+    allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(allowed, _MOST)
+
+
+def share(work: Callable[[int, int], object], count: int, least: int) -> None:
+    """Do some work on items 0 to `count` - 1, in parts that run side by side.
+
+    Parameters
+    ----------
+    work : callable
+        Called with the first item of a part and the one behind its last; must let go of the interpreter's lock to gain
+        anything, and write only what belongs to its items.
+    count : int
+        Number of items.
+    least : int
+        Items that a part must have to be worth a thread; what has fewer than two such parts is done by the caller.
+    """
+    parts = max(1, min(cores(), count // max(least, 1)))
+    bounds = [count * part // parts for part in range(parts + 1)]
+    others = [_pool().submit(work, bounds[part], bounds[part + 1]) for part in range(1, parts)]
+    work(0, bounds[1])
+    for part, other in enumerate(others, start=1):
+        if other.cancel():
+            work(bounds[part], bounds[part + 1])
+        else:
+            other.result()
+
+
+@lru_cache(maxsize=1)
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(max_workers=max(1, cores() - 1), thread_name_prefix="cpm-share")
