@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
 from cpm_core.noise import Cleaned, clean, noise_level
+from cpm_core.threads import share
 
 Array = NDArray[np.float64]
 
@@ -32,6 +33,9 @@ _STRONG_PERCENTILE = 99.0
 _CLEAR = 0.25
 """Share of the strong edges under which the background is clear of them."""
 
+_LEAST_LINES = 64
+"""Lines of an image that are worth a thread."""
+
 
 def gradient(values: ArrayLike, smoothing: float) -> Array:
     r"""Gradient of the smoothed image.
@@ -51,16 +55,29 @@ def gradient(values: ArrayLike, smoothing: float) -> Array:
     """
     image = np.asarray(values, dtype=float)
     if smoothing > 0:
-        image = ndimage.gaussian_filter(image, smoothing, mode="nearest")
-    padded = np.pad(image, 1, mode="edge")
-    inner = slice(1, -1)
-    parts = []
-    for axis in range(image.ndim):
-        ahead = [inner] * image.ndim
-        behind = [inner] * image.ndim
-        ahead[axis], behind[axis] = slice(2, None), slice(None, -2)
-        parts.append(0.5 * (padded[tuple(ahead)] - padded[tuple(behind)]))
-    return np.stack(parts)
+        for axis in range(image.ndim):
+            image = _smoothed_along(image, smoothing, axis)
+    out = np.empty((image.ndim, *image.shape))
+    for axis, part in enumerate(out):
+        line, slope = np.moveaxis(image, axis, 0), np.moveaxis(part, axis, 0)
+        np.subtract(line[2:], line[:-2], out=slope[1:-1])
+        np.subtract(line[1:2], line[:1], out=slope[:1])
+        np.subtract(line[-1:], line[-2:-1], out=slope[-1:])
+    out *= 0.5
+    return out
+
+
+def _smoothed_along(image: Array, sigma: float, axis: int) -> Array:
+    """Image smoothed along one axis; the lines are shared among the cores."""
+    other = 1 if axis == 0 else 0
+    out = np.empty(image.shape)
+
+    def work(first: int, end: int) -> None:
+        part = (slice(None),) * other + (slice(first, end),)
+        ndimage.gaussian_filter1d(image[part], sigma, axis, output=out[part], mode="nearest")
+
+    share(work, image.shape[other], _LEAST_LINES)
+    return out
 
 
 def magnitude(vectors: Array) -> Array:

@@ -76,8 +76,7 @@ class Engine:
         if regions is not None:
             regions.check(array.shape)
         self._levels = Levels(array, parameters.scales, regions)
-        for scale in range(parameters.scales):
-            self.level(parameters, scale)
+        self._levels.prepare(parameters)
         if regions is not None and not self.edge_map(parameters).any():
             raise ValueError("there are no edges in the regions of interest: draw them around what is to be found.")
 

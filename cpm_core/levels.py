@@ -1,4 +1,8 @@
-"""The levels of an image: what particles feel at each of its scales, built when it is first asked for."""
+"""The levels of an image: what particles feel at each of its scales, built when it is first asked for.
+
+A level depends on the smoothing, the edge floor and the widest frame. Another edge floor or frame needs another field,
+another smoothing also the gradient of what the pyramid holds; the pyramid and the walls stay whatever is asked for.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +18,11 @@ from cpm_core.multiscale import pyramid
 from cpm_core.noise import Cleaned
 from cpm_core.parameters import Parameters
 from cpm_core.regions import Regions
+from cpm_core.threads import share
 
 Array = NDArray[np.float64]
+
+_Key = tuple[int, float | str, float, float]
 
 _KEPT_SETTINGS = 2
 """Settings whose levels are kept for reuse, so that going back to the last one costs nothing."""
@@ -39,22 +46,43 @@ class Levels:
         self._regions = regions
         self._pyramid = pyramid(image, scales)
         self._prepared: tuple[tuple[Array, ...], Cleaned] | None = None
-        self._kept: OrderedDict[tuple[object, ...], Level] = OrderedDict()
+        self._told: dict[int, float] = {}
+        self._kept: OrderedDict[_Key, Level] = OrderedDict()
         self._lock = Lock()
 
     def __len__(self) -> int:
         return len(self._pyramid)
 
     def at(self, scale: int, parameters: Parameters) -> Level:
-        """Level of a scale for `smoothing`, `edge_floor` and `max_frame`."""
-        key = (scale, parameters.smoothing, parameters.edge_floor, parameters.max_frame)
+        """Level of a scale for `smoothing`, `edge_floor` and `max_frame`; no other parameter makes it stale."""
         with self._lock:
-            if key not in self._kept:
-                self._kept[key] = self._build(scale, parameters)
-                while len(self._kept) > _KEPT_SETTINGS * len(self):
-                    self._kept.popitem(last=False)
+            self._keep([scale], parameters)
+            return self._kept[_key(scale, parameters)]
+
+    def prepare(self, parameters: Parameters) -> None:
+        """Build the levels of all scales at once, side by side."""
+        with self._lock:
+            self._keep(list(range(len(self))), parameters)
+
+    def _keep(self, scales: list[int], parameters: Parameters) -> None:
+        """Build what is missing of some scales, and forget what has not been asked for the longest."""
+        missing = [scale for scale in scales if _key(scale, parameters) not in self._kept]
+        if missing and parameters.smoothing == "auto":
+            self._ready()
+
+        def work(first: int, end: int) -> None:
+            for scale in missing[first:end]:
+                built[scale] = self._build(scale, parameters)
+
+        built: dict[int, Level] = {}
+        share(work, len(missing), 1)
+        for scale in scales:
+            key = _key(scale, parameters)
+            if scale in built:
+                self._kept[key] = built[scale]
             self._kept.move_to_end(key)
-            return self._kept[key]
+        while len(self._kept) > _KEPT_SETTINGS * len(self):
+            self._kept.popitem(last=False)
 
     def _build(self, scale: int, parameters: Parameters) -> Level:
         regions = self._regions and self._regions.at_scale(scale, self._image.shape)
@@ -63,9 +91,13 @@ class Levels:
         if smoothing == "auto":
             levels, ready = self._ready()
             values, floor = levels[scale], max(floor, ready.floor)
-            told = scale == 0 or levels is not self._pyramid  # else the smoothing told is that of the image itself
-            smoothing = ready.sigma if told else automatic_smoothing(values)
-        return build_level(values, smoothing, floor, regions, parameters.max_frame)
+            smoothing = self._smoothing(scale)
+        return build_level(values, smoothing, floor, regions, parameters.max_frame, self._akin(scale, parameters))
+
+    def _akin(self, scale: int, parameters: Parameters) -> Level | None:
+        """The kept level of a scale that has most in common with what is asked for: the smoothing, if there is one."""
+        found = [(key[1] == parameters.smoothing, level) for key, level in self._kept.items() if key[0] == scale]
+        return max(found, key=lambda one: one[0])[1] if found else None
 
     def _ready(self) -> tuple[tuple[Array, ...], Cleaned]:
         """What the automatic smoothing makes of the image, at all scales."""
@@ -74,3 +106,17 @@ class Levels:
             same = ready.image is self._image
             self._prepared = (self._pyramid if same else pyramid(ready.image, len(self)), ready)
         return self._prepared
+
+    def _smoothing(self, scale: int) -> float:
+        """What the automatic smoothing is at a scale."""
+        levels, ready = self._ready()
+        if scale == 0 or levels is not self._pyramid:  # else the smoothing told is that of the image itself
+            return ready.sigma
+        if scale not in self._told:
+            self._told[scale] = automatic_smoothing(levels[scale])
+        return self._told[scale]
+
+
+def _key(scale: int, parameters: Parameters) -> _Key:
+    """What a level depends on."""
+    return scale, parameters.smoothing, parameters.edge_floor, parameters.max_frame

@@ -62,11 +62,12 @@ def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
     for _ in range(scales - 1):
         fine = ndimage.gaussian_filter(levels[-1], _REDUCTION_SMOOTHING, mode="nearest")
         for axis in range(fine.ndim):
-            even = np.take(fine, range(0, fine.shape[axis], 2), axis)
+            across = (slice(None),) * axis
+            even, odd = fine[(*across, slice(0, None, 2))], fine[(*across, slice(1, None, 2))]
             if fine.shape[axis] % 2 == 0:  # the centred coarse grid lies halfway between the pixels
-                even = 0.5 * (even + np.take(fine, range(1, fine.shape[axis], 2), axis))
+                even = 0.5 * (even + odd)
             fine = even
-        levels.append(fine)
+        levels.append(np.ascontiguousarray(fine))
     return tuple(levels)
 
 

@@ -1,17 +1,27 @@
-"""The electric field of eq. (8), exact, as one zero-padded convolution."""
+"""The electric field of eq. (8), exact, as one zero-padded convolution.
+
+The transforms are done axis by axis, so that rows of zeros are not transformed on the way there and what is cut off is
+not transformed on the way back: it takes about as long as the three plain transforms that it consists of.
+"""
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections import OrderedDict
+from itertools import product
+from threading import Lock
 
 import numpy as np
 import scipy.fft
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 Array = NDArray[np.float64]
 
+_KEPT_BYTES = 128 * 2**20
+"""Memory for kernel spectra that are kept for the next image of the same size: enough for the three scales of one of
+2048 x 2048 pixels in double precision (93 MB). What is larger by itself is computed anew each time [bytes]."""
 
-def convolved_field(edge_map: ArrayLike, exponent: float | None = None) -> Array:
+
+def convolved_field(edge_map: ArrayLike, exponent: float | None = None, precision: DTypeLike = np.float64) -> Array:
     r"""Electric field of the fixed charges, exact to rounding.
 
     The sum of eq. (8) is a convolution; computed with Fourier transforms on a grid padded with zeros to at least twice
@@ -23,6 +33,8 @@ def convolved_field(edge_map: ArrayLike, exponent: float | None = None) -> Array
         Edge strength ``f`` of every pixel.
     exponent : float, optional
         Power of the distance with which the force of one charge decays; by default the dimension ``D``.
+    precision : dtype
+        Of the transforms and the field: double gives 1e-14 of the largest vector, single 1e-6.
 
     Returns
     -------
@@ -34,34 +46,95 @@ def convolved_field(edge_map: ArrayLike, exponent: float | None = None) -> Array
     ValueError
         For an exponent that is not positive.
     """
-    f = np.asarray(edge_map, dtype=float)
+    f = np.asarray(edge_map, dtype=precision)
     power = float(f.ndim if exponent is None else exponent)
     if not power > 0:
         raise ValueError(f"exponent is {power:g} but must be above 0.")
-    padded = tuple(scipy.fft.next_fast_len(2 * n - 1, real=True) for n in f.shape)
-    axes = tuple(range(f.ndim))
-    spectrum = scipy.fft.rfftn(-f, padded, axes=axes, workers=-1)
-    inner = tuple(slice(0, n) for n in f.shape)
-    out = np.empty((f.ndim, *f.shape))
-    for axis, kernel in enumerate(_kernel_spectra(f.shape, padded, power)):
-        out[axis] = scipy.fft.irfftn(spectrum * kernel, padded, axes=axes, workers=-1)[inner]
+    # half of an even size is where the kernel's mirror image begins, and must lie beyond all differences of two pixels
+    padded = tuple(2 * scipy.fft.next_fast_len(max(n, 2), real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
+    spectrum = scipy.fft.rfft(f, padded[-1], axis=-1, workers=-1)
+    for axis in reversed(range(f.ndim - 1)):
+        spectrum = scipy.fft.fft(spectrum, padded[axis], axis=axis, overwrite_x=True, workers=-1)
+    spectrum *= f.dtype.type(1) * 1j  # the kernels' spectra are imaginary
+    out = np.empty((f.ndim, *f.shape), f.dtype)
+    part = np.empty_like(spectrum)
+    for component, kernel in enumerate(_spectra.of(f.shape, padded, power, f.dtype)):
+        _multiply(spectrum, kernel, component, part)
+        back = part
+        for axis, n in enumerate(f.shape[:-1]):
+            back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=-1)
+            back = back[(slice(None),) * axis + (slice(n),)]
+        out[component] = scipy.fft.irfft(back, padded[-1], axis=-1, workers=-1)[..., : f.shape[-1]]
     return out
 
 
-@lru_cache(maxsize=4)
-def _kernel_spectra(
-    shape: tuple[int, ...], padded: tuple[int, ...], power: float
-) -> tuple[NDArray[np.complex128], ...]:
-    """Fourier transforms of the field of one unit charge at the origin, one for each axis."""
-    offsets = []
-    for n, size in zip(shape, padded, strict=True):
-        offset = np.arange(size, dtype=float)
-        offset[offset >= n] -= size
-        offset[np.abs(offset) >= n] = 0.0  # in the padding beyond any difference of two pixels: never read
-        offsets.append(offset)
-    grid = np.meshgrid(*offsets, indexing="ij", sparse=True)
+def _multiply(
+    spectrum: NDArray[np.complexfloating], kernel: Array, component: int, out: NDArray[np.complexfloating]
+) -> None:
+    """Multiply a spectrum by a kernel known at frequencies that are not negative: odd along `component`, else even."""
+    last = spectrum.ndim - 1
+    for mirrored in product((False, True), repeat=last):
+        half = [
+            slice(kernel.shape[axis], None) if back else slice(kernel.shape[axis]) for axis, back in enumerate(mirrored)
+        ]
+        source = tuple(slice(-2, 0, -1) if back else slice(None) for back in mirrored)
+        odd = component < last and mirrored[component]
+        np.multiply(spectrum[tuple(half)], -kernel[source] if odd else kernel[source], out=out[tuple(half)])
+
+
+class _Spectra:
+    """Fourier transforms of the field of one unit charge at the origin, the last ones used kept in bounded memory."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[tuple[object, ...], tuple[Array, ...]] = OrderedDict()
+        self._lock = Lock()
+
+    def of(
+        self, shape: tuple[int, ...], padded: tuple[int, ...], power: float, precision: np.dtype
+    ) -> tuple[Array, ...]:
+        """Spectra for each component; see `_kernel_spectra`."""
+        key = (shape, padded, power, precision)
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+                return self._kept[key]
+        spectra = tuple(kernel.astype(precision, copy=False) for kernel in _kernel_spectra(shape, padded, power))
+        with self._lock:
+            self._kept[key] = spectra
+            while self.size > _KEPT_BYTES:
+                self._kept.popitem(last=False)
+        return spectra
+
+    @property
+    def size(self) -> int:
+        """Memory that the kept spectra take up [bytes]."""
+        return sum(kernel.nbytes for spectra in self._kept.values() for kernel in spectra)
+
+
+_spectra = _Spectra()
+
+
+def _kernel_spectra(shape: tuple[int, ...], padded: tuple[int, ...], power: float) -> tuple[Array, ...]:
+    """Imaginary parts, but for the sign, of the kernels' spectra at frequencies that are not negative.
+
+    The field of one charge is odd along its own component and even along the others, so that sine and cosine transforms
+    of a quarter (an eighth) of the grid give its whole spectrum, which has no real part.
+    """
+    grid = np.meshgrid(*(np.arange(size // 2 + 1, dtype=float) for size in padded), indexing="ij", sparse=True)
     squared = sum((g**2 for g in grid[1:]), start=grid[0] ** 2)
-    with np.errstate(divide="ignore"):
-        decay = np.where(squared > 0, squared ** (-0.5 * (power + 1.0)), 0.0)
-    axes = tuple(range(len(shape)))
-    return tuple(scipy.fft.rfftn(g * decay, axes=axes, workers=-1) for g in grid)
+    squared[(0,) * len(shape)] = np.inf  # no charge acts on itself
+    decay = squared ** (-0.5 * (power + 1.0))
+    for axis, n in enumerate(shape):  # beyond any difference of two pixels: never read
+        decay[(slice(None),) * axis + (slice(n, None),)] = 0.0
+    spectra = []
+    for component, offset in enumerate(grid):
+        kernel = offset * decay
+        for axis in range(len(shape)):
+            if axis == component:
+                inner = (slice(None),) * axis + (slice(1, -1),)
+                kernel[inner] = scipy.fft.dst(kernel[inner], type=1, axis=axis, workers=-1)
+                kernel[(slice(None),) * axis + ([0, -1],)] = 0.0
+            else:
+                kernel = scipy.fft.dct(kernel, type=1, axis=axis, overwrite_x=True, workers=-1)
+        spectra.append(kernel)
+    return tuple(spectra)

@@ -6,6 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import electric_field
+from cpm_core.field import convolution
+from cpm_core.field.convolution import convolved_field
 from cpm_core.level import unit_vectors
 
 
@@ -41,6 +43,38 @@ def test_field_of_a_larger_map_is_the_direct_sum(shape):
     f = charges(shape)
     truth = direct(f, 2.0)
     assert np.abs(electric_field(f) - truth).max() <= 1e-12 * np.abs(truth).max()
+
+
+@pytest.mark.parametrize("shape", [(40, 23), (9, 8, 7)], ids=str)
+def test_single_precision_is_told_and_as_good_as_it_can_be(shape):
+    """To 1e-6 of the largest vector; seen: 3e-7."""
+    f = charges(shape)
+    truth = direct(f, float(len(shape)))
+    field = convolved_field(f, precision=np.float32)
+    assert field.dtype == np.float32
+    assert 1e-9 * np.abs(truth).max() < np.abs(field - truth).max() <= 1e-6 * np.abs(truth).max()
+    assert electric_field(f).dtype == np.float64
+
+
+def test_a_size_seen_before_takes_over_its_kernels_and_only_so_many_are_kept(monkeypatch):
+    built = []
+    build = convolution._kernel_spectra
+
+    def counting(shape, padded, power):
+        built.append(shape)
+        return build(shape, padded, power)
+
+    monkeypatch.setattr(convolution, "_kernel_spectra", counting)
+    monkeypatch.setattr(convolution, "_spectra", convolution._Spectra())
+    one, other, large = (charges(shape) for shape in ((20, 22), (21, 22), (80, 90)))
+    fields = [electric_field(f) for f in (one, one, other, one)]
+    assert built == [one.shape, other.shape]
+    np.testing.assert_array_equal(fields[1], fields[3])
+    monkeypatch.setattr(convolution, "_KEPT_BYTES", 3 * 2 * 8 * 21 * 23)  # three of the small ones, with some to spare
+    for f in (large, large, one, other, one):
+        electric_field(f)
+    assert built[2:] == [large.shape, large.shape, one.shape, other.shape]
+    assert convolution._spectra.size <= convolution._KEPT_BYTES
 
 
 def test_one_charge_attracts_with_the_inverse_square_and_not_itself():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cpm_core.edge_map import gradient
+from cpm_core.edge_map import gradient, magnitude
 from cpm_core.frame import inside_frame
 from cpm_core.initialization import uniform_grid
 from cpm_core.parameters import Parameters
@@ -25,10 +25,14 @@ def framed(width, level=20.0, sides=("top", "bottom", "left", "right")):
     return image
 
 
+def inside_of(grad, widest):
+    return inside_frame(grad, magnitude(grad), 1.0, widest)
+
+
 @pytest.mark.parametrize("level", [20.0, 250.0])
 @pytest.mark.parametrize("sides", [("top", "bottom", "left", "right"), ("left",), ("bottom", "right")])
 def test_a_frame_and_its_edge_are_left_out_and_nothing_else(level, sides):
-    inside = inside_frame(gradient(framed(8, level, sides), 1.0), 1.0, 0.1)
+    inside = inside_of(gradient(framed(8, level, sides), 1.0), 0.1)
     row, col = np.indices(inside.shape)
     depth = {"top": row, "bottom": 159 - row, "left": col, "right": 199 - col}
     nearest = np.min([depth[side] for side in sides], axis=0)
@@ -38,9 +42,9 @@ def test_a_frame_and_its_edge_are_left_out_and_nothing_else(level, sides):
 
 def test_a_frame_wider_than_asked_for_is_none():
     grad = gradient(framed(20), 1.0)
-    assert inside_frame(grad, 1.0, 0.08).all()
-    assert not inside_frame(grad, 1.0, 0.2).all()
-    assert inside_frame(grad, 1.0, 0.0).all()
+    assert inside_of(grad, 0.08).all()
+    assert not inside_of(grad, 0.2).all()
+    assert inside_of(grad, 0.0).all()
 
 
 def test_an_object_at_the_border_is_no_frame():
@@ -48,7 +52,7 @@ def test_an_object_at_the_border_is_no_frame():
     image[:10, 40:120] = 20.0  # along less than half of the side
     row, col = np.indices(image.shape)
     image[np.hypot(row - 8, col - 160) < 20] = 200.0
-    assert inside_frame(gradient(image, 1.0), 1.0, 0.1).all()
+    assert inside_of(gradient(image, 1.0), 0.1).all()
 
 
 def test_contours_of_an_object_do_not_depend_on_a_frame():

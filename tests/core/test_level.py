@@ -41,11 +41,12 @@ def test_force_on_an_edge_has_no_part_along_it():
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, 0.8, 1.4, 2.5])
 def test_force_is_a_unit_vector_of_the_field_away_from_edges(angle):
+    """To single precision; seen: 1e-6 at most."""
     level = build_level(straight_edge((50, 56), angle, 0.3), 1.0, 0.0)
     field = electric_field(level.edge_map)
     away = ndimage.maximum_filter(level.edge_map, size=7) < 0.05 * level.edge_map.max()
     assert away.sum() > 500
-    np.testing.assert_allclose(level.lorentz[:, away], (field / np.hypot(*field))[:, away], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(level.lorentz[:, away], (field / np.hypot(*field))[:, away], rtol=0, atol=5e-6)
 
 
 @pytest.mark.parametrize("image", [uneven_edge(), disk((60, 50), (29.3, 25.1), 17.0).values], ids=["edge", "disk"])
@@ -103,7 +104,7 @@ def test_one_interpolation_gets_all_that_is_felt():
 def test_mirrored_and_turned_images_have_such_forces():
     image = disk((40, 47), (18.3, 21.7), 11.0).values + np.random.default_rng(1).normal(0.0, 5.0, (40, 47))
     row, col = build_level(image, 1.0, 0.0).lorentz
-    np.testing.assert_allclose(build_level(image[::-1], 1.0, 0.0).lorentz, [-row[::-1], col[::-1]], atol=1e-9)
-    np.testing.assert_allclose(build_level(image.T, 1.0, 0.0).lorentz, [col.T, row.T], atol=1e-9)
+    np.testing.assert_allclose(build_level(image[::-1], 1.0, 0.0).lorentz, [-row[::-1], col[::-1]], atol=5e-6)
+    np.testing.assert_allclose(build_level(image.T, 1.0, 0.0).lorentz, [col.T, row.T], atol=5e-6)
     turned = build_level(np.rot90(image), 1.0, 0.0).lorentz
-    np.testing.assert_allclose(turned, [-np.rot90(col), np.rot90(row)], atol=1e-9)
+    np.testing.assert_allclose(turned, [-np.rot90(col), np.rot90(row)], atol=5e-6)
