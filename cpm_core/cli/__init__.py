@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from cpm_core.cli import figures, info, run, skeleton
+from cpm_core.cli import bench, figures, info, run, skeleton
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -57,6 +57,6 @@ def _parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (run, skeleton, info, figures):
+    for command in (run, skeleton, info, figures, bench):
         command.add_to(commands)
     return parser

@@ -1,0 +1,92 @@
+"""The Coulomb force, beside a bare loop over all pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.benchmarks.measurement import TOO_LONG, Measurement, Patience, milliseconds_of
+from cpm_core.benchmarks.scenes import along_curves
+from cpm_core.coulomb import coulomb_force
+from cpm_core.kernels import compiled
+
+Array = NDArray[np.float64]
+
+_COUNTS = (1_000, 4_000, 16_000, 64_000, 256_000)
+_MOST_PAIRS = 16_000
+"""Particles up to which the loop over all pairs is awaited."""
+
+_PLACES = 50
+"""Particles at which the force is compared with the direct sum."""
+
+
+def coulomb_forces(patience: Patience) -> Iterator[Measurement]:
+    """The force at numbers of particles that quadruple from row to row."""
+    before: tuple[int, float] | None = None
+    for count in (500, 2_000) if patience.quick else _COUNTS:
+        if before is not None and 1e-3 * before[1] * (count / before[0]) ** 2 > TOO_LONG:
+            return
+        points = along_curves(count)
+        ours = milliseconds_of(lambda: coulomb_force(points), patience)  # noqa: B023  # done with before the next round
+        pairs = milliseconds_of(lambda: all_pairs(points), patience) if count <= _MOST_PAIRS else None  # noqa: B023
+        growth = None if before is None else log(ours / before[1]) / log(len(points) / before[0])
+        before = len(points), ours
+        yield Measurement(
+            "coulomb",
+            f"Coulomb force, {len(points)} particles",
+            ours,
+            "ms",
+            None if pairs is None else "loop over all pairs, 1 core",
+            pairs,
+            coulomb_error(points, coulomb_force(points)),
+            growth,
+        )
+
+
+def all_pairs(points: Array) -> Array:
+    """Eq. (9) as it is written, in one loop over all pairs on one core.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, 2)
+        Positions.
+
+    Returns
+    -------
+    ndarray, shape (N, 2)
+        Force.
+    """
+    row, col = np.ascontiguousarray(points.T)
+    force = np.empty((2, len(points)))
+    _all_pairs(row, col, force)
+    return force.T
+
+
+@compiled
+def _all_pairs(row: Array, col: Array, force: Array) -> None:
+    for i in range(row.size):
+        down, right = 0.0, 0.0
+        for j in range(row.size):
+            r, c = row[i] - row[j], col[i] - col[j]
+            squared = max(r * r + c * c, 1e-60)
+            weight = 1.0 / (squared * np.sqrt(squared))
+            down += weight * r
+            right += weight * c
+        force[0, i] = down
+        force[1, i] = right
+
+
+def coulomb_error(points: Array, force: Array) -> float:
+    """Root of the mean squared error of a force at some particles, as a fraction of that of the direct sum there."""
+    wrong, size = 0.0, 0.0
+    for i in np.random.default_rng(0).integers(0, len(points), _PLACES):
+        apart = points[i] - points
+        cube = np.hypot(apart[:, 0], apart[:, 1]) ** 3
+        cube[cube == 0.0] = np.inf
+        exact = (apart / cube[:, None]).sum(axis=0)
+        wrong += float(((force[i] - exact) ** 2).sum())
+        size += float((exact**2).sum())
+    return float(np.sqrt(wrong / size))

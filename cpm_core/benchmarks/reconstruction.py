@@ -1,0 +1,36 @@
+"""The reconstruction, beside one triangulation of the same points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from scipy.spatial import Delaunay
+
+from cpm_core.benchmarks.measurement import Measurement, Patience, milliseconds_of
+from cpm_core.benchmarks.scenes import HAND, along_curves, objects
+from cpm_core.engine import Engine
+from cpm_core.initialization import uniform_grid
+from cpm_core.parameters import PRESETS
+from cpm_core.reconstruction import reconstruct_curve
+
+_POINTS = 5_000
+_STEPS = 120
+"""Steps after which contours are asked for, as a window does of a run under way."""
+
+
+def reconstructions(patience: Patience) -> Iterator[Measurement]:
+    """Contours through points that know of no image, and those of a run under way."""
+    points = along_curves(800 if patience.quick else _POINTS)
+    ours = milliseconds_of(lambda: reconstruct_curve(points), patience)
+    peer = milliseconds_of(lambda: Delaunay(points), patience)
+    yield Measurement("reconstruction", f"curves through {len(points)} points", ours, "ms", "1 triangulation", peer)
+    parameters = replace(PRESETS["automatic"], scales=1)
+    engine = Engine(objects((160, 220) if patience.quick else HAND), parameters)
+    state = engine.start(uniform_grid(engine.image.shape))
+    for _ in range(_STEPS):
+        state = engine.step(state, parameters)
+    ours = milliseconds_of(lambda: engine.result(state, parameters), patience)
+    peer = milliseconds_of(lambda: Delaunay(state.position), patience)
+    what = f"contours of a run, {len(state.position)} particles"
+    yield Measurement("reconstruction", what, ours, "ms", "1 triangulation", peer)

@@ -1,0 +1,79 @@
+"""What is worked on: images of many objects, and particles along curves."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+HAND = (398, 548)
+"""Size of a radiograph of a hand, as in the publication [px]."""
+
+_CELL = 72
+"""Side of the square that each object has for itself [px]."""
+
+_PITCH = 1.5
+"""Distance of neighbours along a curve, as at the end of a run [px]."""
+
+_ON_A_CURVE = 400
+"""Particles on one closed curve."""
+
+
+def objects(shape: tuple[int, int], seed: int = 0) -> Array:
+    """Image of bright objects of several sizes and grey levels on an uneven ground, with a little noise.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Rows and columns; a larger image has more objects of the same sizes.
+    seed : int
+        For sizes, grey levels and noise.
+
+    Returns
+    -------
+    ndarray, shape (H, W)
+        Grey levels from about 30 to 230.
+    """
+    random = np.random.default_rng(seed)
+    row, col = np.indices(shape, dtype=float)
+    values = 45.0 + 25.0 * col / shape[1] + random.normal(0.0, 2.0, shape)
+    for top in range(0, shape[0] - _CELL + 1, _CELL):
+        for left in range(0, shape[1] - _CELL + 1, _CELL):
+            here = (slice(top, top + _CELL), slice(left, left + _CELL))
+            tall, wide = random.uniform(14.0, 28.0, 2)
+            across = np.hypot((row[here] - top - 36.2) / tall, (col[here] - left - 35.7) / wide)
+            values[here] += random.uniform(60.0, 140.0) * np.clip((1.0 - across) * min(tall, wide) + 0.5, 0.0, 1.0)
+    return values
+
+
+def one_object(shape: tuple[int, int]) -> tuple[float, float]:
+    """Centre (row, col) of an object of `objects` near the middle of the image [px]."""
+    row, col = ((n // _CELL // 2) * _CELL for n in shape)
+    return row + 36.2, col + 35.7
+
+
+def along_curves(count: int, seed: int = 0) -> Array:
+    """Particles as they lie at the end of a run: along closed curves, not quite evenly.
+
+    Parameters
+    ----------
+    count : int
+        About how many.
+    seed : int
+        For the unevenness.
+
+    Returns
+    -------
+    ndarray, shape (N, 2)
+        Positions [px].
+    """
+    curves = max(1, count // _ON_A_CURVE)
+    each = count // curves
+    radius = _PITCH * each / (2.0 * np.pi)
+    angle = 2.0 * np.pi * np.arange(each) / each
+    curve = radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    side = int(np.ceil(np.sqrt(curves)))
+    centres = 2.5 * radius * np.stack(np.divmod(np.arange(curves), side), axis=1)
+    points = (centres[:, None] + curve).reshape(-1, 2)
+    return points + np.random.default_rng(seed).normal(0.0, 0.1, points.shape)

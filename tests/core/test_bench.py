@@ -1,0 +1,186 @@
+"""``cpm bench``: what it measures is what it says, and it tells the same as a table and as JSON."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from cpm_core import cli, coulomb_force, electric_field
+from cpm_core.benchmarks import measurement, table
+from cpm_core.benchmarks.coulomb import all_pairs, coulomb_error
+from cpm_core.benchmarks.field import field_error
+from cpm_core.benchmarks.measurement import QUICK, Measurement, Patience, seconds_of
+from cpm_core.benchmarks.runs import whole_runs
+from cpm_core.benchmarks.scenes import along_curves, objects, one_object
+from cpm_core.image import Image
+from cpm_core.regions import Regions
+from cpm_core.segmentation import segment
+
+KEYS = ["part", "what", "value", "unit", "peer", "peer_value", "error", "growth", "note", "ratio"]
+PARTS = ["run", "field", "coulomb", "step", "reconstruction", "start"]
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """All that the quick run measures."""
+    return list(table.measurements(QUICK))
+
+
+@pytest.fixture
+def command(monkeypatch, capsys, measured):
+    """Function that runs the command on what has been measured already."""
+    monkeypatch.setattr("cpm_core.cli.bench.measurements", lambda _patience, _image: iter(measured))
+
+    def run(*arguments):
+        status = cli.main(["bench", *map(str, arguments)])
+        output = capsys.readouterr()
+        return status, output.out, output.err
+
+    return run
+
+
+def test_every_part_is_measured_beside_something(measured):
+    assert list(dict.fromkeys(row.part for row in measured)) == PARTS
+    for part in PARTS:
+        assert any(row.part == part and row.ratio for row in measured)
+    for row in measured:
+        assert row.value > 0.0
+        assert row.unit in ("s", "ms")
+        assert (row.peer is None) == (row.peer_value is None) == (row.ratio is None)
+        if row.ratio is not None:
+            assert row.ratio == pytest.approx(row.value / row.peer_value)
+    assert {row.part for row in measured if row.growth is not None} == {"run", "coulomb"}
+
+
+def test_what_is_measured_is_right(measured):
+    errors = {row.what: row.error for row in measured if row.error is not None}
+    assert len(errors) >= 6
+    for what, error in errors.items():
+        bound = 1e-3 if "Coulomb" in what else 1e-6 if "single" in what else 1e-12
+        assert error <= bound, what
+
+
+def test_json_is_one_object_with_the_rows_of_the_table(command, measured):
+    status, out, err = command("--json", "--quick")
+    facts = json.loads(out)
+    assert (status, err) == (0, "")
+    assert list(facts) == ["machine", "quick", "seconds", "measurements"]
+    assert facts["machine"]["cores"] >= 1
+    assert facts["quick"] is True
+    assert [list(row) for row in facts["measurements"]] == [KEYS] * len(measured)
+    status, out, err = command()
+    lines = out.splitlines()
+    assert (status, err) == (0, "")
+    assert [line for line in lines if "  " in line][1:] == lines[2:-1]
+    for line, row in zip(lines[2:-1], facts["measurements"], strict=True):
+        assert line.startswith(row["what"])
+        assert row["unit"] in line
+        assert row["peer"] is None or row["peer"] in line
+        assert all(name in line for name in ("error", "growth") if row[name] is not None)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--image", "none.png"), "does not exist"),
+        (("--image", "dot.png"), "1 x 1 px"),
+        (("--image", "flat.png"), "constant"),
+        (("--fast",), "--fast"),
+        (("--image",), "--image"),
+    ],
+    ids=str,
+)
+def test_bad_input_is_one_line_on_standard_error(tmp_path, monkeypatch, capsys, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    PIL.Image.new("L", (1, 1)).save("dot.png")
+    PIL.Image.new("L", (40, 40), 9).save("flat.png")
+    assert cli.main(["bench", "--quick", *arguments]) == 2
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err.startswith("cpm: ")
+    assert output.err.count("\n") == 1
+    assert words in output.err
+
+
+def test_an_image_of_the_users_own_takes_the_place_of_the_scene():
+    values = objects((80, 90))
+    rows = list(whole_runs(QUICK, Image(values, source="mine.png")))
+    assert len(rows) == 3
+    assert all(row.what == "mine.png 80 x 90, start everywhere" and row.ratio for row in rows)
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that stands still but when work moves it: a list of one time [s]."""
+    now = [0.0]
+    monkeypatch.setattr(measurement, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    return now
+
+
+def taking(clock, times):
+    """Work that takes these times, one after the other."""
+    left = iter(times)
+
+    def work():
+        clock[0] += next(left)
+
+    return work, left
+
+
+def test_a_time_is_the_median_of_some_and_the_first_is_left_out(clock):
+    work, left = taking(clock, [2.0, 0.3, 0.1, 0.2, 0.5])
+    assert seconds_of(work, Patience(seconds=10.0, repeats=3)) == pytest.approx(0.2)
+    assert next(left) == 0.5
+
+
+def test_once_the_time_is_up_nothing_is_repeated(clock):
+    work, left = taking(clock, [0.4, 0.3, 0.4, 0.5])
+    assert seconds_of(work, Patience(seconds=1.0, repeats=9)) == pytest.approx(0.35)
+    assert next(left) == 0.5
+
+
+def test_what_takes_long_is_done_once(clock):
+    work, left = taking(clock, [3.1, 0.5])
+    assert seconds_of(work, Patience(seconds=1.0)) == pytest.approx(3.1)
+    assert next(left) == 0.5
+
+
+def test_without_a_peer_there_is_no_ratio():
+    assert Measurement("run", "a run", 1.0, "s").ratio is None
+
+
+def test_the_loop_over_all_pairs_is_the_coulomb_force():
+    points = along_curves(1200)
+    assert coulomb_error(points, all_pairs(points)) < 1e-12
+    assert coulomb_error(points, 1.01 * all_pairs(points)) == pytest.approx(0.01, rel=1e-6)
+    np.testing.assert_allclose(all_pairs(points), coulomb_force(points, method="exact"), rtol=1e-9, atol=1e-9)
+
+
+def test_the_error_of_a_field_is_told():
+    f = np.random.default_rng(0).uniform(size=(30, 26))
+    field = electric_field(f)
+    assert field_error(f, field) < 1e-12
+    assert field_error(f, 1.01 * field) == pytest.approx(0.01, rel=0.1)
+
+
+@pytest.mark.parametrize("count", [300, 5000])
+def test_particles_along_curves_keep_their_distance(count):
+    points = along_curves(count)
+    assert abs(len(points) - count) < 100
+    apart = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1)
+    assert np.median(apart) == pytest.approx(1.5, abs=0.1)
+
+
+def test_the_scene_has_objects_and_a_circle_in_one_of_them_finds_it():
+    values = objects((160, 220))
+    row, col = center = one_object(values.shape)
+    near = (slice(int(row) - 5, int(row) + 6), slice(int(col) - 5, int(col) + 6))
+    assert values[near].min() > values.mean()
+    around = Regions(interest=[[(row + r, col + c) for r, c in ((-34, -34), (-34, 34), (34, 34), (34, -34))]])
+    angle = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    seeds = np.array(center) + 8.0 * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    (contour,) = segment(values, seeds, regions=around).contours
+    assert contour.closed
+    assert np.all(np.ptp(contour.points, axis=0) > 26.0)

@@ -1,0 +1,34 @@
+"""The benchmarks can be run, and the ordinary tests do not run them."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+FILES = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "tests" / "benchmarks").glob("bench_*.py"))
+
+
+def pytest_run(*arguments):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments],
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+    )
+
+
+def test_each_benchmark_can_be_run():
+    assert len(FILES) >= 4
+    done = pytest_run("--benchmark-disable", *FILES)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert " passed" in done.stdout
+
+
+def test_no_benchmark_is_collected_by_itself():
+    done = pytest_run("--collect-only", "tests/benchmarks")
+    assert "no tests collected" in done.stdout, done.stdout + done.stderr
