@@ -50,7 +50,7 @@ _PART, _LEAST_LINES = 2**15, 16
 
 _FIELD_PRECISION = np.float32
 """The transforms of the field are done in single precision: only its direction and what it falls to on an edge are
-used. They change by a few 1e-6, contours by less than a thousandth of a pixel."""
+used. The force changes by about 1e-6, contours of shapes by less than a thousandth of a pixel."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -123,7 +123,8 @@ def _kernel_spectra(shape: tuple[int, ...], padded: tuple[int, ...], power: floa
     grid = np.meshgrid(*(np.arange(size // 2 + 1, dtype=float) for size in padded), indexing="ij", sparse=True)
     squared = sum((g**2 for g in grid[1:]), start=grid[0] ** 2)
     squared[(0,) * len(shape)] = np.inf  # no charge acts on itself
-    decay = squared ** (-0.5 * (power + 1.0))
+    # a root is several times faster than a power
+    decay = 1.0 / (squared * np.sqrt(squared)) if power == 2.0 else squared ** (-0.5 * (power + 1.0))
     for axis, n in enumerate(shape):  # beyond any difference of two pixels: never read
         decay[(slice(None),) * axis + (slice(n, None),)] = 0.0
     spectra = []

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from scipy import ndimage, special
 
-from cpm_core import edge_map, electric_field
+from cpm_core import circle, edge_map, electric_field, segment
+from cpm_core import level as level_of
 from cpm_core.field.interpolation import interpolate
 from cpm_core.level import WEAKEST_EDGE, build_level
 
-from .scenes import disk
+from .scenes import disk, ring, u_shape
 
 
 def straight_edge(shape, angle, offset, width=0.6):
@@ -108,3 +109,23 @@ def test_mirrored_and_turned_images_have_such_forces():
     np.testing.assert_allclose(build_level(image.T, 1.0, 0.0).lorentz, [col.T, row.T], atol=5e-6)
     turned = build_level(np.rot90(image), 1.0, 0.0).lorentz
     np.testing.assert_allclose(turned, [-np.rot90(col), np.rot90(row)], atol=5e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "seeds"),
+    [
+        (disk((110, 104), (54.2, 51.7), 30.3).values, circle((60, 60), 12)),
+        (ring((110, 112), (54.3, 55.8), 20.0, 40.0).values, circle((54, 84), 10)),
+        (u_shape().values, circle((60, 40), 12)),
+    ],
+    ids=["disk", "ring", "U"],
+)
+def test_single_precision_of_the_field_moves_contours_by_less_than_a_thousandth_of_a_pixel(monkeypatch, values, seeds):
+    """Seen: 1e-4 at most."""
+    single = segment(values, seeds).contours
+    monkeypatch.setattr(level_of, "_FIELD_PRECISION", np.float64)
+    double = segment(values, seeds).contours
+    assert [len(contour.points) for contour in single] == [len(contour.points) for contour in double]
+    for one, other in zip(single, double, strict=True):
+        apart = np.abs(one.points - other.points).max()
+        assert 0.0 < apart < 1e-3
