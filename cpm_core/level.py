@@ -159,7 +159,7 @@ def build_level(
         Fields of the scale.
     """
     if known is not None and known.values is values and known.smoothing == smoothing:
-        grad = known.gradient
+        grad = np.ascontiguousarray(known.gradient)
     else:
         grad = gradient(values, smoothing)
     strength = magnitude(grad)
