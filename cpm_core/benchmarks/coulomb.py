@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from math import log
 
 import numpy as np
@@ -30,8 +31,8 @@ def coulomb_forces(patience: Patience) -> Iterator[Measurement]:
         if before is not None and 1e-3 * before[1] * (count / before[0]) ** 2 > TOO_LONG:
             return
         points = along_curves(count)
-        ours = milliseconds_of(lambda: coulomb_force(points), patience)  # noqa: B023  # done with before the next round
-        pairs = milliseconds_of(lambda: all_pairs(points), patience) if count <= _MOST_PAIRS else None  # noqa: B023
+        works = [partial(coulomb_force, points)] + ([partial(all_pairs, points)] if count <= _MOST_PAIRS else [])
+        ours, *pairs = milliseconds_of(patience, *works)
         growth = None if before is None else log(ours / before[1]) / log(len(points) / before[0])
         before = len(points), ours
         yield Measurement(
@@ -39,8 +40,8 @@ def coulomb_forces(patience: Patience) -> Iterator[Measurement]:
             f"Coulomb force, {len(points)} particles",
             ours,
             "ms",
-            None if pairs is None else "loop over all pairs, 1 core",
-            pairs,
+            "loop over all pairs, 1 core" if pairs else None,
+            pairs[0] if pairs else None,
             coulomb_error(points, coulomb_force(points)),
             growth,
         )

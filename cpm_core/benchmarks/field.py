@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import scipy.fft
@@ -29,12 +30,13 @@ def fields(patience: Patience) -> Iterator[Measurement]:
     """The field at several sizes, in both precisions; and the levels of a scene, anew and after one parameter moved."""
     for side in (64, 128) if patience.quick else (256, 512, 1024):
         f = edge_map(objects((side, side)))
-        bare = milliseconds_of(lambda: _bare(2 * side), patience)  # noqa: B023  # done with before the next round
-        for name, field in (("", electric_field), (", single precision", _single)):
-            ours = milliseconds_of(lambda: field(f), patience)  # noqa: B023
-            yield Measurement(
-                "field", f"field {side} x {side}{name}", ours, "ms", _PEER, bare, field_error(f, np.asarray(field(f)))
-            )
+        methods: dict[str, Callable[[Array], Array]] = {"": electric_field, ", single precision": _single}
+        *ours, bare = milliseconds_of(
+            patience, *(partial(method, f) for method in methods.values()), partial(_bare, 2 * side)
+        )
+        for (name, method), value in zip(methods.items(), ours, strict=True):
+            what, error = f"field {side} x {side}{name}", field_error(f, np.asarray(method(f)))
+            yield Measurement("field", what, value, "ms", _PEER, bare, error)
     yield from _levels(patience)
 
 
@@ -69,10 +71,10 @@ def _levels(patience: Patience) -> Iterator[Measurement]:
     """What particles feel, at all scales; then at the finest one when a parameter moves to where it has never been."""
     values, start = objects((160, 220) if patience.quick else HAND), PRESETS["automatic"]
     size = " x ".join(map(str, values.shape))
-    ours = milliseconds_of(lambda: Engine(values, start), patience)
-    yield Measurement("field", f"engine {size}, {start.scales} scales", ours)
+    (ours,) = milliseconds_of(patience, lambda: Engine(values, start))
+    yield Measurement("field", f"all that is felt, {size}, {start.scales} scales", ours)
     engine = Engine(values, start)
     for name, step in (("smoothing", 0.01), ("edge_floor", 0.0001), ("beta", 0.001)):
         moved = [replace(start, **{name: getattr(start, name) + step * k}) for k in range(1, patience.repeats + 2)]
-        anew = milliseconds_of(lambda: engine.level(moved.pop()), patience)  # noqa: B023
-        yield Measurement("field", f"another {name}, finest scale", anew, "ms", "engine", ours)
+        (anew,) = milliseconds_of(patience, lambda: engine.level(moved.pop()))  # noqa: B023  # done with by then
+        yield Measurement("field", f"the finest scale for another {name}", anew, "ms", "all that is felt", ours)

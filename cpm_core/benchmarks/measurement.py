@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 
@@ -57,7 +57,7 @@ class Patience:
     Attributes
     ----------
     seconds : float
-        Time to spend on one thing, once it has been done twice [s].
+        Time to spend on one piece of work, once it has been done twice [s].
     repeats : int
         How often to do it at most.
     quick : bool
@@ -78,24 +78,32 @@ TOO_LONG = 20.0
 UNHURRIED, QUICK = Patience(), Patience(seconds=0.05, repeats=3, quick=True)
 
 
-def seconds_of(work: Callable[[], object], patience: Patience) -> float:
-    """Median time that some work takes [s].
+def seconds_of(patience: Patience, *works: Callable[[], object]) -> list[float]:
+    """Median times that several pieces of work take [s].
 
-    The first time that it is done fills caches and does not count, unless it has taken so long that this makes no
-    difference.
+    They are done in turn, so that whatever else the machine does meanwhile slows down one as much as the other. The
+    first round fills caches and does not count, unless it has taken so long that this makes no difference.
     """
     began = time.perf_counter()
-    work()
-    times = [time.perf_counter() - began]
-    if times[0] > _LONG * patience.seconds:
-        return times[0]
-    while len(times) == 1 or (len(times) <= patience.repeats and time.perf_counter() - began < patience.seconds):
+    rounds = [_round(works)]
+    if sum(rounds[0]) > _LONG * patience.seconds * len(works):
+        return rounds[0]
+    end = began + patience.seconds * len(works)
+    while len(rounds) == 1 or (len(rounds) <= patience.repeats and time.perf_counter() < end):
+        rounds.append(_round(works))
+    return [statistics.median(times) for times in zip(*rounds[1:], strict=True)]
+
+
+def milliseconds_of(patience: Patience, *works: Callable[[], object]) -> list[float]:
+    """Median times that several pieces of work take [ms]; see `seconds_of`."""
+    return [1e3 * seconds for seconds in seconds_of(patience, *works)]
+
+
+def _round(works: Sequence[Callable[[], object]]) -> list[float]:
+    """How long each piece of work takes, done once [s]."""
+    times = []
+    for work in works:
         start = time.perf_counter()
         work()
         times.append(time.perf_counter() - start)
-    return statistics.median(times[1:])
-
-
-def milliseconds_of(work: Callable[[], object], patience: Patience) -> float:
-    """Median time that some work takes [ms]; see `seconds_of`."""
-    return 1e3 * seconds_of(work, patience)
+    return times

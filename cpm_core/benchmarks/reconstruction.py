@@ -22,15 +22,13 @@ _STEPS = 120
 def reconstructions(patience: Patience) -> Iterator[Measurement]:
     """Contours through points that know of no image, and those of a run under way."""
     points = along_curves(800 if patience.quick else _POINTS)
-    ours = milliseconds_of(lambda: reconstruct_curve(points), patience)
-    peer = milliseconds_of(lambda: Delaunay(points), patience)
+    ours, peer = milliseconds_of(patience, lambda: reconstruct_curve(points), lambda: Delaunay(points))
     yield Measurement("reconstruction", f"curves through {len(points)} points", ours, "ms", "1 triangulation", peer)
     parameters = replace(PRESETS["automatic"], scales=1)
     engine = Engine(objects((160, 220) if patience.quick else HAND), parameters)
     state = engine.start(uniform_grid(engine.image.shape))
     for _ in range(_STEPS):
         state = engine.step(state, parameters)
-    ours = milliseconds_of(lambda: engine.result(state, parameters), patience)
-    peer = milliseconds_of(lambda: Delaunay(state.position), patience)
+    ours, peer = milliseconds_of(patience, lambda: engine.result(state, parameters), lambda: Delaunay(state.position))
     what = f"contours of a run, {len(state.position)} particles"
     yield Measurement("reconstruction", what, ours, "ms", "1 triangulation", peer)

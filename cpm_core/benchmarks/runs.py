@@ -46,9 +46,10 @@ def whole_runs(patience: Patience, image: Image | None = None) -> Iterator[Measu
     values = image.values if image is not None else objects((160, 220) if patience.quick else HAND)
     name = image.source if image is not None else "scene"
     what = f"{name} {_size(values)}, start everywhere"
-    ours = seconds_of(lambda: _everywhere(values), patience)
-    for peer, work in _level_sets(values).items():
-        yield Measurement("run", what, ours, "s", peer, seconds_of(work, patience))
+    peers = _level_sets(values)
+    ours, *theirs = seconds_of(patience, lambda: _everywhere(values), *peers.values())
+    for peer, seconds in zip(peers, theirs, strict=True):
+        yield Measurement("run", what, ours, "s", peer, seconds)
     if image is None:
         yield _one_object(values, patience)
         yield from _growth(values.shape, ours, patience)
@@ -89,9 +90,9 @@ def _one_object(values: Array, patience: Patience) -> Measurement:
         smooth = skimage.filters.gaussian(values / 255.0, 2.0)
         return skimage.segmentation.active_contour(smooth, around, alpha=0.015, beta=1.0, gamma=0.01)
 
-    ours = seconds_of(lambda: segment(values, circle(center, _RADIUS)), patience)
+    ours, peer = seconds_of(patience, lambda: segment(values, circle(center, _RADIUS)), snake)
     what = f"scene {_size(values)}, circle in one object"
-    return Measurement("run", what, ours, "s", "active contour from around it", seconds_of(snake, patience))
+    return Measurement("run", what, ours, "s", "active contour from around it", peer)
 
 
 def _growth(shape: tuple[int, ...], seconds: float, patience: Patience) -> Iterator[Measurement]:
@@ -102,7 +103,7 @@ def _growth(shape: tuple[int, ...], seconds: float, patience: Patience) -> Itera
         if 2.0 * seconds > TOO_LONG:
             return
         values, before = objects(larger), seconds
-        seconds = seconds_of(partial(_everywhere, values), patience)
+        (seconds,) = seconds_of(patience, partial(_everywhere, values))
         growth = log(seconds / before) / log(values.size / pixels)
         pixels = values.size
         yield Measurement("run", f"scene {_size(values)}, start everywhere", seconds, "s", growth=growth)

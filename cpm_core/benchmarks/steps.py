@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from cpm_core.benchmarks.measurement import Measurement, Patience, milliseconds_of
 from cpm_core.benchmarks.scenes import objects
@@ -31,8 +32,8 @@ def steps(patience: Patience) -> Iterator[Measurement]:
             for _ in range(_TIMED):
                 state = engine.step(state, parameters)
 
-        one = milliseconds_of(some, patience) / _TIMED
-        force = milliseconds_of(lambda: coulomb_force(state.position), patience)  # noqa: B023
+        some_steps, force = milliseconds_of(patience, some, partial(coulomb_force, state.position))
+        one = some_steps / _TIMED
         particles = len(state.position)
         note = f"{1e3 / one:.0f} steps/s, {1e6 * one / particles:.0f} ns a particle"
         yield Measurement("step", f"step, {particles} particles", one, "ms", "Coulomb force alone", force, note=note)

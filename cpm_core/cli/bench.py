@@ -62,5 +62,7 @@ def _line(row: Measurement) -> str:
 
 
 def _time(value: float, unit: str) -> str:
-    """Time with three digits."""
-    return f"{value:.0f} {unit}" if value >= 100.0 else f"{value:.3g} {unit}"
+    """Time with three digits, in a unit that suits its size."""
+    seconds = value * {"s": 1.0, "ms": 1e-3}[unit]
+    factor, shown = (1.0, "s") if seconds >= 1.0 else (1e3, "ms") if seconds >= 1e-4 else (1e6, "µs")
+    return f"{float(f'{seconds * factor:.3g}'):g} {shown}"

@@ -1,6 +1,7 @@
 """``cpm bench``: what it measures is what it says, and it tells the same as a table and as JSON."""
 
 import json
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,6 +15,7 @@ from cpm_core.benchmarks.field import field_error
 from cpm_core.benchmarks.measurement import QUICK, Measurement, Patience, seconds_of
 from cpm_core.benchmarks.runs import whole_runs
 from cpm_core.benchmarks.scenes import along_curves, objects, one_object
+from cpm_core.cli.bench import _time as time_in_words
 from cpm_core.image import Image
 from cpm_core.regions import Regions
 from cpm_core.segmentation import segment
@@ -76,7 +78,7 @@ def test_json_is_one_object_with_the_rows_of_the_table(command, measured):
     assert [line for line in lines if "  " in line][1:] == lines[2:-1]
     for line, row in zip(lines[2:-1], facts["measurements"], strict=True):
         assert line.startswith(row["what"])
-        assert row["unit"] in line
+        assert re.search(r"[\d.]+ (s|ms|µs)\b", line[len(row["what"]) :])
         assert row["peer"] is None or row["peer"] in line
         assert all(name in line for name in ("error", "growth") if row[name] is not None)
 
@@ -131,20 +133,47 @@ def taking(clock, times):
 
 def test_a_time_is_the_median_of_some_and_the_first_is_left_out(clock):
     work, left = taking(clock, [2.0, 0.3, 0.1, 0.2, 0.5])
-    assert seconds_of(work, Patience(seconds=10.0, repeats=3)) == pytest.approx(0.2)
+    assert seconds_of(Patience(seconds=10.0, repeats=3), work) == pytest.approx([0.2])
     assert next(left) == 0.5
 
 
 def test_once_the_time_is_up_nothing_is_repeated(clock):
     work, left = taking(clock, [0.4, 0.3, 0.4, 0.5])
-    assert seconds_of(work, Patience(seconds=1.0, repeats=9)) == pytest.approx(0.35)
+    assert seconds_of(Patience(seconds=1.0, repeats=9), work) == pytest.approx([0.35])
     assert next(left) == 0.5
 
 
 def test_what_takes_long_is_done_once(clock):
     work, left = taking(clock, [3.1, 0.5])
-    assert seconds_of(work, Patience(seconds=1.0)) == pytest.approx(3.1)
+    assert seconds_of(Patience(seconds=1.0), work) == pytest.approx([3.1])
     assert next(left) == 0.5
+
+
+def test_ours_and_its_peers_are_done_in_turn(clock):
+    done = []
+
+    def work(name, seconds):
+        done.append(name)
+        clock[0] += seconds
+
+    times = seconds_of(Patience(seconds=1.0, repeats=2), lambda: work("ours", 0.2), lambda: work("peer", 0.3))
+    assert times == pytest.approx([0.2, 0.3])
+    assert done == ["ours", "peer"] * 3
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "told"),
+    [
+        (0.000012345, "s", "12.3 µs"),
+        (0.25, "ms", "0.25 ms"),
+        (12.345, "ms", "12.3 ms"),
+        (7764.0, "ms", "7.76 s"),
+        (16.06, "s", "16.1 s"),
+        (0.2, "s", "200 ms"),
+    ],
+)
+def test_a_time_is_told_in_a_unit_of_its_size(value, unit, told):
+    assert time_in_words(value, unit) == told
 
 
 def test_without_a_peer_there_is_no_ratio():
