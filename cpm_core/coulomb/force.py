@@ -67,9 +67,11 @@ def coulomb_force(
     if not len(points):
         return np.zeros((0, 2))
     y, x = points[:, 0].copy(), points[:, 1].copy()
-    extent = float(max(y.max() - y.min(), x.max() - x.min()))
-    if not np.isfinite(extent):
+    with np.errstate(over="ignore", invalid="ignore"):
+        height, width = float(y.max() - y.min()), float(x.max() - x.min())
+    if not np.isfinite(height + width):
         raise ValueError("positions must be finite numbers; there are others among them, or they lie too far apart.")
+    extent = max(height, width)
     # A power of two rounds nothing.
     scale = float(2.0 ** np.ceil(np.log2(extent))) if extent > 0.0 else 1.0
     y /= scale
