@@ -28,8 +28,7 @@ ROWS = SIDE * SIDE
 LANES = 16
 """Far boxes that are worked on side by side; a multiple of what the vector registers hold."""
 
-
-INVERSE = tuple(1.0 / max(n, 1) for n in range(SIDE))
+INVERSE = 1.0 / np.maximum(np.arange(SIDE), 1)
 
 
 @compiled
@@ -88,7 +87,7 @@ def add_far(box: Array, moments: Array, boxes: Index, far: Boxes, far_end: Index
                     for n in range(a * side, a * side + side - a):
                         m[n * LANES + lane] = moments[source, n] if there else 0.0
             for n in range(1, side):
-                one, two = (1.0 - 2.0 * n) * INVERSE[n], (1.0 - n) * INVERSE[n]
+                one, two = (1.0 - 2.0 * n) / n, (1.0 - n) / n
                 for b in range(n + 1):
                     a = n - b
                     c_y, c_x, c_yy, c_xx = one * a, one * b, two * a * (a - 1), two * b * (b - 1)
@@ -99,14 +98,14 @@ def add_far(box: Array, moments: Array, boxes: Index, far: Boxes, far_end: Index
                         first = c_y * y[lane] * d[d_y + lane] + c_x * x[lane] * d[d_x + lane]
                         second = c_yy * d[d_yy + lane] + c_xx * d[d_xx + lane]
                         d[out + lane] = inverse[lane] * (first + second)
-            for a in range(SIDE):
-                for b in range(SIDE - a):
+            for a in range(side):
+                for b in range(side - a):
                     total = 0.0
-                    for k in range(SIDE - a - b):
-                        in_d, in_m = ((a + k) * SIDE + b) * LANES, k * SIDE * LANES
-                        for n in range((SIDE - a - b - k) * LANES):
+                    for k in range(side - a - b):
+                        in_d, in_m = ((a + k) * side + b) * LANES, k * side * LANES
+                        for n in range((side - a - b - k) * LANES):
                             total += d[in_d + n] * m[in_m + n]
-                    local[row, a * SIDE + b] += total
+                    local[row, a * side + b] += total
 
 
 @compiled

@@ -94,10 +94,9 @@ def _split(points: Array, order: Index, box: Array, first: int, last: int, level
             box[node, 2] = 0.5 * np.sqrt((high_y - low_y) ** 2 + (high_x - low_x) ** 2)
             box[node, 3] = end - start
             if node < deepest:
-                axis = 0 if high_y - low_y > high_x - low_x else 1
-                _halve(
-                    points[axis], points[1 - axis], order, start, end - 1, (total * (2 * k + 1)) >> (level + down + 1)
-                )
+                longer = 0 if high_y - low_y > high_x - low_x else 1
+                middle = (total * (2 * k + 1)) >> (level + down + 1)
+                _halve(points[longer], points[1 - longer], order, start, end - 1, middle)
 
 
 @compiled
