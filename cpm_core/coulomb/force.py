@@ -45,7 +45,8 @@ def coulomb_force(
     Returns
     -------
     ndarray, shape (N, 2) or (M, 2)
-        ``sum_j (r_i - r_j) / |r_i - r_j|^3``, not normalised. Particles on the very same spot do not act on each other.
+        ``sum_j (r_i - r_j) / |r_i - r_j|^3``, not normalised. Particles on the very same spot do not act on each other;
+        as such count those that are nearer to one another than 1e-18 of what all of them extend over.
 
     Raises
     ------
@@ -77,7 +78,7 @@ def coulomb_force(
         raise ValueError("positions must be finite numbers; there are others among them, or they lie too far apart.")
     extent = max(height, width)
     # A power of two rounds nothing.
-    scale = float(2.0 ** np.ceil(np.log2(extent))) if extent > 0.0 else 1.0
+    scale = float(2.0 ** np.floor(np.log2(extent))) if extent > 0.0 else 1.0
     y /= scale
     x /= scale
     force = _unit_force(y, x, method, wanted, tolerance)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.coulomb.pairs import SAME_SPOT, pairs_of
+from cpm_core.coulomb.pairs import pairs_of
 from cpm_core.coulomb.series import INVERSE
 from cpm_core.kernels import compiled
 
@@ -15,6 +15,10 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Boxes = NDArray[np.int32]
 Flags = NDArray[np.bool_]
+
+_LEAST_RADIUS = 1e-15
+"""Radius of the smallest leaf whose own unit of length is used: seen from a smaller one, single precision would have no
+number for the squared distance of the farthest particle."""
 
 
 @compiled
@@ -42,7 +46,7 @@ def sum_near(
         if node < leaves or not flags[node]:
             continue
         # Lengths in about radii of the leaf, of which single precision has the most; powers of two round nothing.
-        scale = math.ldexp(1.0, -math.frexp(box[node, 2])[1]) if box[node, 2] > SAME_SPOT else 1.0
+        scale = math.ldexp(1.0, -math.frexp(box[node, 2])[1]) if box[node, 2] > _LEAST_RADIUS else 1.0
         count = 0
         for n in range(near_end[row], near_end[row + 1]):
             k = near[n] - leaves

@@ -12,9 +12,9 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 SAME_SPOT = 1e-36
-"""Squared distance below which two particles stand on the same spot; a bound instead of a branch keeps the loop on
-vector registers, and a pair on one spot adds its vanishing distance, which is nothing. Positions are on the unit square
-here, where no two that are not the same are that near."""
+"""Squared distance up to which two particles stand on the same spot. Such a pair, and a particle and itself, is taken
+for one that is a unit apart but for its vanishing distance, which pushes nothing; no branch then keeps the loop from
+vector registers. Positions are within some units here, where no two that are not the same are that near."""
 
 _WORTH_A_THREAD = 100_000
 """Pairs from which on a thread of its own pays."""

@@ -63,6 +63,7 @@ def scenes():
         "many twins": np.repeat(rng.uniform(0.0, 500.0, (2000, 2)), 2, axis=0),
         "near twins": np.repeat(rng.uniform(0.0, 500.0, (2000, 2)), 2, axis=0) + rng.normal(0.0, 1e-9, (4000, 2)),
         "all scales": np.exp(rng.uniform(-25.0, 5.0, 4000))[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1),
+        "one scale in another": np.concatenate([rng.normal(0.0, 1e-14, (1500, 2)), rng.normal(0.0, 1.0, (1500, 2))]),
         "huge": rings(4000, rng) * 1e120,
         "tiny": rings(4000, rng) * 1e-120,
     }
