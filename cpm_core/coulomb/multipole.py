@@ -66,7 +66,7 @@ def tree_force(y: Array, x: Array, tolerance: float, wanted: Index | None) -> Ar
     allowed = (_SHARE * tolerance * min(tolerance, 1e-3) ** (1.0 / ORDER) * usual) ** 2
     flags = flag_boxes(tree, wanted)
     force = np.empty((len(y), 2))
-    branches = 1 << max(tree.depth - _BRANCH, 0)
+    branches = 1 << max(tree.depth - _BRANCH, min(tree.depth, TOP))
     longest = ((2 << _BRANCH) + tree.depth) << tree.depth
 
     def work(first: int, last: int) -> None:
