@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import coulomb_force
+from cpm_core import coulomb_force, threads
+from cpm_core.coulomb.force import METHODS
 
 
 def naive(points):
@@ -47,13 +48,13 @@ def test_force_is_the_sum_over_all_pairs(points, data):
     """To 1e-10 of the terms' sizes (seen: 4e-14), with any number of particles on the same spot."""
     points = with_some_twice(points, data)
     force, size = naive(points)
-    assert np.all(np.linalg.norm(coulomb_force(points) - force, axis=1) <= 1e-10 * size)
+    assert np.all(np.linalg.norm(coulomb_force(points, "exact") - force, axis=1) <= 1e-10 * size)
 
 
 def test_force_of_a_large_crowd_is_the_sum_over_all_pairs():
     points = crowd(700)
     force, _ = naive(points)
-    error = np.linalg.norm(coulomb_force(points) - force, axis=1)
+    error = np.linalg.norm(coulomb_force(points, "exact") - force, axis=1)
     assert np.all(error <= 1e-10 * np.linalg.norm(force, axis=1))
 
 
@@ -68,25 +69,29 @@ def test_particles_on_one_spot_do_not_act_on_each_other():
 
 @pytest.mark.parametrize("count", [1, 2, 50, 1500])
 def test_forces_sum_to_zero(count):
-    force = coulomb_force(crowd(count))
+    force = coulomb_force(crowd(count), "exact")
     assert np.all(np.abs(force.sum(axis=0)) <= 1e-12 * max(np.abs(force).sum(), 1e-300))
 
 
-@pytest.mark.parametrize("count", [0, 1, 100, 599, 600, 601, 1300, 3000])
-def test_same_bits_at_every_call(count):
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("count", [0, 1, 2, 301, 3000])
+def test_same_bits_whatever_the_number_of_threads(count, method, monkeypatch):
     points = crowd(count)
-    first = coulomb_force(points)
-    for _ in range(3):
-        assert coulomb_force(points).tobytes() == first.tobytes()
+    first = coulomb_force(points, method)
+    for cores in (1, 2, 3, 8):
+        monkeypatch.setattr(threads, "cores", lambda cores=cores: cores)
+        assert coulomb_force(points, method).tobytes() == first.tobytes()
 
 
+@pytest.mark.parametrize("method", ["exact", "single", "tree"])
 @pytest.mark.parametrize("count", [100, 700, 3000])
-def test_force_on_some_is_that_part_of_the_force_on_all(count):
-    """Bit for bit, though so few are summed in one thread and all of a large crowd in two."""
+def test_force_on_some_is_that_part_of_the_force_on_all(count, method):
+    """Bit for bit, in any order, and some of them twice."""
     points = crowd(count, seed=1)
     targets = np.random.default_rng(2).integers(0, count, 37)
-    assert coulomb_force(points, targets=targets).tobytes() == coulomb_force(points)[targets].tobytes()
-    assert coulomb_force(points, targets=targets[:0]).shape == (0, 2)
+    some = coulomb_force(points, method, targets=targets)
+    assert some.tobytes() == coulomb_force(points, method)[targets].tobytes()
+    assert coulomb_force(points, method, targets=targets[:0]).shape == (0, 2)
 
 
 def test_force_turns_with_the_particles_and_does_not_mind_where_they_are():
@@ -107,20 +112,29 @@ def test_force_falls_with_the_square_of_the_scale():
 @settings(max_examples=60, deadline=None)
 @given(clouds, st.data())
 def test_single_precision_gives_the_same_sum_in_fewer_digits(points, data):
-    """To 1e-4 of the terms' sizes, finite however near particles are; for steps that need no more."""
+    """To 1e-6 of the terms' sizes, finite however near particles are; for steps that need no more."""
     points = with_some_twice(points, data)
     force, size = naive(points)
     found = coulomb_force(points, method="single")
     assert found.dtype == np.float64
-    assert np.all(np.linalg.norm(found - force, axis=1) <= 1e-4 * size)
+    assert np.all(np.linalg.norm(found - force, axis=1) <= 1e-6 * size)
 
 
-def test_single_precision_of_a_crowd_is_finite_and_repeatable():
-    points = crowd(1500)
-    first, second = coulomb_force(points, method="single"), coulomb_force(points, method="single")
-    assert first.tobytes() == second.tobytes()
-    exact = coulomb_force(points)
-    assert np.abs(first - exact).max() < 1e-4 * np.abs(exact).max()
+@pytest.mark.parametrize("method", ["exact", "single", "tree"])
+@pytest.mark.parametrize("gap", [2.0**-20, 2.0**-40, 2.0**-43])
+def test_particles_that_nearly_touch_push_one_another_as_hard_as_they_should(gap, method):
+    """Though single precision has no number for it."""
+    points = np.concatenate([crowd(200), crowd(200)]) * 2.0**-9
+    points[200:] += gap
+    found, (force, _) = coulomb_force(points, method), naive(points)
+    np.testing.assert_allclose(found, force, rtol=0, atol=1e-6 * np.abs(force).max())
+
+
+def test_force_far_from_the_origin_is_that_of_the_same_particles_near_it():
+    points = np.round(crowd(500) * 1024.0) / 1024.0
+    far = points + 2.0**30
+    for method in ("exact", "single", "tree"):
+        np.testing.assert_array_equal(coulomb_force(far, method), coulomb_force(far - 2.0**30, method))
 
 
 @pytest.mark.parametrize("points", [np.zeros(4), np.zeros((3, 3)), np.zeros((2, 2, 2))], ids=str)
@@ -130,5 +144,36 @@ def test_other_shapes_are_refused(points):
 
 
 def test_unknown_method_is_refused():
-    with pytest.raises(ValueError, match="method is 'magic'"):
+    with pytest.raises(ValueError, match="method is 'magic' but must be one of auto, exact, single, tree"):
         coulomb_force(np.zeros((3, 2)), method="magic")
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("column", [0, 1, slice(None)])
+@pytest.mark.parametrize("method", METHODS)
+def test_positions_that_are_no_numbers_are_refused(bad, column, method):
+    points = crowd(10)
+    points[3, column] = bad
+    with pytest.raises(ValueError, match="positions must be finite numbers"):
+        coulomb_force(points, method)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1e-3, 0.2, np.nan])
+def test_tolerance_out_of_range_is_refused(tolerance):
+    with pytest.raises(ValueError, match=r"tolerance is .* but must be from 1e-12 to 0\.1"):
+        coulomb_force(crowd(3), tolerance=tolerance)
+
+
+@pytest.mark.parametrize(
+    ("targets", "sentence"),
+    [
+        ([0, 3], "targets go from 0 to 3 but must be indices of the 3 particles"),
+        ([-1], "targets go from -1 to -1"),
+        ([0.5], "targets must be a list of indices, not float64"),
+        ([[0, 1]], r"of the shape \(1, 2\)"),
+        (np.ones(3, bool), "not bool"),
+    ],
+)
+def test_targets_that_are_no_particles_are_refused(targets, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        coulomb_force(crowd(3), targets=targets)

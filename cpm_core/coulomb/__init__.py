@@ -1,0 +1,9 @@
+"""The Coulomb force between the free particles, eq. (9).
+
+`force` chooses how the sum is carried out: pair by pair (`pairs`), or by a fast multipole method (`multipole`), which
+sorts the particles into a tree (`tree`) and replaces groups that are far from one another by series (`series`).
+"""
+
+from cpm_core.coulomb.force import coulomb_force
+
+__all__ = ["coulomb_force"]
