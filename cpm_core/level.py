@@ -40,6 +40,9 @@ _MARGIN = 4.0
 _SUMMIT_REACH, _FIELD_REACH = 5, 3
 """Pixels across the neighbourhoods in which the crest of an edge, and the largest field beside it, are looked for."""
 
+SPLINE_MARGIN = 3
+"""Pixels by which spline coefficients go on beyond the border, so that none is missing for a place near it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Level:
@@ -96,16 +99,18 @@ class Level:
         """Edge strength at points, shape (N, D), between the pixels."""
         return interpolate(self.edge_map[None], points)[:, 0]
 
+    def normals(self, points: Array) -> Array:
+        """Image gradient at points, shape (N, D); on an edge it is normal to it."""
+        return interpolate(self.gradient, points)
+
     def contrast(self, points: Array) -> Array:
         """Contrast of the regions on both sides of an edge, at points on it, shape (N, D)."""
-        normal = interpolate(self.gradient, points)
-        return region_contrast(self.values, points, normal, self.smoothing)
+        return region_contrast(self.values, points, self.normals(points), self.smoothing)
 
     @cached_property
     def spline(self) -> Array:
-        """Cubic spline coefficients of the edge map, for sub-pixel refinement."""
-        coefficients: Array = ndimage.spline_filter(self.edge_map, order=3, mode="nearest")
-        return coefficients
+        """Cubic spline coefficients of the edge map, continued by `SPLINE_MARGIN` pixels beyond the border."""
+        return np.pad(ndimage.spline_filter(self.edge_map, order=3, mode="nearest"), SPLINE_MARGIN, mode="edge")
 
     @property
     def shape(self) -> tuple[int, ...]:
