@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cpm_core.contrast import Sides
 
 
 def lengths_along(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -25,32 +28,41 @@ class Contour:
         Whether the last vertex is joined to the first; the first is not repeated.
     strength : float
         Mean of the edge map along the curve [grey levels / px].
-    contrast : float
-        Mean contrast of the regions on both sides, from 0 for two alike to 1 for two even ones, see `contrast`.
     junctions : tuple of two bool
         Whether the first and the last vertex lie on a junction that further contours share.
+    sides : Sides or None
+        What `contrast` is measured on; None for a curve that was not found in an image.
     """
 
     points: NDArray[np.float64]
     closed: bool
     strength: float = 0.0
-    contrast: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
+    sides: Sides | None = field(default=None, repr=False)
+
+    @cached_property
+    def contrast(self) -> float:
+        """Mean contrast of the regions on both sides, from 0 for two alike to 1 for two even ones.
+
+        It takes longer to measure than a contour takes to find, and is measured when it is first asked for.
+        """
+        return self.sides.contrast if self.sides else 0.0
 
     @property
     def path(self) -> NDArray[np.float64]:
         """Vertices with the first repeated at the end when the contour is closed."""
         return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Length along the curve [px]."""
-        return float(np.linalg.norm(np.diff(self.path, axis=0), axis=1).sum())
+        path = self.path
+        return float(np.linalg.norm(path[1:] - path[:-1], axis=1).sum())
 
     @property
     def area(self) -> float:
         """Enclosed area [px²]; 0 for an open curve."""
         if not self.closed:
             return 0.0
-        row, col = self.points.T
-        return 0.5 * abs(float(row @ np.roll(col, -1) - col @ np.roll(row, -1)))
+        row, col = self.path.T
+        return 0.5 * abs(float(row[:-1] @ col[1:] - col[:-1] @ row[1:]))

@@ -5,6 +5,8 @@ The edge of an object divides two regions that differ; an edge of texture has th
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +19,31 @@ _RADIUS, _RADIUS_SMOOTHING = 4.0, 1.5
 
 _RINGS, _SPOKES = 4, 7
 """Places in a half disk: distances, and directions at each."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sides:
+    """The two sides of a contour, kept so that their contrast need be measured only when somebody asks for it.
+
+    Attributes
+    ----------
+    values : ndarray, shape (H, W)
+        Image.
+    points, normals : ndarray, shape (K, 2)
+        Vertices of the contour [px], and its normals there, of any length.
+    smoothing : float
+        Gaussian that it was found with [px].
+    """
+
+    values: Array
+    points: Array
+    normals: Array
+    smoothing: float
+
+    @property
+    def contrast(self) -> float:
+        """Mean contrast along the contour."""
+        return float(region_contrast(self.values, self.points, self.normals, self.smoothing).mean())
 
 
 def region_contrast(values: Array, points: Array, normals: Array, smoothing: float) -> Array:

@@ -52,6 +52,9 @@ _FIELD_PRECISION = np.float32
 """The transforms of the field are done in single precision: only its direction and what it falls to on an edge are
 used. The force changes by about 1e-6, contours of shapes by less than a thousandth of a pixel."""
 
+SPLINE_MARGIN = 3
+"""Pixels by which spline coefficients go on beyond the border, so that none is missing for a place near it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Level:
@@ -108,16 +111,18 @@ class Level:
         """Edge strength at points, shape (N, D), between the pixels."""
         return interpolate(self.edge_map[None], points)[:, 0]
 
+    def normals(self, points: Array) -> Array:
+        """Image gradient at points, shape (N, D); on an edge it is normal to it."""
+        return interpolate(self.gradient, points)
+
     def contrast(self, points: Array) -> Array:
         """Contrast of the regions on both sides of an edge, at points on it, shape (N, D)."""
-        normal = interpolate(self.gradient, points)
-        return region_contrast(self.values, points, normal, self.smoothing)
+        return region_contrast(self.values, points, self.normals(points), self.smoothing)
 
     @cached_property
     def spline(self) -> Array:
-        """Cubic spline coefficients of the edge map, for sub-pixel refinement."""
-        coefficients: Array = ndimage.spline_filter(self.edge_map, order=3, mode="nearest")
-        return coefficients
+        """Cubic spline coefficients of the edge map, continued by `SPLINE_MARGIN` pixels beyond the border."""
+        return np.pad(ndimage.spline_filter(self.edge_map, order=3, mode="nearest"), SPLINE_MARGIN, mode="edge")
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -151,9 +151,11 @@ def skeleton(
 def _branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:
     """Branches of an axis, and their radii."""
     graph = Graph(axis.points, axis.edges)
-    points = [([v], False) for v in range(len(axis.points)) if graph.degree(v) == 0]
+    ways = graph.ways()
+    walks = [(ways.path(n), bool(ways.closed[n])) for n in range(len(ways))]
+    points = [(np.array([v]), False) for v in np.flatnonzero(graph.degrees == 0)]
     found = []
-    for path, closed in [*graph.walks(), *points]:
+    for path, closed in [*walks, *points]:
         forks = (False, False) if closed else (graph.degree(path[0]) > 2, graph.degree(path[-1]) > 2)
         strength = float(boundary.strength[axis.nearest[path]].mean())
         contour = Contour(axis.points[path], closed, strength, junctions=forks)

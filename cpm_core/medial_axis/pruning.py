@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
@@ -42,14 +40,12 @@ def prune(axis: Axis, pruning: float) -> Axis:
     """
     if not len(axis.edges):
         return axis
-    graph = Graph(axis.points, axis.edges)
     count, part = parts(axis)
     roots = _largest(axis.radius, part, count)
-    _cut_back(graph, axis.radius, set(roots.tolist()), pruning)
+    graph = Graph(axis.points, _cut_back(axis, set(roots.tolist()), pruning))
     _drop_stubs(graph)
     _merge_junctions(graph, axis.radius)
-    listed = [(v, w) for v, linked in enumerate(graph.links) for w in linked if v < w]
-    edges = np.array(listed, np.int64).reshape(-1, 2)
+    edges = graph.edges()
     return axis.only(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
 
 
@@ -69,48 +65,52 @@ def _largest(radius: Array, part: NDArray[np.int32], count: int) -> NDArray[np.i
     return largest
 
 
-def _cut_back(graph: Graph, radius: Array, roots: set[int], pruning: float) -> None:
-    reach = radius.copy()  # how far around each vertex the shape reaches that has been taken away behind it
-    tips = [v for v in graph.ends() if v not in roots]
+def _cut_back(axis: Axis, roots: set[int], pruning: float) -> NDArray[np.int64]:
+    """Edges that are left when tips have been cut back, each as far as `pruning` allows."""
+    links: list[set[int]] = [set() for _ in axis.points]
+    for a, b in axis.edges.tolist():
+        links[a].add(b)
+        links[b].add(a)
+    radius = axis.radius.tolist()
+    reach = axis.radius.tolist()  # how far around each vertex the shape reaches that has been taken away behind it
+    tips = [v for v, near in enumerate(links) if len(near) == 1 and v not in roots]
     while tips:
         tip = tips.pop()
-        (following,) = graph.links[tip]
-        reached = graph.distance(tip, following) + float(reach[tip])
+        (following,) = links[tip]
+        reached = float(np.linalg.norm(axis.points[tip] - axis.points[following])) + reach[tip]
         if reached - radius[following] > pruning:
             continue
-        graph.unlink(tip, following)
-        reach[following] = max(float(reach[following]), reached)
-        if graph.degree(following) == 1 and following not in roots:
+        links[tip].clear()
+        links[following].discard(tip)
+        reach[following] = max(reach[following], reached)
+        if len(links[following]) == 1 and following not in roots:
             tips.append(following)
+    return np.array([(v, w) for v, near in enumerate(links) for w in near if v < w], np.int64).reshape(-1, 2)
 
 
 def _drop_stubs(graph: Graph) -> None:
     """Take away the shortest branches that are less than a pixel long."""
-    stubs = [graph.branch(end) for end in graph.ends()]
-    for stub in sorted(stubs, key=lambda path: _length(graph, path)):
-        path = graph.branch(stub[0])  # longer by now if its junction is none any more
-        if graph.degree(path[-1]) > 2 and _length(graph, path) < _SHORTEST:
-            for a, b in pairwise(path):
-                graph.unlink(a, b)
+    stubs = [graph.branch(end) for end in graph.ends().tolist()]
+    for stub in sorted(stubs, key=graph.length):
+        path = graph.branch(int(stub[0]))  # longer by now if its junction is none any more
+        if graph.degree(path[-1]) > 2 and graph.length(path) < _SHORTEST:
+            graph.drop(path)
 
 
 def _merge_junctions(graph: Graph, radius: Array) -> None:
     """Make one junction of two that are less than a pixel apart: the one with the larger disk."""
-    ways = [path for path, closed in graph.walks() if not closed and _length(graph, path) < _SHORTEST]
+    walks = graph.ways()
+    short = np.flatnonzero(~walks.closed & (walks.lengths < _SHORTEST))
     moved: dict[int, int] = {}
-    for way in sorted(ways, key=lambda path: _length(graph, path)):
-        ends = [moved.get(way[0], way[0]), moved.get(way[-1], way[-1])]
-        path = [ends[0], *way[1:-1], ends[1]]
-        if ends[0] == ends[1] or min(map(graph.degree, ends)) < 3 or _length(graph, path) >= _SHORTEST:
+    for n in short[np.argsort(walks.lengths[short], kind="stable")].tolist():
+        way = walks.path(n)
+        ends = [moved.get(v, v) for v in way[[0, -1]].tolist()]
+        path = np.array([ends[0], *way[1:-1], ends[1]])
+        if ends[0] == ends[1] or min(map(graph.degree, ends)) < 3 or graph.length(path) >= _SHORTEST:
             continue
         kept, lost = sorted(ends, key=lambda v: -radius[v])
-        for a, b in pairwise(path):
-            graph.unlink(a, b)
-        for v in list(graph.links[lost]):
-            graph.unlink(lost, v)
+        graph.drop(path)
+        for v in graph.neighbors(lost):
+            graph.unlink((lost, v))
             graph.link(kept, v)
         moved = {a: kept if b == lost else b for a, b in moved.items()} | {lost: kept}
-
-
-def _length(graph: Graph, path: list[int]) -> float:
-    return sum(graph.distance(a, b) for a, b in pairwise(path))

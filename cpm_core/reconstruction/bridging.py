@@ -105,6 +105,8 @@ def bridge_gaps(graph: Graph, level: Level, longest: float, spacing: float, leas
 
 def bridges_of(bridges: tuple[Bridge, ...], contours: tuple[Contour, ...]) -> tuple[Bridge, ...]:
     """Those bridges that are part of one of the contours."""
+    if not bridges:
+        return ()
     places = {tuple(point) for contour in contours for point in contour.points.tolist()}
     return tuple(bridge for bridge in bridges if tuple(bridge.points[1].tolist()) in places)
 
@@ -196,14 +198,14 @@ def _between_ends(graph: Graph, ground: _Ground, ends: dict[int, Array], longest
 
 def _to_sides(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
     """Ways from an end ahead to the side of a contour."""
-    sides = [v for v in range(len(graph.links)) if graph.degree(v) > 1]
-    if not sides:
+    sides = np.flatnonzero(graph.degrees > 1)
+    if not len(sides):
         return
     tree = cKDTree(graph.points[sides])
     for end, direction in ends.items():
         place = graph.points[end]
         own = graph.way_from(end)
-        near = np.array([sides[n] for n in tree.query_ball_point(place, longest)], np.int64)
+        near = sides[tree.query_ball_point(place, longest)]
         away = graph.points[near] - place
         distance = np.linalg.norm(away, axis=1)
         ahead = away @ direction >= _SIDE_TURN * distance
@@ -226,7 +228,7 @@ def _to_sides(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: fl
 
 def _stopped(graph: Graph, ground: _Ground, end: int, path: Array) -> _Way | None:
     """A way to the side of a contour that ends where it first meets one; None if it meets it at a narrow angle."""
-    (before,) = graph.links[end]
+    (before,) = graph.neighbors(end)
     meeting = ground.crossing(path, (end, before))
     if meeting is None:
         return None
@@ -284,7 +286,7 @@ def _continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
 
 def _ends(graph: Graph, level: Level, least: float) -> dict[int, Array]:
     """Loose ends, and their directions, of curves that are long enough and do not end at a wall."""
-    ends = [end for end in graph.ends() if _reaches(graph, end, least)]
+    ends = [end for end in graph.ends().tolist() if _reaches(graph, end, least)]
     direction = np.array([_direction(graph, end) for end in ends]).reshape(-1, 2)
     place = graph.points[ends]
     walled = level.walls.crossed(place, place + _AHEAD * least * direction)
@@ -296,10 +298,11 @@ def _reaches(graph: Graph, end: int, least: float) -> bool:
     seen, waiting, length = {end}, [end], 0.0
     while waiting and length < least:
         vertex = waiting.pop()
-        for other in graph.links[vertex] - seen:
-            seen.add(other)
-            waiting.append(other)
-            length += graph.distance(vertex, other)
+        for other in graph.neighbors(vertex):
+            if other not in seen:
+                seen.add(other)
+                waiting.append(other)
+                length += graph.distance(vertex, other)
     return length >= least
 
 

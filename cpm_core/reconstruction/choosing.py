@@ -7,21 +7,23 @@ therefore a higher threshold only ever takes away.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from cpm_core.contour import Contour
+from cpm_core.contrast import Sides
 from cpm_core.level import Level
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.graph import Graph
 
 Array = NDArray[np.float64]
-Ratings = Mapping[tuple[int, int], float]
 
 LEAST_LENGTH, _LEAST_IN_SIGMA = 4.0, 8.0
 """Length, in d_min and in sigma, under which a contour is none: nothing as small as that outlives the smoothing. A
@@ -29,6 +31,21 @@ closed one must enclose a square of side d_min as well."""
 
 _STRETCH = 9
 """Vertices over which the rating of a stretch is averaged: shorter dips do not cut a contour."""
+
+
+class Ratings(NamedTuple):
+    """What the edges of a graph are rated by.
+
+    Attributes
+    ----------
+    edges : ndarray of int64, shape (E, 2)
+        Every edge once.
+    rating : ndarray, shape (E,)
+        Of each.
+    """
+
+    edges: NDArray[np.int64]
+    rating: Array
 
 
 def drop_weak(graph: Graph, level: Level, parameters: Parameters) -> None:
@@ -46,11 +63,12 @@ def drop_weak(graph: Graph, level: Level, parameters: Parameters) -> None:
     parameters : Parameters
         For `min_strength`, `sure_edge` and `min_contrast`.
     """
-    strength = ratings(graph, level.strength)
-    drop_under(graph, strength, parameters.min_strength)
+    if parameters.min_strength > 0.0:
+        drop_under(graph, ratings(graph, level.strength), parameters.min_strength)
     if parameters.min_contrast > 0.0:
         drop_under(graph, ratings(graph, level.contrast), parameters.min_contrast)
-    drop_unconnected(graph, level.strength(graph.points), parameters.sure_edge * level.strongest)
+    if parameters.sure_edge > 0.0:
+        drop_unconnected(graph, level.strength(graph.points), parameters.sure_edge * level.strongest)
 
 
 def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
@@ -69,43 +87,40 @@ def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
 
     Returns
     -------
-    dict
-        Edge (a, b), a < b, to rating.
+    Ratings
+        Edges in the order in which they are walked along.
     """
+    ways = graph.ways()
     values = measure(graph.points)
-    rated: dict[tuple[int, int], float] = {}
-    for path, closed in graph.walks():
-        along = values[path]
-        loose = not closed and min(graph.degree(path[0]), graph.degree(path[-1])) == 1
-        if loose and len(path) > _STRETCH:
-            along = ndimage.uniform_filter1d(along, _STRETCH, mode="nearest")
-            each = 0.5 * (along[:-1] + along[1:])
-        else:
-            each = np.full(len(path), along.mean())
-        sides = pairwise([*path, path[0]] if closed else path)
-        rated.update({(min(side), max(side)): float(r) for side, r in zip(sides, each, strict=False)})
-    return rated
+    edges, way = ways.edges()
+    counts = np.diff(ways.start)
+    mean = np.add.reduceat(values[ways.vertices], ways.start[:-1]) / counts if len(ways) else values[:0]
+    rating = mean[way]
+    loose = ~ways.closed & (np.minimum(graph.degrees[ways.first], graph.degrees[ways.last]) == 1)
+    start = np.searchsorted(way, np.arange(len(ways)))
+    for n in np.flatnonzero(loose & (counts > _STRETCH)).tolist():
+        along = ndimage.uniform_filter1d(values[ways.path(n)], _STRETCH, mode="nearest")
+        rating[start[n] : start[n] + len(along) - 1] = 0.5 * (along[:-1] + along[1:])
+    return Ratings(edges, rating)
 
 
 def drop_under(graph: Graph, rated: Ratings, least: float) -> None:
     """Take away the edges of a graph that are rated under `least`."""
-    for (a, b), rating in rated.items():
-        if rating < least:
-            graph.unlink(a, b)
+    graph.unlink(rated.edges[rated.rating < least])
 
 
 def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
     """Take away all that is not connected to a vertex of strength `sure` or more."""
-    reached: set[int] = set()
-    waiting = np.flatnonzero(strength >= sure).tolist()
-    while waiting:
-        vertex = waiting.pop()
-        if vertex not in reached:
-            reached.add(vertex)
-            waiting.extend(graph.links[vertex])
-    for a, b in graph.edges().tolist():
-        if a not in reached:
-            graph.unlink(a, b)
+    ways = graph.ways()
+    if not len(ways):
+        return
+    size = len(graph.points)
+    first, last = ways.first, ways.last
+    joined = coo_array((np.ones(len(ways)), (first, last)), shape=(size, size))
+    part = connected_components(joined, directed=False)[1][first]
+    strongest = np.full(size, -np.inf)
+    np.maximum.at(strongest, part, np.maximum.reduceat(strength[ways.vertices], ways.start[:-1]))
+    graph.drop_ways(strongest[part] < sure)
 
 
 def shortest(level: Level, parameters: Parameters) -> float:
@@ -131,8 +146,14 @@ def choose(contours: tuple[Contour, ...], level: Level, parameters: Parameters) 
         Those that stay, with their strength.
     """
     least = max(shortest(level, parameters), parameters.min_length)
-    return tuple(
-        replace(c, strength=float(level.strength(c.points).mean()), contrast=float(level.contrast(c.points).mean()))
-        for c in contours
-        if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)
-    )
+    chosen = [c for c in contours if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)]
+    if not chosen:
+        return ()
+    points = np.concatenate([c.points for c in chosen])
+    bounds = np.cumsum([0, *(len(c.points) for c in chosen)])
+    strength, normals = level.strength(points), level.normals(points)
+    measured = []
+    for contour, a, b in zip(chosen, bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
+        sides = Sides(level.values, contour.points, normals[a:b], level.smoothing)
+        measured.append(replace(contour, strength=float(strength[a:b].mean()), sides=sides))
+    return tuple(measured)

@@ -74,5 +74,5 @@ def find_contours(
     graph.drop_ties(shortest(level, parameters))
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
     bridges = bridge_gaps(graph, level, parameters.max_gap, spacing, LEAST_LENGTH * parameters.d_min)
-    contours = choose(graph.contours(), level, parameters)
+    contours = choose(graph.contours(max(shortest(level, parameters), parameters.min_length)), level, parameters)
     return contours, bridges_of(bridges, contours)

@@ -39,30 +39,35 @@ def crust(points: Array) -> Edges:
     if len(points) < _LEAST_POINTS:
         return np.zeros((0, 2), np.int64)
     try:
-        triangles = Delaunay(points).simplices.astype(np.int64)
+        triangulation = Delaunay(points)
     except QhullError:  # all on one line: there is no triangle, and the crust joins neighbours along it
         order = np.lexsort(points.T)
         return np.unique(np.sort(np.stack([order[:-1], order[1:]], axis=1), axis=1), axis=0)
-    # the edge opposite to each corner, and the cotangent of the angle there
-    edges, cotangents = [], []
+    triangles, neighbors = triangulation.simplices.astype(np.int64), triangulation.neighbors
+    cotangent = _cotangents(points[triangles])
+    number = np.arange(len(triangles))
+    edges = []
+    for k in range(3):  # the edge opposite to each corner, once for both triangles at it
+        beyond = neighbors[:, k]
+        one = np.flatnonzero((cotangent[:, k] > 0.0) & ((beyond < 0) | (number < beyond)))
+        beyond = beyond[one]
+        facing = np.argmax(neighbors[beyond] == one[:, None], axis=1)
+        other = np.where(beyond < 0, _FLATTEST, cotangent[beyond, facing])  # beyond the hull: angle 0
+        # the angles sum to at most a right angle: both acute, and the product of their cotangents at least one
+        kept = one[(other > 0.0) & (cotangent[one, k] * other >= 1.0)]
+        edges.append(np.sort(triangles[kept][:, [(k + 1) % 3, (k + 2) % 3]], axis=1))
+    found = np.concatenate(edges)
+    return found[np.lexsort((found[:, 1], found[:, 0]))]
+
+
+def _cotangents(triangles: Array) -> Array:
+    """Cotangents of the angles of triangles, shape (N, 3, 2), at their corners, shape (N, 3)."""
+    out = np.empty(triangles.shape[:2])
     for k in range(3):
-        apex, a, b = (points[triangles[:, (k + s) % 3]] for s in range(3))
-        u, v = a - apex, b - apex
+        u, v = triangles[:, (k + 1) % 3] - triangles[:, k], triangles[:, (k + 2) % 3] - triangles[:, k]
         cross = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-        flat = np.einsum("ni,ni->n", u, v) / np.maximum(cross, 1e-300)
-        cotangents.append(np.clip(flat, -_FLATTEST, _FLATTEST))
-        edges.append(np.sort(triangles[:, [(k + 1) % 3, (k + 2) % 3]], axis=1))
-    every, cotangent = np.concatenate(edges), np.concatenate(cotangents)
-    key = every[:, 0] * len(points) + every[:, 1]
-    order = np.argsort(key, kind="stable")
-    key, every, cotangent = key[order], every[order], cotangent[order]
-    first = np.flatnonzero(np.r_[True, key[1:] != key[:-1]])
-    twice = np.append(first[1:], len(key)) - first == 2
-    one = cotangent[first]
-    other = np.where(twice, cotangent[np.minimum(first + 1, len(key) - 1)], _FLATTEST)  # beyond the hull: angle 0
-    # the angles sum to at most a right angle: both acute, and the product of their cotangents at least one
-    kept = (one > 0.0) & (other > 0.0) & (one * other >= 1.0)
-    return every[first][kept]
+        out[:, k] = (u[:, 0] * v[:, 0] + u[:, 1] * v[:, 1]) / np.maximum(cross, 1e-300)
+    return np.clip(out, -_FLATTEST, _FLATTEST)
 
 
 def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
@@ -90,5 +95,13 @@ def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
         raise ValueError(
             f"points hold {int((~np.isfinite(array)).sum())} values that are not finite: leave those points out."
         )
-    distinct = np.unique(array, axis=0)
+    distinct = _distinct(array)
     return chains(distinct, crust(distinct))
+
+
+def _distinct(points: Array) -> Array:
+    """Points of shape (N, 2) without repetitions, sorted by row, then column."""
+    ordered = points[np.lexsort((points[:, 1], points[:, 0]))]
+    new = np.ones(len(ordered), np.bool_)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    return np.asarray(ordered[new])

@@ -30,7 +30,12 @@ def kept_edges(made, least, sure):
     rated = ratings(graph, lambda _: strength)
     drop_under(graph, rated, least)
     drop_unconnected(graph, strength, sure)
-    return {tuple(edge) for edge in graph.edges().tolist()}, rated
+    return {tuple(edge) for edge in graph.edges().tolist()}, by_edge(rated)
+
+
+def by_edge(rated):
+    """Ratings as a dictionary from edges, the lower index first."""
+    return {(min(edge), max(edge)): rating for edge, rating in zip(rated.edges.tolist(), rated.rating, strict=True)}
 
 
 thresholds = st.floats(0.0, 9.0)
@@ -70,9 +75,11 @@ def test_without_thresholds_everything_stays(made):
 def test_what_is_closed_or_between_junctions_is_rated_as_a_whole(made):
     points, edges, strength = made
     graph = Graph(points, edges)
-    rated = ratings(graph, lambda _: strength)
+    rated = by_edge(ratings(graph, lambda _: strength))
     assert set(rated) == {tuple(edge) for edge in graph.edges().tolist()}
-    for path, closed in graph.walks():
+    ways = graph.ways()
+    assert len(rated) == len(ways.edges()[0])
+    for path, closed in ((ways.path(n).tolist(), ways.closed[n]) for n in range(len(ways))):
         if closed or min(graph.degree(path[0]), graph.degree(path[-1])) > 1:
             sides = itertools.pairwise([*path, path[0]] if closed else path)
             np.testing.assert_allclose([rated[min(s), max(s)] for s in sides], strength[path].mean())

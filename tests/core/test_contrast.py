@@ -1,11 +1,15 @@
 """The contrast of regions tells what lies on both sides of an edge."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from cpm_core import Contour, Engine
 from cpm_core.contrast import region_contrast
 from cpm_core.initialization import uniform_grid
 from cpm_core.parameters import Parameters
+from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation import segment
 
 POINTS = np.stack([np.linspace(30.0, 70.0, 15), np.full(15, 49.5)], axis=1)
@@ -38,6 +42,20 @@ def test_contrast_depends_on_neither_the_sign_nor_the_scale_of_grey_values():
     image = halves(50, 110, 15.0)
     found = region_contrast(image, POINTS, NORMALS, 1.0)
     np.testing.assert_allclose(region_contrast(255.0 - 3.0 * image, POINTS, -NORMALS, 1.0), found, atol=1e-9)
+
+
+def test_the_contrast_of_a_contour_is_the_mean_along_it_and_stays_with_it_elsewhere():
+    engine = Engine(halves(50, 110, 10.0), Parameters())
+    state = engine.start(uniform_grid((100, 100)))
+    for _ in range(60):
+        state = engine.step(state, Parameters())
+    found, _ = find_contours(state.position, engine.level(Parameters()), Parameters())
+    assert found
+    for contour in found:
+        expected = engine.level(Parameters()).contrast(contour.points).mean()
+        assert contour.contrast == pytest.approx(expected, rel=1e-12)
+        assert replace(contour, points=2.0 * contour.points).contrast == contour.contrast
+    assert Contour(POINTS, closed=False).contrast == 0.0
 
 
 def test_texture_is_left_out_and_the_object_stays():

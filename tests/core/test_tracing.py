@@ -1,6 +1,7 @@
 """Tracing crests: on edges known exactly, through slits and around tips, to the border, to junctions."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,10 +10,13 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from cpm_core import Engine, Parameters, circle, segment, uniform_grid
-from cpm_core.level import build_level
+from cpm_core.field.interpolation import interpolate
+from cpm_core.level import SPLINE_MARGIN, build_level
+from cpm_core.reconstruction import tracing
 from cpm_core.reconstruction.graph import Graph
 from cpm_core.reconstruction.refinement import crest
-from cpm_core.reconstruction.tracing import _cubic, trace
+from cpm_core.reconstruction.ridge import Ridge, height, ridge_of, spline_height, uphill
+from cpm_core.reconstruction.tracing import trace
 
 from .scenes import antialiased, circle_points, disk, outline_distance, polygon, turned
 
@@ -22,9 +26,30 @@ from .scenes import antialiased, circle_points, disk, outline_distance, polygon,
 def test_the_compiled_spline_is_that_of_scipy(seed, rows, cols):
     rng = np.random.default_rng(seed)
     coefficients = rng.normal(size=(rows, cols))
-    places = rng.uniform((0.0, 0.0), (rows - 1.0, cols - 1.0), (20, 2))
-    expected = ndimage.map_coordinates(coefficients, places.T, order=3, prefilter=False, mode="mirror")
-    np.testing.assert_allclose([_cubic(coefficients, row, col) for row, col in places], expected, atol=1e-12)
+    places = rng.uniform((-4.0, -4.0), (rows + 3.0, cols + 3.0), (40, 2))
+    expected = ndimage.map_coordinates(coefficients, places.T, order=3, prefilter=False, mode="nearest")
+    continued = np.pad(coefficients, SPLINE_MARGIN, mode="edge")
+    np.testing.assert_allclose([spline_height(continued, row, col) for row, col in places], expected, atol=1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 7), st.integers(1, 7))
+def test_the_gradient_is_interpolated_as_for_particles(seed, rows, cols):
+    rng = np.random.default_rng(seed)
+    down, right = parts = rng.normal(size=(2, rows, cols))
+    places = rng.uniform((-2.0, -2.0), (rows + 1.0, cols + 1.0), (20, 2))
+    expected = interpolate(parts, places)
+    np.testing.assert_allclose([[height(part, *place) for part in parts] for place in places], expected, atol=1e-12)
+    ridge = Ridge(down, np.zeros((rows + 6, cols + 6)), down, right)
+    directions = expected / np.linalg.norm(expected, axis=1)[:, None]
+    np.testing.assert_allclose([uphill(ridge, *place) for place in places], directions, atol=1e-9)
+
+
+def test_the_ridge_is_as_high_as_the_edge_map_on_every_pixel_those_of_the_border_included():
+    level = build_level(np.random.default_rng(0).normal(size=(12, 15)), 1.0, 0.0)
+    ridge = ridge_of(level)
+    heights = [[spline_height(ridge.spline, row, col) for col in range(15)] for row in range(12)]
+    np.testing.assert_allclose(heights, level.edge_map, rtol=1e-12)
 
 
 def traced(level, points, d_min=2.0):
@@ -103,6 +128,46 @@ def test_an_edge_across_the_image_is_found_up_to_the_border(angle):
     assert not contour.closed
     for end in contour.points[[0, -1]]:
         assert min(*end, *((59.0, 79.0) - end)) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.fixture(scope="module")
+def loose_ends():
+    """Fields of noise, with some hundreds of points on crests that mostly lead to no other."""
+    level = build_level(100.0 * np.random.default_rng(7).normal(size=(200, 200)), 1.0, 0.0)
+    level = replace(level, floor=0.2 * level.floor)
+    points, found = crest(uniform_grid((200, 200), spacing=8.0), level)
+    return level, points[found]
+
+
+@pytest.mark.parametrize("part", [1, 40, 10**6])
+def test_walks_do_not_depend_on_how_they_are_shared_among_the_cores(loose_ends, monkeypatch, part):
+    level, points = loose_ends
+    assert len(points) > 300
+    expected = trace(points, level, 2.0, at_rest=True)
+
+    def share(work, count, least):
+        for first in reversed(range(0, count, part)):
+            work(first, min(first + part, count))
+
+    monkeypatch.setattr(tracing, "share", share)
+    for found, truth in zip(trace(points, level, 2.0, at_rest=True), expected, strict=True):
+        np.testing.assert_array_equal(found, truth)
+
+
+def test_nor_on_how_often_they_run_out_of_room(loose_ends, monkeypatch):
+    level, points = loose_ends
+    vertices, edges = trace(points, level, 2.0)
+    called, most, walk = [], int(2.0 * 20.0 / 0.4) + 4, tracing.walk
+
+    def in_little_room(*arguments):
+        *others, new_vertices, new_edges = arguments
+        called.append(1)
+        return walk(*others, new_vertices[: most + 2], new_edges[: most + 2])
+
+    monkeypatch.setattr(tracing, "walk", in_little_room)
+    for found, truth in zip(trace(points, level, 2.0), (vertices, edges), strict=True):
+        np.testing.assert_array_equal(found, truth)
+    assert len(called) > 50
 
 
 SLITS = {
