@@ -12,9 +12,9 @@ from __future__ import annotations
 from typing import cast
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from scipy import ndimage
-from scipy.spatial import cKDTree
 
 from cpm_core.field.interpolation import interpolate
 from cpm_core.level import Level
@@ -95,7 +95,7 @@ def _has_near(level: Level, place: NDArray[np.int64], positions: Array, reach: f
     uphill = level.gradient[(slice(None), *place.T)].T
     known = interpolate(level.gradient, positions)
     nearest = np.arange(1, min(_NEIGHBORS, len(positions)) + 1)
-    distance, index = cKDTree(positions).query(place, k=nearest, distance_upper_bound=reach)
+    distance, index = scipy.spatial.cKDTree(positions).query(place, k=nearest, distance_upper_bound=reach)
     found = np.isfinite(distance)
     along = np.einsum("ni,nki->nk", uphill, known[np.where(found, index, 0)])
     return np.asarray((found & (along > 0.0)).any(axis=1))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from cpm_core.level import FAINTEST, Level
 from cpm_core.reconstruction.graph import Graph
@@ -41,7 +41,7 @@ def close_gaps(graph: Graph, level: Level, reach: float) -> None:
     if not ends:
         return
     used = [v for v in range(len(graph.links)) if graph.degree(v) > 0]
-    tree = cKDTree(graph.points[used])
+    tree = scipy.spatial.cKDTree(graph.points[used])
     pairs = []
     for end in ends:
         way = graph.way_from(end)
