@@ -3,9 +3,6 @@
 The loops may reorder sums (so that they run on vector registers) but never assume that values are finite; the same
 input gives the same bits at every call. No loop starts threads of its own: a caller that wants two cores splits the
 work, so that two callers can never meet inside one parallel region.
-
-What is kept on disk names the classes of the tuples that a loop takes: rename or move such a class only together with
-the module of its loops, for an older file that names a class no longer there cannot be read, and is not replaced.
 """
 
 from __future__ import annotations
@@ -15,10 +12,13 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from cpm_core.kernel_cache import kept_with_the_sources
+
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 def compiled(function: _Function) -> _Function:
     """Compile a loop over arrays on its first call."""
     decorate = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "arcp", "nsz"})
-    return cast(_Function, decorate(function))
+    with kept_with_the_sources():
+        return cast(_Function, decorate(function))
