@@ -15,6 +15,9 @@ Position = tuple[float, float]
 _TOLERANCE = 0.25
 """Farthest that a path may be led away from where the hand went [px]: less than the pointer's own pixel."""
 
+_HALVINGS = 3
+"""How often every second corner of a path may be left out for drawing it."""
+
 
 def length(path: Sequence[Position]) -> float:
     """Length along a path [px]."""
@@ -61,6 +64,36 @@ def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
             kept.add(farthest)
             stretches += [(first, farthest), (farthest, last)]
     return tuple((float(row), float(col)) for row, col in corners[sorted(kept)])
+
+
+def coarser(paths: Sequence[Array], off: float) -> list[Array]:
+    """Leave out corners that lie next to the line between their neighbours; the ends of each path stay.
+
+    Much faster than to thin them, though it leaves more: where it can, it leaves out every second corner, and that
+    `_HALVINGS` times.
+
+    Parameters
+    ----------
+    paths : sequence of ndarray, shape (K, 2)
+        Paths with at least one corner each.
+    off : float
+        How far off a corner may lie that is left out; in all, a path is led away by `_HALVINGS` times as much at most.
+    """
+    if not paths:
+        return []
+    corners = np.concatenate(paths)
+    number = np.repeat(np.arange(len(paths)), [len(path) for path in paths])
+    for _ in range(_HALVINGS):
+        before, along = corners[1:-1] - corners[:-2], corners[2:] - corners[:-2]
+        behind = along - before
+        aside = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0]
+        flat = aside**2 <= off**2 * np.einsum("ij,ij->i", along, along)
+        onward = np.einsum("ij,ij->i", before, behind) > 0.0
+        left_out = np.zeros(len(corners), np.bool_)
+        left_out[1:-1] = flat & onward & (number[2:] == number[:-2])
+        left_out[::2] = False  # so that the neighbours stay
+        corners, number = corners[~left_out], number[~left_out]
+    return np.split(corners, np.flatnonzero(np.diff(number)) + 1)
 
 
 def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:
