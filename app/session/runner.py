@@ -8,6 +8,7 @@ import threading
 from collections import deque
 from dataclasses import replace
 
+from app.model import shades
 from app.model.document import NOWHERE
 from app.session.core import Core
 from app.session.mailbox import Mailbox
@@ -177,7 +178,8 @@ class Runner:
             parameters = replace(parameters, scales=most)
             notes = (*notes, f"The image is small: the scales are set to {most}.")
         self._run.use(command.generation, image, parameters)
-        self._reports.append(Opened(command.generation, image, command.path, parameters, notes))
+        shown = shades.of_image(image.values)
+        self._reports.append(Opened(command.generation, image, shown, command.path, parameters, notes))
 
 
 def _refusal(command: Command, error: Exception) -> Report:
