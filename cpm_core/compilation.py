@@ -1,24 +1,105 @@
-"""Compiling the model's loops ahead of their first use."""
+"""Compiling the model's loops ahead of their first use.
+
+The first time ever takes many seconds of two cores: one process compiles what a step needs and another what the
+reconstruction needs, while this one only waits, so that a window beside it moves freely. Numba cannot compile in two
+threads at once, nor may two processes keep loops in one folder, where each could overwrite what the other has noted of
+a loop that both compile; therefore each has a folder of its own, from which this one takes over what is new to it.
+"""
 
 from __future__ import annotations
 
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 
+from cpm_core import kernel_cache
+from cpm_core.engine import Engine
 from cpm_core.initialization import circle
 from cpm_core.noise import clean
 from cpm_core.parameters import Parameters
+from cpm_core.particles import State
 from cpm_core.regions import Regions
-from cpm_core.segmentation import segment
+from cpm_core.threads import cores
+
+_ROW, _COL = np.indices((32, 32))
+_DISK = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
+_REGIONS = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=(((5.3, 2.2), (6.1, 28.4)),))
+_PARAMETERS = Parameters(scales=2)
+_STEPS = 12
+
+_DONE = "complete"
+"""File that says that all loops are kept."""
 
 
 def warm_up() -> None:
     """Run every compiled loop once on a small disk.
 
-    The first time ever this compiles them, which takes some twenty seconds, and keeps them on disk; later it loads
-    them. It may run in a thread of its own while a window is being shown.
+    The first time ever this compiles them, in other processes where there is a second core, and keeps them on disk;
+    later it loads them. It may run in a thread of its own while a window is being shown.
     """
-    row, col = np.indices((32, 32))
-    disk = 255.0 * (np.hypot(row - 15.5, col - 15.5) < 9.0)
-    regions = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=(((5.3, 2.2), (6.1, 28.4)),))
-    segment(disk, circle((15.5, 15.5), 5.0), Parameters(scales=2), max_steps=12, regions=regions)
-    clean(disk)
+    folder = kernel_cache.folder_of_this_package()
+    is_new = folder is not None and not (folder / _DONE).exists()
+    if folder is not None and is_new and cores() > 1:
+        _compile_aside(folder)
+    engine, state = step_once()
+    engine.result(state, _PARAMETERS)
+    if folder is not None and is_new:
+        (folder / _DONE).touch()
+
+
+def step_once() -> tuple[Engine, State]:
+    """Run the loops of preparing an image and of a step."""
+    clean(_DISK)
+    engine = Engine(_DISK, _PARAMETERS, _REGIONS)
+    state = engine.start(circle((15.5, 15.5), 5.0))
+    for _ in range(_STEPS):
+        state = engine.step(state, _PARAMETERS)
+    return engine, state
+
+
+def reconstruct_once() -> None:
+    """Run the loops of the reconstruction."""
+    engine = Engine(_DISK, _PARAMETERS, _REGIONS)
+    engine.result(engine.start(circle((15.5, 15.5), 9.0)), _PARAMETERS)
+
+
+def _compile_aside(folder: Path) -> None:
+    """Let other processes compile, and take over what they have kept.
+
+    Where there can be none, as in a frozen program, nothing is lost but time: whatever is not kept is compiled here.
+    """
+    asides = [folder / f"aside-{os.getpid()}-{part.__name__}" for part in (step_once, reconstruct_once)]
+    processes = []
+    try:
+        for part, aside in zip((step_once, reconstruct_once), asides, strict=True):
+            processes.append(_other_process(part.__name__, aside))
+        for process, aside in zip(processes, asides, strict=True):
+            process.wait()
+            kernel_cache.take_over(aside, folder)
+    except OSError:
+        pass
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+        for aside in asides:
+            shutil.rmtree(aside, ignore_errors=True)
+
+
+def _other_process(part: str, aside: Path) -> subprocess.Popen[bytes]:
+    if getattr(sys, "frozen", False) or not sys.executable:
+        raise FileNotFoundError("there is no interpreter to start")
+    found_in = [str(Path(__file__).parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
+    return subprocess.Popen(
+        # -P: nothing is imported from the folder that the user happens to be in
+        [sys.executable, "-P", "-c", f"from cpm_core.compilation import {part}; {part}()"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(found_in), "NUMBA_CACHE_DIR": str(aside)},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),  # Windows would open a console
+    )

@@ -8,6 +8,7 @@ version of Numba, so that another version of the program never sees what this on
 
 from __future__ import annotations
 
+import glob
 import hashlib
 import os
 import re
@@ -39,7 +40,7 @@ def kept_with_the_sources() -> Iterator[None]:
     Numba's setting is put back at once, so that loops of other packages stay where they are.
     """
     before = _SETTINGS.CACHE_DIR
-    kept = folder(Path(__file__).parent, before)
+    kept = folder_of_this_package()
     if kept is not None:
         _SETTINGS.CACHE_DIR = str(kept)
     try:
@@ -48,8 +49,28 @@ def kept_with_the_sources() -> Iterator[None]:
         _SETTINGS.CACHE_DIR = before
 
 
+def folder_of_this_package() -> Path | None:
+    """Folder in which the loops of this very program are kept; None where Numba chooses."""
+    return folder(Path(__file__).parent, _SETTINGS.CACHE_DIR)
+
+
+def take_over(aside: Path, kept: Path) -> None:
+    """Move what another process has kept in `aside` to where it would have been, loops that are kept there excepted.
+
+    Of each loop there is an index, which is moved last: it names the files that hold the loop.
+    """
+    for source in aside.glob(f"{_PREFIX}*"):
+        for index in sorted(source.rglob("*.nbi")):
+            target = kept / index.relative_to(source)
+            if not target.exists():
+                target.parent.mkdir(parents=True, exist_ok=True)
+                for file in index.parent.glob(f"{glob.escape(index.stem)}.*.nbc"):
+                    file.replace(target.parent / file.name)
+                index.replace(target)
+
+
 def digest(package: Path) -> str:
-    """Name of a version of the loops: changes with any source that one may depend on, and with Numba.
+    """Name of a version of the loops: changes with any source that one may depend on, with Numba and with Python.
 
     These are the modules of a package that have loops, and those of it that they import from: a loop takes over the
     constants that it uses, and the classes of tuples.
@@ -64,7 +85,7 @@ def digest(package: Path) -> str:
     str
         Sixteen hexadecimal digits; empty when there are no sources to be read, as in a frozen program.
     """
-    found = hashlib.sha256(numba.__version__.encode())
+    found = hashlib.sha256(f"{numba.__version__} {sys.implementation.cache_tag}".encode())
     sources = {path: path.read_bytes() for path in sorted(package.rglob("*.py"))}
     with_loops = [source for source in sources.values() if _WITH_LOOPS.search(source)]
     imported = {name for source in with_loops for name in _IMPORTED.findall(source)}
