@@ -165,8 +165,8 @@ class Runner:
                 self._reports.append(Exported(path))
             case WarmUp():
                 self._core.warm_up()
-                # All that is loaded by now stays; looking through it for garbage would hold up the window for frames.
-                gc.collect()
+                # All that is loaded by now stays; looking through it for garbage would hold up the window for frames,
+                # even a single time.
                 gc.freeze()
                 self._reports.append(WarmedUp())
 
