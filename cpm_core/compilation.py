@@ -12,6 +12,7 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +68,16 @@ def reconstruct_once() -> None:
     engine.result(engine.start(circle((15.5, 15.5), 9.0)), _PARAMETERS)
 
 
+def end_with_the_caller() -> None:
+    """End this process as soon as the one that has started it is gone, however that came to its end."""
+
+    def watch() -> None:
+        os.read(0, 1)  # nothing is ever sent, so that this lasts until the other end is closed
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
 def _compile_aside(folder: Path) -> None:
     """Let other processes compile, and take over what they have kept.
 
@@ -85,7 +96,7 @@ def _compile_aside(folder: Path) -> None:
     finally:
         for process in processes:
             process.kill()
-            process.wait()
+            process.communicate()
         for aside in asides:
             shutil.rmtree(aside, ignore_errors=True)
 
@@ -94,11 +105,12 @@ def _other_process(part: str, aside: Path) -> subprocess.Popen[bytes]:
     if getattr(sys, "frozen", False) or not sys.executable:
         raise FileNotFoundError("there is no interpreter to start")
     found_in = [str(Path(__file__).parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
+    code = f"from cpm_core import compilation; compilation.end_with_the_caller(); compilation.{part}()"
     return subprocess.Popen(
         # -P: nothing is imported from the folder that the user happens to be in
-        [sys.executable, "-P", "-c", f"from cpm_core.compilation import {part}; {part}()"],
+        [sys.executable, "-P", "-c", code],
         env={**os.environ, "PYTHONPATH": os.pathsep.join(found_in), "NUMBA_CACHE_DIR": str(aside)},
-        stdin=subprocess.DEVNULL,
+        stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),  # Windows would open a console

@@ -63,7 +63,7 @@ def test_what_other_processes_compile_is_taken_over_once(new_folder, monkeypatch
             "kept.mkdir(parents=True)\n"
             "(kept / f'{sys.argv[2]}.nbi').touch()"
         )
-        return subprocess.Popen([sys.executable, "-c", code, str(aside), part])
+        return subprocess.Popen([sys.executable, "-c", code, str(aside), part], stdin=subprocess.PIPE)
 
     monkeypatch.setattr(compilation, "_other_process", quick_process)
     warm_up()
@@ -84,8 +84,17 @@ def test_the_other_processes_find_the_program_and_nothing_of_the_folder_they_are
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("PYTHONPATH", raising=False)
     aside = tmp_path / "aside"
-    assert compilation._other_process("cores", aside).wait() == 0
+    process = compilation._other_process("cores", aside)
+    assert process.wait() == 0
+    process.communicate()
     assert list(aside.glob("loops-*"))
+
+
+def test_the_other_processes_end_with_the_one_that_has_started_them(tmp_path):
+    process = compilation._other_process("threading.Event().wait", tmp_path)
+    assert process.poll() is None
+    process.communicate()  # closes their only tie, as the end of this process would
+    assert process.returncode == 1
 
 
 def test_loops_kept_already_are_not_taken_over(tmp_path):
