@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from cpm_core.noise import Cleaned, clean, noise_level
 
@@ -51,7 +51,7 @@ def gradient(values: ArrayLike, smoothing: float) -> Array:
     """
     image = np.asarray(values, dtype=float)
     if smoothing > 0:
-        image = ndimage.gaussian_filter(image, smoothing, mode="nearest")
+        image = scipy.ndimage.gaussian_filter(image, smoothing, mode="nearest")
     padded = np.pad(image, 1, mode="edge")
     inner = slice(1, -1)
     parts = []

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.contrast import region_contrast
 from cpm_core.edge_map import background_strength, gradient, magnitude
@@ -104,7 +104,7 @@ class Level:
     @cached_property
     def spline(self) -> Array:
         """Cubic spline coefficients of the edge map, for sub-pixel refinement."""
-        coefficients: Array = ndimage.spline_filter(self.edge_map, order=3, mode="nearest")
+        coefficients: Array = scipy.ndimage.spline_filter(self.edge_map, order=3, mode="nearest")
         return coefficients
 
     @property
@@ -147,7 +147,7 @@ def build_level(
     charged = np.where(inside & (strength >= least), strength, 0.0)
     lorentz = lorentz_force(electric_field(charged), grad, strength, strongest)
     if not inside.all():
-        strength[ndimage.distance_transform_edt(~inside) > _MARGIN] = 0.0
+        strength[scipy.ndimage.distance_transform_edt(~inside) > _MARGIN] = 0.0
     felt = np.concatenate([lorentz, grad, strength[None]])
     if strongest == 0.0:  # a coarse scale may have no pixel inside: nowhere is an edge to sit on
         floor = np.inf
@@ -188,17 +188,17 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
     ndarray, shape (D, \*shape)
         The force, of at most unit size.
     """
-    summit = ndimage.maximum_filter(strength, size=_SUMMIT_REACH, mode="nearest")
+    summit = scipy.ndimage.maximum_filter(strength, size=_SUMMIT_REACH, mode="nearest")
     near = np.clip((strength / np.maximum(summit, 1e-300) - _SLOPE) / (_RIDGE - _SLOPE), 0.0, 1.0)
     near[summit < WEAKEST_EDGE * strongest] = 0.0
     size = magnitude(field)
-    beside = ndimage.maximum_filter(size, size=_FIELD_REACH, mode="nearest")
+    beside = scipy.ndimage.maximum_filter(size, size=_FIELD_REACH, mode="nearest")
     force = field / np.maximum(np.maximum(size, near * beside), max(1e-12 * float(size.max()), 1e-300))
     normal = unit_vectors(grad)
     across = np.einsum("i...,i...->...", force, normal)
     # uphill on the edge's own flank, of unit size where that is steepest
     slope = np.einsum("i...,i...->...", gradient(strength, 0.0), normal)
-    steepest = ndimage.maximum_filter(np.abs(slope), size=_SUMMIT_REACH, mode="nearest")
+    steepest = scipy.ndimage.maximum_filter(np.abs(slope), size=_SUMMIT_REACH, mode="nearest")
     uphill = slope / np.maximum(steepest, 1e-300)
     across = np.where(across * uphill < 0.0, uphill, across)
     return np.asarray((1.0 - near) * force + near * across * normal)

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.kernels import compiled
 from cpm_core.particles import Particles
@@ -104,7 +104,7 @@ def build_walls(regions: Regions, shape: tuple[int, ...]) -> Walls:
         free[tuple(np.clip(places[near], 0, last).T)] = False
     if free.all():
         return Walls(segments, np.full(shape, np.inf))
-    return Walls(segments, np.asarray(ndimage.distance_transform_edt(free)) - _ROUNDING)
+    return Walls(segments, np.asarray(scipy.ndimage.distance_transform_edt(free)) - _ROUNDING)
 
 
 @compiled

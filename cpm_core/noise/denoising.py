@@ -8,8 +8,8 @@ shortest (Rudin, Osher and Fatemi 1992, doi:10.1016/0167-2789(92)90242-F).
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.kernels import compiled
 
@@ -35,7 +35,7 @@ def noise_level(values: Array) -> float:
         From the mean square of the response of a mask that is blind to smooth structure [grey levels]: of whatever
         distribution the noise is, a few pixels of another grey level included. Corners add a little to it.
     """
-    response = ndimage.convolve(values, _CURVATURE, mode="nearest")
+    response = scipy.ndimage.convolve(values, _CURVATURE, mode="nearest")
     return float(np.sqrt(np.mean(response**2)) / 6.0)
 
 

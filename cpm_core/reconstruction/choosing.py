@@ -12,8 +12,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.contour import Contour
 from cpm_core.level import Level
@@ -78,7 +78,7 @@ def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
         along = values[path]
         loose = not closed and min(graph.degree(path[0]), graph.degree(path[-1])) == 1
         if loose and len(path) > _STRETCH:
-            along = ndimage.uniform_filter1d(along, _STRETCH, mode="nearest")
+            along = scipy.ndimage.uniform_filter1d(along, _STRETCH, mode="nearest")
             each = 0.5 * (along[:-1] + along[1:])
         else:
             each = np.full(len(path), along.mean())

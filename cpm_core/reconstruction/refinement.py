@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.field.interpolation import interpolate
 from cpm_core.level import Level
@@ -62,5 +62,5 @@ def crest(positions: Array, level: Level) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def _sample(spline: Array, points: Array) -> Array:
-    values: Array = ndimage.map_coordinates(spline, points.T, order=3, prefilter=False, mode="nearest")
+    values: Array = scipy.ndimage.map_coordinates(spline, points.T, order=3, prefilter=False, mode="nearest")
     return values
