@@ -32,9 +32,6 @@ _REGIONS = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=((
 _PARAMETERS = Parameters(scales=2)
 _STEPS = 12
 
-_DONE = "complete"
-"""File that says that all loops are kept."""
-
 
 def warm_up() -> None:
     """Run every compiled loop once on a small disk.
@@ -43,13 +40,10 @@ def warm_up() -> None:
     later it loads them. It may run in a thread of its own while a window is being shown.
     """
     folder = kernel_cache.folder_of_this_package()
-    is_new = folder is not None and not (folder / _DONE).exists()
-    if folder is not None and is_new and cores() > 1:
+    if folder is not None and cores() > 1 and not any(folder.rglob("*.nbi")):
         _compile_aside(folder)
     engine, state = step_once()
     engine.result(state, _PARAMETERS)
-    if folder is not None and is_new:
-        (folder / _DONE).touch()
 
 
 def step_once() -> tuple[Engine, State]:
