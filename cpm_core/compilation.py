@@ -13,6 +13,8 @@ import shutil
 import subprocess
 import sys
 import threading
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -32,16 +34,26 @@ _REGIONS = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=((
 _PARAMETERS = Parameters(scales=2)
 _STEPS = 12
 
+_LOOK_EVERY = 0.05
+"""Time between two looks at whether the other processes are done [s]."""
 
-def warm_up() -> None:
+
+def warm_up(unwanted: Callable[[], bool] = lambda: False) -> None:
     """Run every compiled loop once on a small disk.
 
     The first time ever this compiles them, in other processes where there is a second core, and keeps them on disk;
     later it loads them. It may run in a thread of its own while a window is being shown.
+
+    Parameters
+    ----------
+    unwanted : callable
+        Asked while other processes compile; these are ended, and nothing else is done, as soon as it is true.
     """
     folder = kernel_cache.folder_of_this_package()
     if folder is not None and cores() > 1 and not any(folder.rglob("*.nbi")):
-        _compile_aside(folder)
+        _compile_aside(folder, unwanted)
+    if unwanted():
+        return
     engine, state = step_once()
     engine.result(state, _PARAMETERS)
 
@@ -72,7 +84,7 @@ def end_with_the_caller() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _compile_aside(folder: Path) -> None:
+def _compile_aside(folder: Path, unwanted: Callable[[], bool]) -> None:
     """Let other processes compile, and take over what they have kept.
 
     Where there can be none, as in a frozen program, nothing is lost but time: whatever is not kept is compiled here.
@@ -82,9 +94,11 @@ def _compile_aside(folder: Path) -> None:
     try:
         for part, aside in zip((step_once, reconstruct_once), asides, strict=True):
             processes.append(_other_process(part.__name__, aside))
+        while any(process.poll() is None for process in processes) and not unwanted():
+            time.sleep(_LOOK_EVERY)
         for process, aside in zip(processes, asides, strict=True):
-            process.wait()
-            kernel_cache.take_over(aside, folder)
+            if process.poll() is not None:
+                kernel_cache.take_over(aside, folder)
     except OSError:
         pass
     finally:

@@ -66,6 +66,7 @@ class Runner:
         self._posted = 0
         self._obeyed = 0
         self._waiting = False
+        self._closing = False
         self._last_sow: Sow | None = None
         self._run = Run(self._core.engine, self.snapshots, self.overlays, self.reconstructor)
         self._thread = threading.Thread(target=self._work, name="cpm-engine", daemon=True)
@@ -98,6 +99,7 @@ class Runner:
     def close(self) -> None:
         """Stop between two steps, end both threads and wait for them."""
         if self._thread.is_alive():
+            self._closing = True
             self.post(Quit())
             self._thread.join()
             self.reconstructor.close()
@@ -164,7 +166,7 @@ class Runner:
                 self._core.export(self._run.result(), path)
                 self._reports.append(Exported(path))
             case WarmUp():
-                self._core.warm_up()
+                self._core.warm_up(lambda: self._closing)
                 # All that is loaded by now stays; looking through it for garbage would hold up the window for frames,
                 # even a single time.
                 gc.freeze()

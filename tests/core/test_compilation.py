@@ -73,6 +73,24 @@ def test_what_other_processes_compile_is_taken_over_once(new_folder, monkeypatch
     assert [path.name for path in new_folder.iterdir()] == ["cpm_core_1"]
 
 
+def test_what_is_wanted_no_longer_is_not_waited_for(new_folder, monkeypatch):
+    started = []
+
+    def endless_process(part, aside):
+        started.append(subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE))
+        return started[-1]
+
+    monkeypatch.setattr(compilation, "_other_process", endless_process)
+
+    def step_once():
+        pytest.fail("it went on")
+
+    monkeypatch.setattr(compilation, "step_once", step_once)
+    warm_up(lambda: len(started) == 2)
+    assert all(process.returncode for process in started)
+    assert list(new_folder.iterdir()) == []
+
+
 def test_without_other_processes_the_loops_are_compiled_here(new_folder, monkeypatch):
     monkeypatch.setattr(sys, "executable", "")
     assert warm_up() is None
