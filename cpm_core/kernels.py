@@ -3,6 +3,9 @@
 The loops may reorder sums (so that they run on vector registers) but never assume that values are finite; the same
 input gives the same bits at every call. No loop starts threads of its own: a caller that wants two cores splits the
 work, so that two callers can never meet inside one parallel region.
+
+A loop that assigns an array to a part of another costs three seconds of compiling, for Numba then compiles as well how
+the two shapes are put into words if they do not fit: element by element it costs nothing.
 """
 
 from __future__ import annotations
