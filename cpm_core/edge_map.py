@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from cpm_core.noise import Cleaned, clean, noise_level
 from cpm_core.threads import share
@@ -74,7 +74,7 @@ def _smoothed_along(image: Array, sigma: float, axis: int) -> Array:
 
     def work(first: int, end: int) -> None:
         part = (slice(None),) * other + (slice(first, end),)
-        ndimage.gaussian_filter1d(image[part], sigma, axis, output=out[part], mode="nearest")
+        scipy.ndimage.gaussian_filter1d(image[part], sigma, axis, output=out[part], mode="nearest")
 
     share(work, image.shape[other], _LEAST_LINES)
     return out

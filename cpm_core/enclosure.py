@@ -12,9 +12,8 @@ from __future__ import annotations
 from typing import cast
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.spatial import cKDTree
 
 from cpm_core.field.interpolation import interpolate
 from cpm_core.level import Level
@@ -95,7 +94,7 @@ def _has_near(level: Level, place: NDArray[np.int64], positions: Array, reach: f
     uphill = level.gradient[(slice(None), *place.T)].T
     known = interpolate(level.gradient, positions)
     nearest = np.arange(1, min(_NEIGHBORS, len(positions)) + 1)
-    distance, index = cKDTree(positions).query(place, k=nearest, distance_upper_bound=reach)
+    distance, index = scipy.spatial.cKDTree(positions).query(place, k=nearest, distance_upper_bound=reach)
     found = np.isfinite(distance)
     along = np.einsum("ni,nki->nk", uphill, known[np.where(found, index, 0)])
     return np.asarray((found & (along > 0.0)).any(axis=1))
@@ -105,7 +104,7 @@ def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: tuple[i
     """Pixels in the connected stretch of chosen ones that each pixel belongs to; 0 for those that are not chosen."""
     mask = np.zeros(shape, bool)
     mask[tuple(place[chosen].T)] = True
-    labels, _ = ndimage.label(mask, structure=np.ones((3, 3), bool))
+    labels, _ = scipy.ndimage.label(mask, structure=np.ones((3, 3), bool))
     size = np.bincount(labels.ravel())
     size[0] = 0
     return np.asarray(size[labels[tuple(place.T)]])
@@ -113,7 +112,7 @@ def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: tuple[i
 
 def _enclosed(free: NDArray[np.bool_], walled: NDArray[np.bool_]) -> Labels:
     """Number the regions between edges that touch neither the border of the image nor a wall."""
-    labels, count = ndimage.label(free)
+    labels, count = scipy.ndimage.label(free)
     outside = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1], labels[walled]]))
     small = np.flatnonzero(np.bincount(labels.ravel(), minlength=count + 1) < _LEAST_AREA)
     dropped = np.zeros(count + 1, bool)
@@ -132,15 +131,15 @@ def _rims(regions: Labels) -> tuple[Labels, Labels]:
         Region of each rim; entry 0 stands for none.
     """
     eight = np.ones((3, 3), bool)
-    beside = np.where(regions > 0, 0, ndimage.maximum_filter(regions, size=3, mode="nearest"))
+    beside = np.where(regions > 0, 0, scipy.ndimage.maximum_filter(regions, size=3, mode="nearest"))
     rims = np.zeros_like(regions)
     region_of = [np.zeros(1, np.int64)]
     count = 0
-    windows = cast("list[tuple[slice, ...] | None]", ndimage.find_objects(beside))
+    windows = cast("list[tuple[slice, ...] | None]", scipy.ndimage.find_objects(beside))
     for number, window in enumerate(windows, start=1):
         if window is None:  # the region has no pixel beside it that is not another region's
             continue
-        labels, found = ndimage.label(beside[window] == number, structure=eight)
+        labels, found = scipy.ndimage.label(beside[window] == number, structure=eight)
         part = rims[window]
         part[labels > 0] = labels[labels > 0] + count
         region_of.append(np.full(found, number))

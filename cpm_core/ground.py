@@ -8,8 +8,8 @@ rest, each neighbourhood by itself, so that every run ends and a front far away 
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 Array = NDArray[np.float64]
 Ground = NDArray[np.int32]
@@ -98,5 +98,5 @@ def idle_steps(ground: Ground, positions: Array, step: int, elsewhere: int) -> N
     ndarray of int64, shape (N,)
         Steps.
     """
-    newest = ndimage.maximum_filter(ground, size=_NEIGHBOURHOOD, mode="nearest")[_cells(positions, ground)]
+    newest = scipy.ndimage.maximum_filter(ground, size=_NEIGHBOURHOOD, mode="nearest")[_cells(positions, ground)]
     return np.where(newest == _NEVER, elsewhere, step - newest).astype(np.int64)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from cpm_core.contour import lengths_along
 from cpm_core.edge_map import edge_map
@@ -193,8 +193,8 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     strength = edge_map(image, smoothing)
     direction = unit_vectors(electric_field(strength))
     parts = [np.gradient(component, axis=axis) for axis, component in enumerate(direction)]
-    divergence = ndimage.gaussian_filter(sum(parts), _RIPPLE, mode="nearest")
-    largest = ndimage.maximum_filter(divergence, size=2 * int(spacing) + 1, mode="nearest")
+    divergence = scipy.ndimage.gaussian_filter(sum(parts), _RIPPLE, mode="nearest")
+    largest = scipy.ndimage.maximum_filter(divergence, size=2 * int(spacing) + 1, mode="nearest")
     centers = np.argwhere((divergence == largest) & (divergence > _LEAST_DIVERGENCE)).astype(float)
     rim = np.concatenate([strength[0], strength[-1], strength[:, 0], strength[:, -1]])
     cut = rim.max() > WEAKEST_EDGE * strength.max()

@@ -4,8 +4,8 @@ The loops may reorder sums (so that they run on vector registers) but never assu
 input gives the same bits at every call. No loop starts threads of its own: a caller that wants two cores splits the
 work, so that two callers can never meet inside one parallel region.
 
-What is kept on disk names the classes of the tuples that a loop takes: rename or move such a class only together with
-the module of its loops, for an older file that names a class no longer there cannot be read, and is not replaced.
+A loop that assigns an array to a part of another costs three seconds of compiling, for Numba then compiles as well how
+the two shapes are put into words if they do not fit: element by element it costs nothing.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
+
+from cpm_core.kernel_cache import kept_with_the_sources
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -28,7 +30,8 @@ _OPTIONS: dict[str, Any] = {
 
 def compiled(function: _Function) -> _Function:
     """Compile a loop over arrays on its first call."""
-    return cast(_Function, numba.njit(**_OPTIONS)(function))
+    with kept_with_the_sources():
+        return cast(_Function, numba.njit(**_OPTIONS)(function))
 
 
 def inlined(function: _Function) -> _Function:
@@ -37,4 +40,5 @@ def inlined(function: _Function) -> _Function:
     A call hands over every array, and counts it up and down, which takes tens of nanoseconds; that is worth sparing
     where a function takes no longer itself. It is compiled anew at every place that calls it: have one in a loop.
     """
-    return cast(_Function, numba.njit(inline="always", **_OPTIONS)(function))
+    with kept_with_the_sources():
+        return cast(_Function, numba.njit(inline="always", **_OPTIONS)(function))

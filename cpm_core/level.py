@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.contrast import region_contrast
 from cpm_core.edge_map import background_strength, gradient, magnitude
@@ -122,7 +122,7 @@ class Level:
     @cached_property
     def spline(self) -> Array:
         """Cubic spline coefficients of the edge map, continued by `SPLINE_MARGIN` pixels beyond the border."""
-        return np.pad(ndimage.spline_filter(self.edge_map, order=3, mode="nearest"), SPLINE_MARGIN, mode="edge")
+        return np.pad(scipy.ndimage.spline_filter(self.edge_map, order=3, mode="nearest"), SPLINE_MARGIN, mode="edge")
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -7,8 +7,8 @@ their centre, so that a mirrored or turned image has a mirrored or turned pyrami
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
         raise ValueError(f"scales is {scales} but must be from 1 to {most} for an image of {size} pixels.")
     levels = [values]
     for _ in range(scales - 1):
-        fine = ndimage.gaussian_filter(levels[-1], _REDUCTION_SMOOTHING, mode="nearest")
+        fine = scipy.ndimage.gaussian_filter(levels[-1], _REDUCTION_SMOOTHING, mode="nearest")
         for axis in range(fine.ndim):
             across = (slice(None),) * axis
             even, odd = fine[(*across, slice(0, None, 2))], fine[(*across, slice(1, None, 2))]

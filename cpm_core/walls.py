@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.kernels import compiled
 from cpm_core.particles import Particles
@@ -104,7 +104,7 @@ def build_walls(regions: Regions, shape: tuple[int, ...]) -> Walls:
         free[tuple(np.clip(places[near], 0, last).T)] = False
     if free.all():
         return Walls(segments, np.full(shape, np.inf))
-    return Walls(segments, np.asarray(ndimage.distance_transform_edt(free)) - _ROUNDING)
+    return Walls(segments, np.asarray(scipy.ndimage.distance_transform_edt(free)) - _ROUNDING)
 
 
 @compiled
@@ -166,11 +166,13 @@ def _hold(walls: Walls, blocked: NDArray[np.int64], before: Array, position: Arr
                 way = here / (here - there) if here != there else 0.0
                 if way < first:
                     first, wall = way, s
-        along = walls.segments[wall, 2:] - walls.segments[wall, :2]
-        squared = along[0] ** 2 + along[1] ** 2
-        move = position[i] - before[i]
-        position[i] = before[i] + along * ((move[0] * along[0] + move[1] * along[1]) / squared)
-        velocity[i] = along * ((velocity[i, 0] * along[0] + velocity[i, 1] * along[1]) / squared)
+        row = walls.segments[wall, 2] - walls.segments[wall, 0]
+        col = walls.segments[wall, 3] - walls.segments[wall, 1]
+        squared = row**2 + col**2
+        slide = ((position[i, 0] - before[i, 0]) * row + (position[i, 1] - before[i, 1]) * col) / squared
+        speed = (velocity[i, 0] * row + velocity[i, 1] * col) / squared
+        position[i, 0], position[i, 1] = before[i, 0] + row * slide, before[i, 1] + col * slide
+        velocity[i, 0], velocity[i, 1] = row * speed, col * speed
         if crosses(walls, before[i], position[i]):
-            position[i] = before[i]
-            velocity[i] = 0.0
+            position[i, 0], position[i, 1] = before[i, 0], before[i, 1]
+            velocity[i, 0], velocity[i, 1] = 0.0, 0.0

@@ -139,6 +139,24 @@ def test_what_is_imported_late_is_told_from_what_is_imported_at_once():
     assert libraries(imports(at_once(source), "cpm_core.a", is_package=False)) == {"numpy", "PIL"}
 
 
+def test_parts_of_large_libraries_are_loaded_when_they_are_asked_for():
+    """Loading these parts takes longer than all the rest, and a window wants to be seen before they are needed."""
+    slow = {
+        "scipy.ndimage",
+        "scipy.spatial",
+        "scipy.fft",
+        "scipy.special",
+        "scipy.sparse",
+        "skimage.measure",
+        "matplotlib",
+    }
+    code = "import sys, cpm_core, app.model.document; print(*sys.modules)"
+    command = [sys.executable, "-c", code]
+    loaded = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    assert "cpm_core.engine" in loaded
+    assert slow.isdisjoint(loaded)
+
+
 @pytest.mark.parametrize("path", SOURCES, ids=module_name)
 def test_no_module_is_a_box_for_odds_and_ends(path):
     assert path.stem not in {"utils", "util", "utilities", "helpers", "helper", "common", "misc", "tools_"}

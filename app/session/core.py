@@ -28,10 +28,10 @@ class Core:
     export : callable
         Writes a result to a path.
     warm_up : callable
-        Compiles or loads the kernels.
+        Compiles or loads the kernels, unless what it is given says that nobody wants them any more.
     """
 
     load_image: Callable[[Path], Image] = load_image
     engine: Callable[[Image, Parameters, Regions | None], Engine] = Engine
     export: Callable[[Result, Path], None] = export
-    warm_up: Callable[[], None] = warm_up
+    warm_up: Callable[[Callable[[], bool]], None] = warm_up

@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
-import threading
+from collections import deque
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """One slot in which the newest wins; what was not taken in time is replaced, never queued."""
+    """One slot in which the newest wins; what was not taken in time is replaced, never queued.
+
+    Nobody waits for anybody: a deque of one place replaces and gives out its content in single strokes, where behind a
+    lock the window would have to wait for a worker that was interrupted while holding it.
+    """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._content: T | None = None
+        self._content: deque[T] = deque(maxlen=1)
 
     def put(self, content: T) -> None:
         """Leave `content`, in place of whatever was not taken yet."""
-        with self._lock:
-            self._content = content
+        self._content.append(content)
 
     def take(self) -> T | None:
         """Take what is there, or None; it is taken once."""
-        with self._lock:
-            content, self._content = self._content, None
-            return content
+        try:
+            return self._content.pop()
+        except IndexError:
+            return None
 
     def __bool__(self) -> bool:
-        return self._content is not None
+        return bool(self._content)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.document import Document, Sown
+from app.model.shades import Shades
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
 from cpm_core.result import Result
@@ -171,13 +172,13 @@ class Reconstruction:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Overlays:
-    """Edge map, shape (H, W), and field, shape (2, H, W); None for what is not asked for.
+    """Shades of the edge map, shape (H, W), and field, shape (2, H, W); None for what is not asked for.
 
     They belong to the image that was opened as `generation`, whatever has been run on it since.
     """
 
     generation: int
-    edge_map: Array | None
+    edge_map: Shades | None
     field: Array | None
 
 
@@ -190,6 +191,7 @@ class Opened:
 
     generation: int
     image: Image
+    shades: Shades
     path: Path
     parameters: Parameters
     notes: tuple[str, ...]

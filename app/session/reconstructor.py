@@ -42,9 +42,8 @@ class Reconstructor:
 
     @property
     def idle(self) -> bool:
-        """Whether there is nothing to do."""
-        with self._changed:
-            return self._request is None and not self._working
+        """Whether there is nothing to do; asked in every frame, and therefore without waiting for the lock."""
+        return self._request is None and not self._working
 
     def ask(self, request: Request) -> None:
         """Reconstruct this instead of whatever is still waiting."""
@@ -81,8 +80,8 @@ class Reconstructor:
             self._changed.wait_for(lambda: self._quit or self._request is not None)
             if self._quit:
                 return None
+            self._working = True  # before the request is gone, so that in between nobody takes this for idle
             request, self._request = self._request, None
-            self._working = True
             return request
 
     def _reconstruct(self, request: Request) -> None:

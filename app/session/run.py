@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from app.model import shades
 from app.model.document import NOWHERE, Document, Sown
 from app.session.mailbox import Mailbox
 from app.session.messages import Overlays, Snapshot
@@ -183,7 +184,7 @@ class Run:
         self._overlays.put(
             Overlays(
                 generation=self.image_generation,
-                edge_map=self._engine.edge_map(self._parameters) if edge_map else None,
+                edge_map=shades.of_edge_map(self._engine.edge_map(self._parameters)) if edge_map else None,
                 field=self._engine.field(self._parameters) if field else None,
             )
         )

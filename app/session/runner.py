@@ -8,6 +8,7 @@ import threading
 from collections import deque
 from dataclasses import replace
 
+from app.model import shades
 from app.model.document import NOWHERE
 from app.session.core import Core
 from app.session.mailbox import Mailbox
@@ -65,6 +66,7 @@ class Runner:
         self._posted = 0
         self._obeyed = 0
         self._waiting = False
+        self._closing = False
         self._last_sow: Sow | None = None
         self._run = Run(self._core.engine, self.snapshots, self.overlays, self.reconstructor)
         self._thread = threading.Thread(target=self._work, name="cpm-engine", daemon=True)
@@ -97,6 +99,7 @@ class Runner:
     def close(self) -> None:
         """Stop between two steps, end both threads and wait for them."""
         if self._thread.is_alive():
+            self._closing = True
             self.post(Quit())
             self._thread.join()
             self.reconstructor.close()
@@ -163,9 +166,9 @@ class Runner:
                 self._core.export(self._run.result(), path)
                 self._reports.append(Exported(path))
             case WarmUp():
-                self._core.warm_up()
-                # All that is loaded by now stays; looking through it for garbage would hold up the window for frames.
-                gc.collect()
+                self._core.warm_up(lambda: self._closing)
+                # All that is loaded by now stays; looking through it for garbage would hold up the window for frames,
+                # even a single time.
                 gc.freeze()
                 self._reports.append(WarmedUp())
 
@@ -177,7 +180,8 @@ class Runner:
             parameters = replace(parameters, scales=most)
             notes = (*notes, f"The image is small: the scales are set to {most}.")
         self._run.use(command.generation, image, parameters)
-        self._reports.append(Opened(command.generation, image, command.path, parameters, notes))
+        shown = shades.of_image(image.values)
+        self._reports.append(Opened(command.generation, image, shown, command.path, parameters, notes))
 
 
 def _refusal(command: Command, error: Exception) -> Report:

@@ -54,8 +54,8 @@ class Session(QObject):
 
     document_changed = Signal(object)
     """The document is another one: Document."""
-    image_changed = Signal(object)
-    """Another image is shown: Image."""
+    image_changed = Signal(object, object)
+    """Another image is shown: Image, and its Shades."""
     status_changed = Signal()
     """What `resolved` says may have changed."""
     snapshot_changed = Signal(object)
@@ -263,7 +263,7 @@ class Session(QObject):
     def accept(self, opened: Opened) -> None:
         """Take over an image that has been opened."""
         self._generation = self._image_generation = opened.generation
-        self.image_changed.emit(opened.image)
+        self.image_changed.emit(opened.image, opened.shades)
         self._progress.forget()
         self._change(lambda: self._editor.begin(_document(opened)))
         self._post(SetParameters(opened.parameters))

@@ -7,6 +7,7 @@ from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QResizeEvent, QWheelEvent
 
 from app.model.paths import Position
+from app.model.shades import Shades
 from app.views import theme
 from app.views.contour_layer import ContourLayer
 from app.views.coordinates import image_rectangle, to_position
@@ -14,7 +15,6 @@ from app.views.drawing_layer import DrawingLayer
 from app.views.layers import EdgeMapLayer, FieldLayer, ImageLayer
 from app.views.particle_layer import ParticleLayer
 from app.views.tools import Grip, Tool
-from cpm_core.image import Image
 
 REACH = 8.0
 """How far off a line or handle the pointer still takes hold of it [px of the screen]."""
@@ -56,14 +56,14 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         """Whether a tool is in the middle of something."""
         return self._dragged is not None or (self.tool is not None and self.tool.drafting)
 
-    def show_image(self, image: Image) -> None:
+    def show_image(self, shades: Shades) -> None:
         """Show another image, as large as it fits."""
         self.cancel()
-        self.image.show(image)
-        self.particles.use_shape(image.shape)
-        self.contours.use_shape(image.shape)
-        self.drawing.use_shape(image.shape)
-        self._shape = image.shape
+        self.image.show(shades)
+        self.particles.use_shape(shades.shape)
+        self.contours.use_shape(shades.shape)
+        self.drawing.use_shape(shades.shape)
+        self._shape = shades.shape
         self.fit()
 
     def fit(self) -> None:

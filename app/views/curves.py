@@ -11,6 +11,7 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
+from app.model.paths import coarser
 from app.views import theme
 from app.views.coordinates import image_rectangle, to_xy
 from app.views.layers import cached, line_pen
@@ -19,6 +20,9 @@ Array = NDArray[np.float64]
 
 _RIM = 4.0
 _PIECE = 64
+_UNSEEN = 0.1
+"""Distance off a line at which a corner is not seen [px of the screen]."""
+
 _DASHES = (2.5, 1.8)
 
 
@@ -47,7 +51,9 @@ class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type 
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)
         self._pens = (line_pen(theme.HALO, halo), pen) if halo else (pen,)
         self._room = QRectF()
+        self._paths: Sequence[Array] = ()
         self._pieces: list[QPainterPath] = []
+        self._made_for = 0.0
         self._wanted = True
         self.count = 0
         self.setZValue(z)
@@ -63,7 +69,7 @@ class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type 
         """Show curves, each of shape (K, 2)."""
         if paths or self.count:
             self.count = len(paths)
-            self._pieces = [pg.arrayToQPath(*to_xy(piece)) for path in paths for piece in pieces(path)]
+            self._paths, self._made_for = paths, 0.0
             self.update()
             self.set_wanted(self._wanted)
 
@@ -80,10 +86,18 @@ class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type 
         """Draw the halos, then the curves."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setBrush(QColor(0, 0, 0, 0))
+        self._make_pieces(painter.worldTransform().m11() * painter.device().devicePixelRatioF())
         for pen in self._pens:
             painter.setPen(pen)
             for piece in self._pieces:
                 painter.drawPath(piece)
+
+    def _make_pieces(self, zoom: float) -> None:
+        """Leave out what cannot be told apart where a px of the image is `zoom` pixels of the screen: it takes long."""
+        if self._made_for != zoom:
+            self._made_for = zoom
+            seen = coarser(self._paths, _UNSEEN / zoom)
+            self._pieces = [pg.arrayToQPath(*to_xy(piece)) for path in seen for piece in pieces(path)]
 
 
 def pieces(path: Array) -> Iterator[Array]:

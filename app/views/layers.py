@@ -9,9 +9,9 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor, QPen
 from PySide6.QtWidgets import QGraphicsItem
 
+from app.model.shades import Shades
 from app.views import theme
 from app.views.coordinates import image_rectangle, to_xy
-from cpm_core.image import Image
 
 Array = NDArray[np.float64]
 
@@ -40,12 +40,9 @@ class ImageLayer:
         cached(self._item)
         view.addItem(self._item, ignoreBounds=True)
 
-    def show(self, image: Image) -> None:
-        """Show an image over its whole range of grey values."""
-        values = image.values
-        low, high = float(values.min()), float(values.max())
-        shown = np.rint((values - low) * (255.0 / max(high - low, 1e-300))).astype(np.uint8)
-        self._item.setImage(shown, levels=(0, 255), rect=image_rectangle(image.shape))
+    def show(self, shades: Shades) -> None:
+        """Show an image."""
+        self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))
 
 
 class EdgeMapLayer:
@@ -60,16 +57,12 @@ class EdgeMapLayer:
         table[:, 3] = np.linspace(0, 235, 256).astype(np.uint8)
         self._item.setLookupTable(table)
 
-    def show(self, edge_map: Array | None) -> None:
+    def show(self, shades: Shades | None) -> None:
         """Show an edge map, or nothing."""
         # hidden, not cleared: what is cached of an item would stay on screen when its extent vanishes
-        self._item.setVisible(edge_map is not None)
-        if edge_map is None:
-            return
-        # The square root brings out weak edges, which are the ones a user wants to judge.
-        strength = np.sqrt(np.clip(edge_map / max(float(edge_map.max()), 1e-300), 0.0, 1.0))
-        shown = np.rint(255 * strength).astype(np.uint8)
-        self._item.setImage(shown, levels=(0, 255), rect=image_rectangle(edge_map.shape))
+        self._item.setVisible(shades is not None)
+        if shades is not None:
+            self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))
 
 
 class FieldLayer:

@@ -14,6 +14,7 @@ from app.model import edits
 from app.model.paths import Position
 from app.model.resolve import TOOLS
 from app.model.samples import samples
+from app.model.shades import Shades
 from app.model.shapes import KINDS, Everywhere, Kind, describe
 from app.session.messages import Snapshot
 from app.session.session import Session
@@ -264,7 +265,7 @@ class MainWindow(QMainWindow):
         self.side.status.show_resolved(resolved, frames)
         self.side.plot.show_trace(self._snapshot.trace if self._snapshot else None)
 
-    def _show_image(self, image: Image) -> None:
+    def _show_image(self, image: Image, _: Shades) -> None:
         self._image = image
 
     def _keep_snapshot(self, snapshot: Snapshot | None) -> None:

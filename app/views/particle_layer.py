@@ -109,15 +109,22 @@ class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
         """Stamp them all."""
         if not len(self._position):
             return
-        ratio = painter.device().devicePixelRatioF()
+        device = painter.device()
+        ratio = device.devicePixelRatioF()
         transform = painter.worldTransform()
         stamp = self._stamp_for(ratio, transform.m11())
         origin = transform.map(QPointF(0.0, 0.0))
         x, y = to_xy(self._position)
+        x, y = origin.x() + x * transform.m11(), origin.y() + y * transform.m22()
+        # The painter takes as long for a stamp that is not seen as for one that is.
+        reach = stamp.width() / ratio
+        seen = (x > -reach) & (x < device.width() + reach) & (y > -reach) & (y < device.height() + reach)
+        if not seen.all():
+            x, y = x[seen], y[seen]
         self._stamps.resize(len(x))
         table = self._stamps.ndarray()
-        table[:, 0] = origin.x() + x * transform.m11()
-        table[:, 1] = origin.y() + y * transform.m22()
+        table[:, 0] = x
+        table[:, 1] = y
         table[:, 2:4] = 0.0
         table[:, 4] = stamp.width()
         table[:, 5] = stamp.height()

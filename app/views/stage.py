@@ -8,6 +8,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from app.model import edits
+from app.model.shades import Shades
 from app.model.shapes import SMALLEST_RADIUS, Circle, describe
 from app.session.messages import Overlays, Snapshot
 from app.session.session import Session
@@ -168,8 +169,8 @@ class Stage(QWidget):
                 "resize circle", lambda document: edits.replace_shape(document, index, grown), f"grow {index}"
             )
 
-    def _show_image(self, image: Image) -> None:
-        self.canvas.show_image(image)
+    def _show_image(self, _: Image, shades: Shades) -> None:
+        self.canvas.show_image(shades)
         self.canvas.edge_map.show(None)
         self.canvas.field.show(None)
 

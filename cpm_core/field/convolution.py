@@ -11,7 +11,7 @@ from itertools import product
 from threading import Lock
 
 import numpy as np
-import scipy.fft
+import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 Array = NDArray[np.float64]

@@ -17,8 +17,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import erfc
 
 from cpm_core.kernels import compiled
 
@@ -125,7 +125,10 @@ def short_range(f: Array, cutoff: float) -> Array:
     row, col = np.mgrid[-reach : reach + 1, -reach : reach + 1].astype(float)
     distance = np.hypot(row, col)
     away = np.where(distance > 0.0, distance, np.inf)
-    slope = erfc(away / sigma) / away**2 + 2.0 / (math.sqrt(math.pi) * sigma) * np.exp(-((away / sigma) ** 2)) / away
+    slope = (
+        scipy.special.erfc(away / sigma) / away**2
+        + 2.0 / (math.sqrt(math.pi) * sigma) * np.exp(-((away / sigma) ** 2)) / away
+    )
     pull = np.where(distance <= cutoff, slope / away, 0.0)
     out = np.zeros((2, *f.shape))
     _sum_near(np.ascontiguousarray(f), pull * row, pull * col, out)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import PIL.Image
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from cpm_core.gallery.pages import Map, Page, Panel, Picture, Stairs
 
@@ -277,7 +277,7 @@ def _png(pixels: NDArray[np.uint8]) -> bytes:
     packed = (pixels.astype(np.uint32) << (16, 8, 0)).sum(axis=-1, dtype=np.uint32)
     colours, which = np.unique(packed, return_inverse=True)
     apart = colours[:, None] >> np.array((16, 8, 0), dtype=np.uint32) & 255
-    nearest = np.asarray(cKDTree(palette).query(apart)[1]).astype(np.uint8)
+    nearest = np.asarray(scipy.spatial.cKDTree(palette).query(apart)[1]).astype(np.uint8)
     picture = PIL.Image.fromarray(nearest[which].reshape(packed.shape))
     picture.putpalette(palette.tobytes())
     stream = io.BytesIO()

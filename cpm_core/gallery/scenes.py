@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.contour import Contour
 from cpm_core.gallery.outlines import Rings, coverage
@@ -71,7 +71,7 @@ def binary(size: Size, outlines: Rings, seeds: Array) -> Scene:
 
 def blurred(values: Array, sigma: float) -> Array:
     """An image out of focus by a Gaussian."""
-    return np.asarray(ndimage.gaussian_filter(values, sigma, mode="nearest"))
+    return np.asarray(scipy.ndimage.gaussian_filter(values, sigma, mode="nearest"))
 
 
 def grain(size: Size, spread: float, seed: int) -> Array:
@@ -81,5 +81,5 @@ def grain(size: Size, spread: float, seed: int) -> Array:
 
 def texture(size: Size, grain_size: float | tuple[float, float], spread: float, seed: int) -> Array:
     """Cloudy texture: noise blurred by `grain_size` px (along rows and columns), of a standard deviation."""
-    clouds = np.asarray(ndimage.gaussian_filter(grain(size, 1.0, seed), grain_size, mode="wrap"))
+    clouds = np.asarray(scipy.ndimage.gaussian_filter(grain(size, 1.0, seed), grain_size, mode="wrap"))
     return clouds * (spread / float(clouds.std()))

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import QhullError, Voronoi, cKDTree
 
 from cpm_core.medial_axis.boundary import Boundary
 
@@ -117,8 +117,8 @@ def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
     if len(boundary.points) < 2:
         return nowhere()
     try:
-        diagram = Voronoi(np.concatenate([boundary.points, corners]))
-    except QhullError:  # all points in a row
+        diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
+    except scipy.spatial.QhullError:  # all points in a row
         return nowhere()
     count = len(boundary.points)
     sites = np.sort(diagram.ridge_points.astype(np.int64), axis=1)
@@ -127,13 +127,13 @@ def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
     key = count + len(corners)
     crossing = np.isin(sites[:, 0] * key + sites[:, 1], follow[:, 0] * key + follow[:, 1])
     kept = ~crossing & (sites[:, 1] < count) & (edges >= 0).all(axis=1)
-    tree = cKDTree(boundary.points)
+    tree = scipy.spatial.cKDTree(boundary.points)
     reach = 0.5 * size + _AROUND * widest
     rough = _measured(diagram.vertices, edges[kept], tree).only(edges[kept]).within(middle - reach, middle + reach)
     return _measured(*_divided(rough.points, rough.edges), tree)
 
 
-def _measured(points: Array, edges: Indices, tree: cKDTree) -> Axis:
+def _measured(points: Array, edges: Indices, tree: scipy.spatial.cKDTree) -> Axis:
     """Axis with the distances of its vertices to the boundary."""
     radius, nearest = tree.query(points)
     return Axis(points, edges, np.asarray(radius), np.asarray(nearest, dtype=np.int64))

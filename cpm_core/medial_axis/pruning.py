@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from cpm_core.medial_axis.axis import Axis
 from cpm_core.reconstruction.graph import Graph
@@ -52,8 +51,10 @@ def prune(axis: Axis, pruning: float) -> Axis:
 def parts(axis: Axis) -> tuple[int, NDArray[np.int32]]:
     """Number of connected parts of an axis, and the part that each vertex belongs to."""
     size = len(axis.points)
-    joined = coo_array((np.ones(len(axis.edges)), (axis.edges[:, 0], axis.edges[:, 1])), shape=(size, size))
-    count, part = connected_components(joined, directed=False)
+    joined = scipy.sparse.coo_array(
+        (np.ones(len(axis.edges)), (axis.edges[:, 0], axis.edges[:, 1])), shape=(size, size)
+    )
+    count, part = scipy.sparse.csgraph.connected_components(joined, directed=False)
     return int(count), part
 
 

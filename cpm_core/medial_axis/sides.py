@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.medial_axis.axis import Axis
 from cpm_core.medial_axis.boundary import Boundary
@@ -57,17 +57,17 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     edge = boundary.points[axis.nearest]
     places = edge + share[:, None] * (axis.points - edge)
     rim = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
-    smooth = ndimage.gaussian_filter(values, max(smoothing, _LEAST_SMOOTHING), mode="nearest")
-    grey = [ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
+    smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_SMOOTHING), mode="nearest")
+    grey = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
     away = np.min(np.abs(np.array(grey) - np.median(rim)), axis=0)
     contrast = step_height(boundary.strength[axis.nearest], smoothing)
     inside = axis.inside(low, high)
     count, part = parts(axis)
     every = np.arange(count)
-    largest = ndimage.maximum(np.where(inside, axis.radius, 0.0), part, every)
+    largest = scipy.ndimage.maximum(np.where(inside, axis.radius, 0.0), part, every)
     telling = inside & (axis.radius >= np.minimum(clear, _MIDDLE * largest[part]))
     seen = np.isin(every, part[telling])
     difference, height = np.zeros(count), np.ones(count)
-    difference[seen] = ndimage.median(away[telling], part[telling], every[seen])
-    height[seen] = ndimage.median(contrast[telling], part[telling], every[seen])
+    difference[seen] = scipy.ndimage.median(away[telling], part[telling], every[seen])
+    height[seen] = scipy.ndimage.median(contrast[telling], part[telling], every[seen])
     return np.asarray((difference > _DIFFERENT * height)[part[axis.edges[:, 0]]])

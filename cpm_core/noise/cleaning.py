@@ -14,8 +14,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.noise.denoising import noise_level, total_variation
 from cpm_core.noise.grey_levels import expected
@@ -100,7 +100,7 @@ def clean(values: Array) -> Cleaned:
         image = _regions(seen.halved, seen.rough, 0.5 * seen.noise, 0.5 * length, _ROUNDS - 1)
         image = _regions(seen.values, _doubled(image, values.shape), seen.noise, length, 1)
     width = max(_SHARPEST, _SLENDERNESS * length)
-    step = _STEP * width * float(ndimage.gaussian_gradient_magnitude(image, width, mode="nearest").max())
+    step = _STEP * width * float(scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest").max())
     remaining = _REMAINING * seen.noise / step if step > 0.0 else 0.0
     return Cleaned(image, width, min(max(remaining, _LEAST_REMAINING), _MOST_REMAINING))
 
@@ -127,7 +127,7 @@ def _look(values: Array) -> _Look:
 
 def _regions(values: Array, image: Array, noise: float, length: float, rounds: int) -> Array:
     """Regions of an image by averages along the edges of `image`, which is made anew with every round."""
-    surface = np.asarray(ndimage.gaussian_filter(values, _PIXELS, mode="nearest"))
+    surface = np.asarray(scipy.ndimage.gaussian_filter(values, _PIXELS, mode="nearest"))
     for _ in range(rounds):
         way = directions(image, max(_FINEST, _SLENDERNESS * length), _AGREEING * length)
         image = total_variation(averaged_along(surface, way, length), _FURTHER * noise)
@@ -137,7 +137,7 @@ def _regions(values: Array, image: Array, noise: float, length: float, rounds: i
 def _contrast(image: Array) -> float:
     """Height of the steps in an image, the high and the long ones above all [grey levels]."""
     width = 2.0
-    slope = ndimage.gaussian_gradient_magnitude(image, width, mode="nearest")
+    slope = scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest")
     square = float((slope**2).sum())
     # across a smoothed step the cubes of its slopes are to their squares as sqrt(2/3) of the largest slope
     return _STEP * width * float(np.sqrt(1.5)) * float((slope**3).sum()) / square if square > 0.0 else 0.0
@@ -154,4 +154,4 @@ def _doubled(values: Array, shape: tuple[int, ...]) -> Array:
     """Image of a shape whose halved one is given."""
     row, col = (0.5 * (np.arange(size) - 0.5) for size in shape)
     grid = np.meshgrid(row, col, indexing="ij")
-    return np.asarray(ndimage.map_coordinates(values, np.stack(grid), order=1, mode="nearest"))
+    return np.asarray(scipy.ndimage.map_coordinates(values, np.stack(grid), order=1, mode="nearest"))

@@ -8,8 +8,8 @@ shortest (Rudin, Osher and Fatemi 1992, doi:10.1016/0167-2789(92)90242-F).
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.kernels import compiled
 
@@ -35,7 +35,7 @@ def noise_level(values: Array) -> float:
         From the mean square of the response of a mask that is blind to smooth structure [grey levels]: of whatever
         distribution the noise is, a few pixels of another grey level included. Corners add a little to it.
     """
-    response = ndimage.convolve(values, _CURVATURE, mode="nearest")
+    response = scipy.ndimage.convolve(values, _CURVATURE, mode="nearest")
     return float(np.sqrt(np.mean(response**2)) / 6.0)
 
 
@@ -58,25 +58,29 @@ def total_variation(values: Array, weight: float) -> Array:
     """
     if weight <= 0.0:
         return values.copy()
-    return _primal_dual(values.astype(np.float32), weight, _ITERATIONS).astype(np.float64)
+    data = values.astype(np.float32)
+    return _primal_dual(data, np.pad(data, ((0, 1), (0, 1)), mode="edge"), weight, _ITERATIONS).astype(np.float64)
 
 
 @compiled
-def _primal_dual(data: NDArray[np.float32], weight: float, iterations: int) -> NDArray[np.float32]:
+def _primal_dual(
+    data: NDArray[np.float32], ahead: NDArray[np.float32], weight: float, iterations: int
+) -> NDArray[np.float32]:
     rows, cols = data.shape
     image = data.copy()
-    # a margin that repeats the last row and column, and one without flow before the first: no branches in the loops
-    ahead = np.zeros((rows + 1, cols + 1), np.float32)
+    # `ahead` has a margin that repeats the last row and column, `down` and `right` one without flow before the first:
+    # no branches in the loops
     down = np.zeros((rows + 1, cols), np.float32)
     right = np.zeros((rows, cols + 1), np.float32)
-    ahead[:rows, :cols] = data
     one, cost = np.float32(1.0), np.float32(weight)
     primal = np.float32(0.1) * cost
     dual = one / (np.float32(8.0) * primal)
     convexity = np.float32(0.7) / cost
     for _ in range(iterations):
-        ahead[rows] = ahead[rows - 1]
-        ahead[:, cols] = ahead[:, cols - 1]
+        for j in range(cols):
+            ahead[rows, j] = ahead[rows - 1, j]
+        for i in range(rows):
+            ahead[i, cols] = ahead[i, cols - 1]
         for i in range(rows):
             here, below, flow_down, flow_right = ahead[i], ahead[i + 1], down[i + 1], right[i]
             for j in range(cols):

@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from cpm_core.kernels import compiled
 
@@ -60,9 +60,11 @@ def directions(values: Array, inner: float, outer: float) -> Directions:
     Directions
         At each pixel.
     """
-    down, right = (ndimage.gaussian_filter(values, inner, order=order, mode="nearest") for order in ((1, 0), (0, 1)))
+    down, right = (
+        scipy.ndimage.gaussian_filter(values, inner, order=order, mode="nearest") for order in ((1, 0), (0, 1))
+    )
     products = (down * down, right * right, down * right)
-    rows, cols, mixed = (ndimage.gaussian_filter(product, outer, mode="nearest") for product in products)
+    rows, cols, mixed = (scipy.ndimage.gaussian_filter(product, outer, mode="nearest") for product in products)
     across = 0.5 * np.arctan2(2.0 * mixed, rows - cols)
     total = rows + cols
     spread = np.sqrt((rows - cols) ** 2 + 4.0 * mixed**2)

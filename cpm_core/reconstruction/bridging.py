@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 from skimage.graph import MCP_Geometric
 
 from cpm_core.bridge import Bridge
@@ -176,7 +176,7 @@ class _Ground:
 def _between_ends(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
     """Ways from end to end."""
     number = list(ends)
-    for i, j in sorted(cKDTree(graph.points[number]).query_pairs(longest)):
+    for i, j in sorted(scipy.spatial.cKDTree(graph.points[number]).query_pairs(longest)):
         a, b = number[i], number[j]
         gap = graph.distance(a, b)
         across = (graph.points[b] - graph.points[a]) / max(gap, 1e-300)
@@ -188,7 +188,7 @@ def _between_ends(graph: Graph, ground: _Ground, ends: dict[int, Array], longest
         joined = graph.points[[a, b]]
         low, high = ground.window(guide, 0.5 * gap + 3.0)
         costs, places = ground.costs(low, high, min(_strength(graph, ground.level, v) for v in (a, b)))
-        off = cKDTree(guide).query(places)[0]
+        off = scipy.spatial.cKDTree(guide).query(places)[0]
         search = MCP_Geometric(costs + _LEAVING * off + ground.obstacles(places, joined))
         total, path = _cheapest(search, low, joined[0], joined[1:])
         path = _smoothed(path, joined[0], joined[1])
@@ -201,7 +201,7 @@ def _to_sides(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: fl
     sides = np.flatnonzero(graph.degrees > 1)
     if not len(sides):
         return
-    tree = cKDTree(graph.points[sides])
+    tree = scipy.spatial.cKDTree(graph.points[sides])
     for end, direction in ends.items():
         place = graph.points[end]
         own = graph.way_from(end)

@@ -12,10 +12,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from cpm_core.contour import Contour
 from cpm_core.contrast import Sides
@@ -99,7 +97,7 @@ def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
     loose = ~ways.closed & (np.minimum(graph.degrees[ways.first], graph.degrees[ways.last]) == 1)
     start = np.searchsorted(way, np.arange(len(ways)))
     for n in np.flatnonzero(loose & (counts > _STRETCH)).tolist():
-        along = ndimage.uniform_filter1d(values[ways.path(n)], _STRETCH, mode="nearest")
+        along = scipy.ndimage.uniform_filter1d(values[ways.path(n)], _STRETCH, mode="nearest")
         rating[start[n] : start[n] + len(along) - 1] = 0.5 * (along[:-1] + along[1:])
     return Ratings(edges, rating)
 
@@ -116,8 +114,8 @@ def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
         return
     size = len(graph.points)
     first, last = ways.first, ways.last
-    joined = coo_array((np.ones(len(ways)), (first, last)), shape=(size, size))
-    part = connected_components(joined, directed=False)[1][first]
+    joined = scipy.sparse.coo_array((np.ones(len(ways)), (first, last)), shape=(size, size))
+    part = scipy.sparse.csgraph.connected_components(joined, directed=False)[1][first]
     strongest = np.full(size, -np.inf)
     np.maximum.at(strongest, part, np.maximum.reduceat(strength[ways.vertices], ways.start[:-1]))
     graph.drop_ways(strongest[part] < sure)

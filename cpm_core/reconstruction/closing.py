@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from cpm_core.contour import lengths_along
 from cpm_core.level import FAINTEST, Level
@@ -43,8 +43,8 @@ def close_gaps(graph: Graph, level: Level, reach: float) -> None:
     used = np.flatnonzero(graph.degrees)
     if not len(ends):
         return
-    tree = cKDTree(graph.points[used], balanced_tree=False, compact_nodes=False)
-    near = cKDTree(graph.points[ends]).query_ball_tree(tree, reach)
+    tree = scipy.spatial.cKDTree(graph.points[used], balanced_tree=False, compact_nodes=False)
+    near = scipy.spatial.cKDTree(graph.points[ends]).query_ball_tree(tree, reach)
     end = np.repeat(ends, [len(some) for some in near])
     other = used[np.concatenate([np.array(some, np.int64) for some in near])]
     gap = np.linalg.norm(graph.points[end] - graph.points[other], axis=1)

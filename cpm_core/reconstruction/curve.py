@@ -8,8 +8,8 @@ locally, when the two angles opposite to it sum to at most a right angle.
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import Delaunay, QhullError
 
 from cpm_core.contour import Contour
 from cpm_core.reconstruction.graph import chains
@@ -39,8 +39,8 @@ def crust(points: Array) -> Edges:
     if len(points) < _LEAST_POINTS:
         return np.zeros((0, 2), np.int64)
     try:
-        triangulation = Delaunay(points)
-    except QhullError:  # all on one line: there is no triangle, and the crust joins neighbours along it
+        triangulation = scipy.spatial.Delaunay(points)
+    except scipy.spatial.QhullError:  # all on one line: there is no triangle, and the crust joins neighbours along it
         order = np.lexsort(points.T)
         return np.unique(np.sort(np.stack([order[:-1], order[1:]], axis=1), axis=1), axis=0)
     triangles, neighbors = triangulation.simplices.astype(np.int64), triangulation.neighbors

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from cpm_core.contour import Contour, lengths_along
 
@@ -148,7 +148,7 @@ class _Lines:
         nth = (np.arange(len(side)) - np.repeat(np.cumsum(pieces) - pieces, pieces))[:, None]
         along = ((b - a) / pieces[:, None])[side]
         self._start, self._along = a[side] + nth * along, along
-        self._tree = cKDTree(self._start + 0.5 * along) if len(side) else None
+        self._tree = scipy.spatial.cKDTree(self._start + 0.5 * along) if len(side) else None
 
     def distance(self, points: Array) -> Array:
         """Distance of points, shape (N, 2), to the nearest line."""

@@ -48,3 +48,21 @@ def test_a_moved_path_keeps_its_shape(line, by) -> None:
     moved = paths.moved(line, by)
     assert paths.length(moved) == pytest.approx(paths.length(line))
     assert math.dist(moved[0], line[0]) == pytest.approx(math.hypot(*by))
+
+
+@given(st.lists(st.lists(positions, min_size=1, max_size=40), max_size=5), st.sampled_from([0.01, 0.4, 3.0]))
+def test_coarser_paths_have_the_same_ends_and_stay_near(lines, off) -> None:
+    coarse = paths.coarser([np.array(line) for line in lines], off)
+    assert len(coarse) == len(lines)
+    for line, path in zip(lines, coarse, strict=True):
+        kept = [tuple(corner) for corner in path.tolist()]
+        assert (kept[0], kept[-1]) == (line[0], line[-1])
+        followed = iter(line)
+        assert all(corner in followed for corner in kept)
+        assert all(paths.distance(kept, corner) <= 3 * off + 1e-9 for corner in line)
+
+
+def test_a_smooth_path_is_drawn_with_few_corners() -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 801)
+    circle = 100.0 * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    assert len(paths.coarser([circle, circle], 0.1)[1]) <= 102

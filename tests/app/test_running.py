@@ -11,6 +11,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
 from app.model import edits
+from app.model.shades import of_edge_map
 from app.model.shapes import Circle
 from cpm_core import Engine, Parameters
 from cpm_core.initialization import circle
@@ -253,11 +254,11 @@ def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand) -> 
     hand.key(KEY.Key_4, CONTROL)
     hand.wait(lambda: len(seen) == 1)
     engine = Engine(window._image, Parameters())
-    np.testing.assert_array_equal(seen[0].edge_map, engine.edge_map(Parameters()))
+    np.testing.assert_array_equal(seen[0].edge_map, of_edge_map(engine.edge_map(Parameters())))
     assert seen[0].field is None
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
     hand.wait(lambda: len(seen) == 2)
-    np.testing.assert_array_equal(seen[1].edge_map, engine.edge_map(Parameters(smoothing=2.0)))
+    np.testing.assert_array_equal(seen[1].edge_map, of_edge_map(engine.edge_map(Parameters(smoothing=2.0))))
     window.side.layers.boxes["field"].click()
     hand.wait(lambda: len(seen) == 3)
     np.testing.assert_array_equal(seen[2].field, engine.field(Parameters(smoothing=2.0)))

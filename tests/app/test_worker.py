@@ -117,7 +117,7 @@ class Bench:
         self.engines.append(FakeEngine(image, parameters, regions))
         return self.engines[-1]
 
-    def _warm_up(self) -> None:
+    def _warm_up(self, unwanted: Callable[[], bool]) -> None:
         assert self.hold.wait(20)
         self.warm.set()
 

@@ -1,0 +1,79 @@
+"""Every particle that is in sight is drawn where it is, and nothing else is."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from PySide6.QtGui import QColor, QImage, QPainter
+from PySide6.QtWidgets import QStyleOptionGraphicsItem
+
+from app.views import theme
+from app.views.particle_layer import Discs
+
+HEIGHT, WIDTH = 120, 200
+LARGEST = 6.0
+
+
+def picture(position: np.ndarray, ratio: int, zoom: float, corner: np.ndarray) -> np.ndarray:
+    """Discs alone, shape (rows, columns, blue green red alpha), on a screen with `ratio` pixels to a point.
+
+    The image is enlarged by `zoom` to points of the screen, whose corner shows the position `corner`.
+    """
+    discs = Discs(theme.MOVING, LARGEST, 0.0)
+    discs.use_shape((1000, 1000))
+    discs.show(position)
+    drawn = QImage(WIDTH * ratio, HEIGHT * ratio, QImage.Format.Format_ARGB32_Premultiplied)
+    drawn.setDevicePixelRatio(ratio)
+    drawn.fill(0)
+    painter = QPainter(drawn)
+    painter.scale(zoom, zoom)
+    painter.translate(-corner[1], -corner[0])
+    discs.paint(painter, QStyleOptionGraphicsItem())
+    painter.end()
+    return np.frombuffer(drawn.constBits(), np.uint8).reshape(drawn.height(), drawn.width(), 4).copy()
+
+
+@pytest.mark.parametrize("ratio", [1, 2])
+@pytest.mark.parametrize("zoom", [0.4, 1.0, 3.7])
+@pytest.mark.parametrize("count", [30, 400])
+def test_particles_in_sight_cover_their_pixel_and_the_rest_stays_free(qapp, ratio, zoom, count):
+    rng = np.random.default_rng(count)
+    corner = np.array((101.3, 52.8))
+    position = corner + rng.uniform(-0.5, 1.5, (count, 2)) * (HEIGHT, WIDTH) / zoom
+    drawn = picture(position, ratio, zoom, corner)
+    on_screen = (position - corner) * zoom * ratio
+    row, col = np.floor(on_screen).astype(int).T
+    in_sight = (row >= 0) & (row < HEIGHT * ratio) & (col >= 0) & (col < WIDTH * ratio)
+    assert 0 < in_sight.sum() < count
+    assert (drawn[row[in_sight], col[in_sight], 3] == 255).all()
+    pixels = np.stack(np.indices(drawn.shape[:2]), axis=-1).reshape(-1, 2) + 0.5
+    nearest = np.full(len(pixels), np.inf)
+    for place in on_screen:
+        np.minimum(nearest, np.hypot(*(pixels - place).T), out=nearest)
+    nearest = nearest.reshape(drawn.shape[:2])
+    assert not drawn[nearest > ratio * (0.5 * LARGEST + 1.0) + 1.0].any()
+
+
+def test_a_particle_is_as_large_and_of_the_colour_that_it_should_be(qapp):
+    drawn = picture(np.array([[10.0, 20.0]]), 1, 5.0, np.zeros(2))
+    blue, green, red, _ = drawn[50, 100]
+    assert QColor(int(red), int(green), int(blue)) == QColor(theme.MOVING)
+    covered = drawn[..., 3].sum() / 255.0
+    assert math.pi * (0.5 * LARGEST) ** 2 < covered < math.pi * (0.5 * LARGEST + 0.6) ** 2
+
+
+@pytest.mark.parametrize(
+    ("place", "outward", "beside"),
+    [
+        ((60.0, -2.0), (0.0, -1.0), (60, 0)),
+        ((60.0, WIDTH + 1.0), (0.0, 1.0), (60, WIDTH - 1)),
+        ((-2.0, 90.0), (-1.0, 0.0), (0, 90)),
+        ((HEIGHT + 1.0, 90.0), (1.0, 0.0), (HEIGHT - 1, 90)),
+    ],
+)
+def test_the_half_of_a_particle_that_reaches_into_sight_is_drawn(qapp, place, outward, beside):
+    near, far = np.array([place]), np.array([place]) + 4.0 * np.array([outward])
+    assert picture(near / 3.0, 1, 3.0, np.zeros(2))[(*beside, 3)] > 0
+    assert not picture(far / 3.0, 1, 3.0, np.zeros(2)).any()

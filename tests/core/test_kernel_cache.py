@@ -1,0 +1,160 @@
+"""Compiled loops are kept by the sources that they are made of, and nothing that is kept is ever wrong."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numba
+import pytest
+
+import cpm_core
+from cpm_core import kernel_cache
+
+INNER = "from cpm_core.kernels import compiled\n\n@compiled\ndef inner(x):\n    return x + {}\n"
+OUTER = (
+    "import sys\nimport numba\nfrom cpm_core.kernels import compiled\nfrom cpm_core.inner import inner\n"
+    "from cpm_core.constants import FACTOR\n\n@compiled\ndef outer(x):\n    return FACTOR * inner(x)\n\n"
+    "@numba.njit(cache=True)\ndef foreign(x):\n    return x\n\n"
+    "kept = outer.stats\n"
+    "print(outer(10.0), kept.cache_path, foreign.stats.cache_path, sum(outer.stats.cache_hits.values()), sep='|')\n"
+)
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A small package of the same name, with the real modules that decide where loops are kept."""
+    made = tmp_path / "cpm_core"
+    made.mkdir()
+    (made / "__init__.py").touch()
+    for name in ("kernels.py", "kernel_cache.py"):
+        shutil.copy(Path(cpm_core.__file__).parent / name, made)
+    (made / "inner.py").write_text(INNER.format(1.0))
+    (made / "constants.py").write_text("FACTOR = 2.0\n")
+    (made / "other.py").write_text("OTHER = 3.0\n")
+    (made / "outer.py").write_text(OUTER)
+    return made
+
+
+def run(package, **environment):
+    """What the outer loop gives, where it and a loop of somebody else are kept, and whether it was found there."""
+    kept = {name: value for name, value in os.environ.items() if name not in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME")}
+    kept |= {"PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1", **environment}
+    command = [sys.executable, "-m", "cpm_core.outer"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=kept, cwd=package.parent)
+    value, ours, foreign, hits = done.stdout.strip().split("|")
+    return float(value), Path(ours), Path(foreign), int(hits)
+
+
+def test_a_loop_called_by_another_may_change_in_a_file_of_its_own(package, tmp_path):
+    home = {"XDG_CACHE_HOME": str(tmp_path / "cache"), "LOCALAPPDATA": str(tmp_path / "cache"), "HOME": str(tmp_path)}
+    value, ours, foreign, hits = run(package, **home)
+    assert (value, hits) == (22.0, 0)
+    assert tmp_path in ours.parents
+    assert foreign == package / "__pycache__"
+    assert run(package, **home)[::3] == (22.0, 1)
+    (package / "inner.py").write_text(INNER.format(5.0))
+    value, another, _, hits = run(package, **home)
+    assert (value, hits) == (30.0, 0)
+    assert another != ours
+
+
+def test_a_home_that_cannot_be_written_to_is_no_obstacle(package, tmp_path):
+    (tmp_path / "file").touch()
+    nowhere = str(tmp_path / "file")  # nothing can be made below a file, whoever one is
+    value, ours, _, _ = run(package, XDG_CACHE_HOME=nowhere, LOCALAPPDATA=nowhere, HOME=nowhere)
+    assert value == 22.0
+    assert ours == package / "__pycache__"
+
+
+def test_a_folder_chosen_for_numba_is_respected(package, tmp_path):
+    value, ours, foreign, _ = run(package, NUMBA_CACHE_DIR=str(tmp_path / "chosen"))
+    assert value == 22.0
+    assert ours.parent.parent == foreign.parent == tmp_path / "chosen"
+
+
+@pytest.mark.parametrize(
+    ("name", "source", "another"),
+    [
+        ("inner.py", INNER.format(7.0), True),
+        ("constants.py", "FACTOR = 9.0\n", True),
+        ("other.py", "OTHER = 4.0\n", False),
+        ("further.py", INNER.format(1.0), True),
+    ],
+)
+def test_another_source_that_loops_depend_on_gives_another_version(package, name, source, another):
+    before = kernel_cache.digest(package)
+    assert kernel_cache.digest(package) == before
+    (package / name).write_text(source)
+    assert (kernel_cache.digest(package) != before) == another
+
+
+def test_another_numba_gives_another_version(package, monkeypatch):
+    before = kernel_cache.digest(package)
+    monkeypatch.setattr(numba, "__version__", "0.1")
+    assert kernel_cache.digest(package) != before
+
+
+def test_the_hour_of_a_source_does_not_matter(package):
+    before = kernel_cache.digest(package)
+    os.utime(package / "inner.py", (1.0, 1.0))
+    assert kernel_cache.digest(package) == before
+
+
+def test_without_sources_the_choice_is_left_to_numba(tmp_path):
+    assert kernel_cache.folder(tmp_path, str(tmp_path / "chosen")) is None
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_versions_not_used_for_long_are_removed_and_nothing_else(package, tmp_path):
+    chosen = tmp_path / "chosen"
+    long_ago = time.time() - 40 * 86400.0
+    for name in ("loops-old", "loops-recent", "somebody-else"):
+        (chosen / name / "folder").mkdir(parents=True)
+        (chosen / name / "folder" / "a.nbc").touch()
+    for name in ("loops-old", "somebody-else"):
+        os.utime(chosen / name, (long_ago, long_ago))
+    made = kernel_cache.folder(package, str(chosen))
+    assert made is not None
+    assert {path.name for path in chosen.iterdir()} == {"loops-recent", "somebody-else", made.name}
+
+
+def test_a_version_in_use_is_not_taken_for_an_old_one(package, tmp_path):
+    name = f"loops-{kernel_cache.digest(package)}"
+    kept = tmp_path / "chosen" / name
+    kept.mkdir(parents=True)
+    os.utime(kept, (1.0, 1.0))
+    assert kernel_cache.folder(package, str(tmp_path / "chosen")) == kept
+    assert kept.stat().st_mtime > time.time() - 3600.0
+
+
+@pytest.mark.parametrize(
+    ("platform", "environment", "expected"),
+    [
+        ("linux", {"XDG_CACHE_HOME": "/cache"}, Path("/cache")),
+        ("linux", {"XDG_CACHE_HOME": "relative"}, Path("/home/ada/.cache")),
+        ("linux", {}, Path("/home/ada/.cache")),
+        ("darwin", {"XDG_CACHE_HOME": "/cache"}, Path("/home/ada/Library/Caches")),
+        ("win32", {"LOCALAPPDATA": "/local"}, Path("/local")),
+        ("win32", {}, Path("/home/ada/AppData/Local")),
+    ],
+)
+def test_each_platform_has_its_place(monkeypatch, platform, environment, expected):
+    for name in ("XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(sys, "platform", platform)
+    monkeypatch.setattr(Path, "home", lambda: Path("/home/ada"))
+    assert kernel_cache.user_cache() == expected
+
+
+def test_the_setting_of_numba_is_put_back(monkeypatch):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "as it was")
+    monkeypatch.setattr(kernel_cache, "folder", lambda package, chosen: Path("elsewhere"))
+    with pytest.raises(ZeroDivisionError), kernel_cache.kept_with_the_sources():
+        assert numba.config.CACHE_DIR == "elsewhere"
+        raise ZeroDivisionError
+    assert numba.config.CACHE_DIR == "as it was"
