@@ -16,7 +16,8 @@ The model on one page
    them by eq. (14)-(15) (`dynamics`). Who leaves the image is removed.
 5. **Insertion**: two neighbours at rest on an edge, d_min < d <= d_min + d_max apart, get a particle between them,
    and a particle that sees its edge go on without anybody on it gets one ahead. **Deletion**: of two nearer than
-   d_min / 2 one goes. **Annealing**: d_max is multiplied by a at every step (`population`).
+   d_min / 2 one goes. **Annealing**: d_max is multiplied by a at every step (`insertion`,
+   `deletion`).
 6. Where no new ground is gained, repulsion fades and friction grows; a run is in **equilibrium** when eq. (23) holds
    and hardly anything has moved, appeared or vanished for twenty steps (`ground`, `equilibrium`). Before a run ends,
    particles are launched beside boundaries that nobody has reached of whatever is enclosed and has been reached on

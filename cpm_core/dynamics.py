@@ -1,15 +1,13 @@
-"""The motion of the particles: total force of eq. (12) and one step of eq. (14)-(15)."""
+"""The laws of motion of a particle: total force of eq. (12) and one step of eq. (14)-(15).
+
+All of them are compiled, of single numbers, for the loop in `motion` that applies them to every particle.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-from numpy.typing import NDArray
 
-from cpm_core.particles import Particles
-
-Array = NDArray[np.float64]
+from cpm_core.kernels import compiled
 
 _SOFTNESS = 0.5
 """Slope of the normalised Coulomb force near equilibrium; with it the stiffest mode of a chain of particles, neighbours
@@ -19,18 +17,25 @@ _STICTION, _STICTION_GROWTH = 0.25, 0.02
 """Force along an edge, as a fraction of w1, that a particle at rest on it withstands, and how much more of it for each
 step since particles last reached new ground."""
 
-_FADING = 0.02
+_FADING = 0.04
 """Fraction of the repulsion that goes with each step since particles last reached new ground."""
 
-_COOLING, _LONGEST_COOLING, _LEAST_DAMPING = 20.0, 200.0, 0.1
+_COOLING, _LONGEST_COOLING, _LEAST_DAMPING = 12.0, 200.0, 0.1
 """Steps after which damping has doubled once the repulsion is gone, those for which it goes on doubling, and what it
 starts from at least."""
+
+FADED = round(1.0 / _FADING)
+"""Steps without news after which the repulsion is gone."""
+
+LATEST = FADED + int(_LONGEST_COOLING)
+"""Steps without news from which on the damping is the same."""
 
 _STUCK_SPEED = 0.3
 """Speed along an edge under which a particle counts as at rest for that [px / unit of time]."""
 
 
-def normalised_coulomb(force: Array, spacing: Array, d_min: float) -> Array:
+@compiled
+def normalised_coulomb(force_y: float, force_x: float, spacing: float, d_min: float) -> tuple[float, float]:
     """Coulomb force of unit size on a sparse front, falling linearly to zero near equilibrium.
 
     The unit vector of the sum never rests: its direction flips around equilibrium. Scaled by the squared local spacing
@@ -39,25 +44,27 @@ def normalised_coulomb(force: Array, spacing: Array, d_min: float) -> Array:
 
     Parameters
     ----------
-    force : ndarray, shape (N, D)
-        Sums of eq. (9).
-    spacing : ndarray, shape (N,)
+    force_y, force_x : float
+        Sum of eq. (9).
+    spacing : float
         Mean distance to the two nearest particles [px].
     d_min : float
         Spacing [px] below which the force softens further.
 
     Returns
     -------
-    ndarray, shape (N, D)
+    float, float
         Force of at most unit size.
     """
-    scale = _SOFTNESS * spacing**2 * np.minimum(1.0, spacing / d_min)
-    size = np.linalg.norm(force, axis=1) * scale
-    return np.asarray(force * (scale / np.maximum(1.0, size))[:, None])
+    scale = _SOFTNESS * spacing**2 * min(1.0, spacing / d_min)
+    size = np.sqrt(force_y**2 + force_x**2) * scale
+    scale /= max(1.0, size)
+    return force_y * scale, force_x * scale
 
 
-def repulsion_left(idle: NDArray[np.int64]) -> Array:
-    """Fraction of the Coulomb force that acts on particles whose neighbourhood has stopped gaining ground.
+@compiled
+def repulsion_left(idle: int) -> float:
+    """Fraction of the Coulomb force that acts on a particle whose neighbourhood has stopped gaining ground.
 
     As long as there is ground to gain the repulsion is whole. Afterwards it can only keep particles creeping, on edges
     from bays to tips and in flight against those that already sit, and it is let fade, so that everything lands and
@@ -65,19 +72,20 @@ def repulsion_left(idle: NDArray[np.int64]) -> Array:
 
     Parameters
     ----------
-    idle : ndarray of int64, shape (N,)
-        Steps since there was new ground around each.
+    idle : int
+        Steps since there was new ground around it.
 
     Returns
     -------
-    ndarray, shape (N,)
+    float
         From 1 down to 0.
     """
-    return np.asarray(np.maximum(0.0, 1.0 - _FADING * idle))
+    return max(0.0, 1.0 - _FADING * idle)
 
 
-def damping(beta: float, idle: NDArray[np.int64]) -> Array:
-    """Damping coefficient of each particle: beta, and more where nothing new has been found for long.
+@compiled
+def damping(beta: float, idle: int) -> float:
+    """Damping coefficient of a particle: beta, and more where nothing new has been found for long.
 
     Once the repulsion is gone what still moves follows the field along some valley where there is nothing to find. The
     growing damping brings it to rest.
@@ -86,20 +94,43 @@ def damping(beta: float, idle: NDArray[np.int64]) -> Array:
     ----------
     beta : float
         Damping coefficient of eq. (12).
-    idle : ndarray of int64, shape (N,)
-        Steps since there was new ground around each particle.
+    idle : int
+        Steps since there was new ground around it.
 
     Returns
     -------
-    ndarray, shape (N,)
-        Coefficients.
+    float
+        Coefficient.
     """
-    late = np.clip(idle - 1.0 / _FADING, 0.0, _LONGEST_COOLING)
-    return np.asarray(np.where(late > 0.0, max(beta, _LEAST_DAMPING) * np.exp2(late / _COOLING), beta))
+    late = min(max(idle - float(FADED), 0.0), _LONGEST_COOLING)
+    return max(beta, _LEAST_DAMPING) * 2.0 ** (late / _COOLING) if late > 0.0 else beta
 
 
-def advance(particles: Particles, force: Array, beta: Array, dt: float) -> Particles:
-    """Advance the particles by one time step, eq. (14)-(15).
+@compiled
+def damped_series(z: float) -> tuple[float, float, float, float]:
+    """``exp(-z)`` and the weights that damping ``z = beta dt`` leaves of 1, 1/2 and 1/6 in eq. (14)."""
+    keep = np.exp(-z)
+    if z < 1e-2:  # the closed forms cancel for small z; the series are exact to rounding there
+        one = 1.0 - z / 2.0 + z**2 / 6.0 - z**3 / 24.0 + z**4 / 120.0
+        two = 0.5 - z / 6.0 + z**2 / 24.0 - z**3 / 120.0 + z**4 / 720.0
+        three = 1.0 / 6.0 - z / 24.0 + z**2 / 120.0 - z**3 / 720.0 + z**4 / 5040.0
+        return keep, one, two, three
+    one = -np.expm1(-z) / z
+    two = (1.0 - one) / z
+    return keep, one, two, (0.5 - two) / z
+
+
+@compiled
+def advance(
+    place: float,
+    velocity: float,
+    force: float,
+    last: float,
+    before: float,
+    dt: float,
+    series: tuple[float, float, float, float],
+) -> tuple[float, float]:
+    """Advance one coordinate of a particle by one time step, eq. (14)-(15).
 
     The undamped force is carried on by its Taylor series, whose derivative is eq. (15): the quadratic through the last
     three forces. Damping is linear and therefore integrated exactly, which keeps every beta stable; as beta goes to
@@ -107,48 +138,31 @@ def advance(particles: Particles, force: Array, beta: Array, dt: float) -> Parti
 
     Parameters
     ----------
-    particles : Particles
-        Before the step.
-    force : ndarray, shape (N, D)
-        ``w1 F_c + w2 F_l`` on them.
-    beta : ndarray, shape (N,)
-        Damping coefficient of each.
+    place, velocity : float
+        Before the step [px, px / unit of time].
+    force, last, before : float
+        ``w1 F_c + w2 F_l`` now and at the two steps before.
     dt : float
         Time step.
+    series : tuple of float
+        `damped_series` of ``beta dt``.
 
     Returns
     -------
-    Particles
-        After the step.
+    float, float
+        Place and velocity after the step.
     """
-    last, before = particles.force
+    keep, one, two, three = series
     slope = (3.0 * force - 4.0 * last + before) / (2.0 * dt)
-    keep, one, two, three = _damped_series(beta[:, None] * dt)
-    velocity = particles.velocity
-    return replace(
-        particles,
-        position=particles.position + dt * one * velocity + dt**2 * two * force + dt**3 * three * slope,
-        velocity=keep * velocity + dt * one * force + dt**2 * two * slope,
-        force=np.stack([force, last]),
+    return (
+        place + dt * one * velocity + dt**2 * two * force + dt**3 * three * slope,
+        keep * velocity + dt * one * force + dt**2 * two * slope,
     )
 
 
-def _damped_series(z: Array) -> tuple[Array, Array, Array, Array]:
-    """``exp(-z)`` and the weights that damping ``z = beta dt`` leaves of 1, 1/2 and 1/6 in eq. (14)."""
-    # The closed forms cancel for small z; the series are exact to rounding there.
-    small = z < 1e-2
-    safe = np.where(small, 1.0, z)
-    keep = np.exp(-z)
-    one = np.where(small, 1.0 - z / 2.0 + z**2 / 6.0 - z**3 / 24.0 + z**4 / 120.0, -np.expm1(-safe) / safe)
-    two = np.where(small, 0.5 - z / 6.0 + z**2 / 24.0 - z**3 / 120.0 + z**4 / 720.0, (1.0 - one) / safe)
-    three = np.where(small, 1.0 / 6.0 - z / 24.0 + z**2 / 120.0 - z**3 / 720.0 + z**4 / 5040.0, (0.5 - two) / safe)
-    return keep, one, two, three
-
-
-def stick(
-    particles: Particles, force: Array, normal: Array, seated: NDArray[np.bool_], w1: float, idle: NDArray[np.int64]
-) -> tuple[Particles, Array]:
-    """Static friction: a slow particle on an edge does not yield to a small force along it.
+@compiled
+def is_stuck(pull: float, speed: float, w1: float, idle: int) -> bool:
+    """Whether static friction holds a particle that sits on an edge: if it is slow and the force along the edge small.
 
     Like charges on a conductor the particles would go on creeping for ever from bays to tips; an equilibrium that keeps
     the spacing within some ten percent from one neighbour to the next is all that a contour needs, and this makes it
@@ -156,37 +170,13 @@ def stick(
 
     Parameters
     ----------
-    particles : Particles
-        Before the step.
-    force : ndarray, shape (N, D)
-        ``w1 F_c + w2 F_l`` on them.
-    normal : ndarray, shape (N, D)
-        Image gradient at each, normal to the edge; of any length.
-    seated : ndarray of bool, shape (N,)
-        Which sit on an edge.
+    pull : float
+        Size of the force along the edge.
+    speed : float
+        Speed along the edge [px / unit of time].
     w1 : float
         Coulomb weight, the measure of the force.
-    idle : ndarray of int64, shape (N,)
-        Steps since there was new ground around each.
-
-    Returns
-    -------
-    particles : Particles
-        The stuck ones without velocity and force history along the edge.
-    force : ndarray, shape (N, D)
-        The force without what friction takes.
+    idle : int
+        Steps since there was new ground around it.
     """
-    unit = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
-
-    def across(vectors: Array) -> Array:
-        return np.asarray(np.einsum("...i,...i->...", vectors, unit)[..., None] * unit)
-
-    pull = np.linalg.norm(force - across(force), axis=1)
-    speed = np.linalg.norm(particles.velocity - across(particles.velocity), axis=1)
-    stuck = (seated & (pull < (_STICTION + _STICTION_GROWTH * idle) * w1) & (speed < _STUCK_SPEED))[:, None]
-    held = replace(
-        particles,
-        velocity=np.where(stuck, across(particles.velocity), particles.velocity),
-        force=np.where(stuck, across(particles.force), particles.force),
-    )
-    return held, np.asarray(np.where(stuck, across(force), force))
+    return pull < (_STICTION + _STICTION_GROWTH * idle) * w1 and speed < _STUCK_SPEED

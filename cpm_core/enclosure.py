@@ -15,9 +15,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from cpm_core.deletion import deletion
 from cpm_core.field.interpolation import interpolate
 from cpm_core.level import Level
-from cpm_core.population import deletion
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]

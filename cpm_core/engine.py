@@ -12,32 +12,50 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.bridge import Bridge
-from cpm_core.coulomb import coulomb_force
-from cpm_core.dynamics import advance, damping, normalised_coulomb, repulsion_left, stick
+from cpm_core.deletion import thinned
+from cpm_core.dynamics import FADED
 from cpm_core.enclosure import LAUNCHES, launch_places
 from cpm_core.equilibrium import IDLE_STEPS, QUIET_STEPS, STILL, epsilon, is_idle, is_quiet
-from cpm_core.field.interpolation import interpolate
-from cpm_core.ground import explore, idle_steps, renewed, unvisited
+from cpm_core.ground import explore, idle_at, renewed, unvisited
 from cpm_core.image import Image
+from cpm_core.insertion import insertion, search_range
 from cpm_core.level import Level
 from cpm_core.levels import Levels
+from cpm_core.motion import FAR_EVERY, Moved, far_force_for, move
 from cpm_core.multiscale import shape_of_scale, to_image, to_scale
-from cpm_core.neighbors import nearest_spacing
+from cpm_core.neighbors import build_cells
 from cpm_core.parameters import Parameters
-from cpm_core.particles import MEMORY, Particles, State
-from cpm_core.population import deletion, insertion, on_edge
+from cpm_core.particles import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.regions import Regions
 from cpm_core.result import Result
+from cpm_core.standing import Standing, is_seated
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 _STEPS_A_PIXEL = 2.0
 """Steps that a scale may take, for each pixel of the longest side: a front advances about two pixels a step."""
 
-_AWAKE, _LOOK_EVERY = 20, 8
-"""Steps without new ground around it after which a particle looks ahead only now and then, and how often it then
-does."""
+_FRONT, _LOOK_EVERY, _LOOK_IDLY = 20, 4, 8
+"""Steps without new ground around it up to which a particle with an open side looks for places at every step, for a
+front must not wait; how often others look, and how often ahead where nothing new has been found for longer."""
+
+_LATE_EVERY, _COLD_EVERY = 2, 4
+"""How often particles are deleted and inserted once next to no new ground is found, and once no repulsion is left."""
+
+_UNDER_WAY, _PATIENCE = 0.3, 2
+"""Part of the speed at which the field alone drives a particle above which one far from all ground counts as on its way
+to some, and how many times as slowly it is then made to rest: it may have a long way to go."""
+
+_CERTAIN = 1.25
+"""How many times as strong as the weakest edge that counts one is that holds particles in any case."""
+
+_LEAST_BETA = 0.1
+"""Damping with which the speed is reckoned where there is none."""
+
+_NOWHERE = -1
+"""What stands for the idle steps of a particle far from all ground."""
 
 _LEAST_STEPS = 400
 """Steps that a scale may take however small it is."""
@@ -95,7 +113,7 @@ class Engine:
 
     def field(self, parameters: Parameters, scale: int = 0) -> Array:
         """Lorentz force on the pixels of a scale, shape (2, H, W): vectors of at most unit length."""
-        return self.level(parameters, scale).lorentz
+        return self.level(parameters, scale).lorentz.astype(float)
 
     def start(self, seeds: ArrayLike) -> State:
         """First state of a run.
@@ -143,9 +161,11 @@ class Engine:
         level = self.level(parameters, state.scale)
         if state.steering != parameters.steering or state.regions != self.regions:
             state = self._heated(state, parameters)
-        state = self._move(state, level, parameters)
+        idle = _idle(state, parameters)
+        cold = not (idle < FADED).any()
+        state, moved = self._move(state, idle, level, parameters)
         if len(state.particles):
-            state = self._populate(state, level, parameters)
+            state = self._populate(state, moved, cold, level, parameters)
         return self._judge(state, level)
 
     def result(self, state: State, parameters: Parameters) -> Result:
@@ -196,76 +216,72 @@ class Engine:
             idle=0,
             quiet=0,
             launches=0,
+            far=None,
         )
 
-    def _move(self, state: State, level: Level, parameters: Parameters) -> State:
+    def _move(self, state: State, idle: Index, level: Level, parameters: Parameters) -> tuple[State, Moved]:
         """Force and motion, and removal of what leaves the image."""
-        particles = state.particles
-        felt = interpolate(level.felt, particles.position)
-        lorentz = felt[:, : self.image.ndim]
-        idle = idle_steps(state.ground, particles.position, state.step_of_scale, state.idle)
-        repulsion = self._repulsion(particles.position, repulsion_left(idle), level, parameters)
-        force = parameters.w1 * repulsion + parameters.w2 * lorentz
-        seated = on_edge(felt, 0.0)
-        held, force = stick(particles, force, felt[:, self.image.ndim : -1], seated, parameters.w1, idle)
-        moved = advance(held, force, damping(parameters.beta, idle), parameters.time_step)
-        moved = level.walls.held(particles, moved)
-        motion = np.linalg.norm(moved.position - particles.position, axis=1)
-        distance = np.column_stack([np.linalg.norm(moved.position, axis=1), particles.distance[:, : MEMORY - 1]])
-        moved = replace(moved, distance=distance)
-        inside = _inside(moved.position, level.shape)
-        return replace(
+        particles, step = state.particles, state.step_of_scale
+        far = state.far
+        if step % FAR_EVERY == 0 or far is None:
+            far = far_force_for(particles, idle, level, parameters)
+        moved = move(particles, idle, far, level, parameters)
+        held = level.walls.held(particles, moved.particles)
+        if held is not moved.particles:
+            moved = moved.held_at(held, particles.position, level)
+        inside = _inside(held.position, level.shape)
+        left = len(held) - int(np.count_nonzero(inside))
+        if left:
+            moved = moved.where(inside)
+        motion = moved.motion
+        state = replace(
             state,
-            particles=moved if inside.all() else moved.where(inside),
+            particles=moved.particles,
+            far=far,
             step=state.step + 1,
-            step_of_scale=state.step_of_scale + 1,
+            step_of_scale=step + 1,
             born=0,
-            deleted=int((~inside).sum()),
+            deleted=left,
             displacement=float(motion.mean()) if len(motion) else float("nan"),
-            moving=int((motion > STILL).sum()),
-            epsilon=epsilon(distance[inside]),
+            moving=int(np.count_nonzero(motion > STILL)),
+            epsilon=epsilon(moved.particles.distance),
         )
+        return state, moved
 
-    def _repulsion(self, position: Array, left: Array, level: Level, parameters: Parameters) -> Array:
-        """Normalised Coulomb force; particles on which none of it is left are passed over.
-
-        Single precision is enough for it: the normalised force is cut at one, and contours do not depend on its digits.
-        """
-        out = np.zeros_like(position)
-        awake = np.flatnonzero(left > 0.0)
-        if len(awake):
-            size = parameters.d_min + parameters.d_max
-            spacing = nearest_spacing(position, awake, np.array(level.shape), size)
-            sums = coulomb_force(position, method="single", targets=awake)
-            force = normalised_coulomb(sums, spacing, parameters.d_min)
-            out[awake] = force * left[awake, None]
-        return out
-
-    def _populate(self, state: State, level: Level, parameters: Parameters) -> State:
-        """Deletion, insertion and annealing."""
-        particles = state.particles
-        felt = interpolate(level.felt, particles.position)
-        kept = deletion(particles.position, felt[:, -1], level.shape, parameters.d_min)
-        deleted = int((~kept).sum())
-        if deleted:
-            particles, felt = particles.where(kept), felt[kept]
-        seated = on_edge(felt, level.floor)
-        ground, new = explore(state.ground, particles.position[seated], state.step_of_scale)
-        idle = idle_steps(ground, particles.position, state.step_of_scale, state.idle)
-        looking = (idle < _AWAKE) | ((particles.identity + state.step) % _LOOK_EVERY == 0)
-        births = insertion(particles.position, seated, looking, level, state.annealed * parameters.d_max, parameters)
-        born = len(births.position)
+    def _populate(self, state: State, moved: Moved, cold: bool, level: Level, parameters: Parameters) -> State:
+        """Deletion, insertion and annealing; late in a run the first two only now and then."""
+        annealed = state.annealed * parameters.annealing
+        every = _COLD_EVERY if cold else _LATE_EVERY if state.idle >= IDLE_STEPS else 1
+        if state.step % every:
+            return replace(state, annealed=annealed, idle=state.idle + 1)
+        particles, step, stirred = state.particles, state.step_of_scale, moved.motion > 0.0
+        height, width = level.shape
+        cells = build_cells(particles.position, height, width, search_range(parameters))
+        standing = Standing(moved.strength, moved.seated, cells)
+        kept = thinned(standing, stirred, parameters.d_min)
+        ground, new = explore(state.ground, particles.position, standing.seated & kept, step)
+        turn = particles.identity + state.step // every
+        front = idle_at(ground, particles.position, step, state.idle) < _FRONT
+        thorough = (turn % _LOOK_EVERY == 0) | particles.young | cold
+        looking = (thorough | front) & stirred
+        ahead = (turn % _LOOK_IDLY == 0) | front
+        d_max = state.annealed * parameters.d_max
+        births = insertion(standing, kept, looking, thorough, ahead, level, d_max, parameters, state.step // every)
+        born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
         if born:
             particles = particles.joined_by(births.position, births.parent, births.other, state.next_identity)
+        if deleted:  # those who stay, in the order of their cells: what is near in space is then near in memory
+            stay = standing.cells.order[kept[standing.cells.order]]
+            particles = particles.taken(np.concatenate([stay, np.arange(len(kept), len(kept) + born)]))
         return replace(
             state,
             particles=particles,
-            annealed=state.annealed * parameters.annealing,
+            annealed=annealed,
             next_identity=state.next_identity + born,
             born=born,
             deleted=state.deleted + deleted,
             ground=ground,
-            idle=state.idle + 1 if is_idle(new, int((ground >= 0).sum())) else 0,
+            idle=state.idle + 1 if is_idle(new, ground.size) else 0,
         )
 
     def _judge(self, state: State, level: Level) -> State:
@@ -311,8 +327,23 @@ class Engine:
             idle=0,
             quiet=0,
             launches=0,
+            far=None,
             epsilon=float("nan"),
         )
+
+
+def _idle(state: State, parameters: Parameters) -> Index:
+    """Steps since there was new ground around each particle, as far as they make it rest."""
+    particles = state.particles
+    idle = idle_at(state.ground, particles.position, state.step_of_scale, _NOWHERE)
+    away = idle == _NOWHERE
+    if not away.any():
+        return idle
+    driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
+    speed = np.einsum("ni,ni->n", particles.velocity, particles.velocity)
+    under_way = state.idle // _PATIENCE if state.ground.size else 0  # the first to find anything may take all the time
+    idle[away] = np.where(speed[away] > (_UNDER_WAY * driven) ** 2, under_way, state.idle)
+    return idle
 
 
 def _launched(state: State, level: Level) -> State | None:
@@ -322,6 +353,7 @@ def _launched(state: State, level: Level) -> State | None:
     places = launch_places(level, _settled(state, level).particles.position)
     if not len(places):
         return None
+    state = _without_stragglers(state, level)  # else they would be set going again, and to no purpose
     return replace(
         state,
         particles=state.particles.with_more(places, state.next_identity),
@@ -336,8 +368,12 @@ def _launched(state: State, level: Level) -> State | None:
 
 
 def _without_stragglers(state: State, level: Level) -> State:
-    """Leave out the particles at rest where there is no edge, if any have found one: nothing draws them on."""
-    found = level.strength(state.particles.position) >= level.floor
+    """Leave out the particles at rest that sit on no edge, if any have found one: nothing draws them on.
+
+    In a hole of a pixel or two nobody sits in the strict sense, but the edge around is strong.
+    """
+    position = state.particles.position
+    found = is_seated(position, level) | (level.strength(position) >= _CERTAIN * level.floor)
     if found.all() or not found.any():
         return state
     return replace(state, particles=state.particles.where(found), deleted=state.deleted + int((~found).sum()))
@@ -345,8 +381,7 @@ def _without_stragglers(state: State, level: Level) -> State:
 
 def _settled(state: State, level: Level) -> State:
     """Leave out the particles that sit on no edge; a finer scale launches them anew from the drawing."""
-    seated = on_edge(interpolate(level.felt, state.particles.position), level.floor)
-    return replace(state, particles=state.particles.where(seated))
+    return replace(state, particles=state.particles.where(is_seated(state.particles.position, level)))
 
 
 def _starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:
@@ -377,7 +412,8 @@ def _starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions 
 
 def _inside(positions: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     """Which positions lie on the image, its outermost pixels whole."""
-    return np.asarray(((positions >= -0.5) & (positions <= np.array(shape) - 0.5)).all(axis=1))
+    row, col = positions.T
+    return np.asarray((row >= -0.5) & (row <= shape[0] - 0.5) & (col >= -0.5) & (col <= shape[1] - 0.5))
 
 
 def _allowed(positions: Array, regions: Regions | None) -> NDArray[np.bool_]:

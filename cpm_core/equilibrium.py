@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.kernels import compiled
 from cpm_core.particles import MEMORY
 
 Array = NDArray[np.float64]
@@ -24,7 +25,7 @@ STILL = 0.02
 _CHURN = 0.002
 """Fraction of the particles that may move, be born or be deleted in a quiet step."""
 
-_NEWS = 0.001
+_NEWS = 0.003
 """Fraction of the ground that a step must add to count as finding some."""
 
 
@@ -41,11 +42,20 @@ def epsilon(distance: Array) -> float:
     float
         The mean difference [px]; NaN without any particle that has been there for T steps.
     """
-    old = distance[~np.isnan(distance[:, -1])]
-    if not len(old):
-        return float("nan")
-    signs = np.array([(-1.0) ** (i + 1) for i in range(MEMORY)])
-    return float(abs((old.sum(axis=0) * signs).sum()) / len(old))
+    total, old = _alternating(distance)
+    return abs(total) / old if old else float("nan")
+
+
+@compiled
+def _alternating(distance: Array) -> tuple[float, int]:
+    """Sum of the alternating sums of all rows without NaN, and how many they are."""
+    total, old = 0.0, 0
+    for i in range(len(distance)):
+        if not np.isnan(distance[i, MEMORY - 1]):
+            for t in range(MEMORY):
+                total += distance[i, t] if t % 2 else -distance[i, t]
+            old += 1
+    return total, old
 
 
 def is_quiet(epsilon: float, moving: int, changed: int, count: int) -> bool:

@@ -7,96 +7,129 @@ rest, each neighbourhood by itself, so that every run ends and a front far away 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
+from cpm_core.kernels import compiled
+
 Array = NDArray[np.float64]
-Ground = NDArray[np.int32]
+Steps = NDArray[np.int32]
 
 _CELL = 4.0
 """Side of the cells by which ground is counted [px]."""
 
-_NEIGHBOURHOOD = 9
-"""Cells across the neighbourhood whose news reaches a particle."""
+_REACH = 4
+"""Cells to each side that the news of a cell reaches."""
 
 _NEVER = -1
 
 
+class Ground(NamedTuple):
+    """What is known of the ground of an image; a plain tuple for the compiled loops.
+
+    Attributes
+    ----------
+    found : ndarray of int32, shape (h, w)
+        Step of the first visit of every cell, -1 for none.
+    news : ndarray of int32, shape (h, w)
+        Step of the latest first visit among the cells around each, -1 for none.
+    """
+
+    found: Steps
+    news: Steps
+
+    @property
+    def size(self) -> int:
+        """Cells visited so far."""
+        return int(np.count_nonzero(self.found != _NEVER))
+
+
 def unvisited(shape: tuple[int, ...]) -> Ground:
     """Ground of an image of this shape before any particle has sat on it."""
-    return np.full(tuple(int(n / _CELL) + 1 for n in shape), _NEVER, np.int32)
+    cells = np.full(tuple(int(n / _CELL) + 1 for n in shape), _NEVER, np.int32)
+    return Ground(cells, cells)
 
 
-def _cells(positions: Array, ground: Ground) -> tuple[NDArray[np.int64], ...]:
-    index = ((positions + 0.5) / _CELL).astype(np.int64)
-    return tuple(np.clip(index, 0, np.array(ground.shape) - 1).T)
-
-
-def explore(ground: Ground, positions: Array, step: int) -> tuple[Ground, int]:
+def explore(ground: Ground, positions: Array, seated: NDArray[np.bool_], step: int) -> tuple[Ground, int]:
     """Mark the cells that particles on edges stand in.
 
     Parameters
     ----------
-    ground : ndarray of int32, one dimension for each axis
-        Step of the first visit of every cell, -1 for none.
-    positions : ndarray, shape (N, D)
-        The particles that sit on an edge [px].
+    ground : Ground
+        Before.
+    positions : ndarray, shape (N, 2)
+        The particles [px].
+    seated : ndarray of bool, shape (N,)
+        Which of them sit on an edge.
     step : int
         The step now.
 
     Returns
     -------
-    ground : ndarray of int32
-        With these visits; the same array if there was no news.
+    ground : Ground
+        With these visits; the same one if there was no news.
     new : int
         Cells visited for the first time.
     """
-    cells = _cells(positions, ground)
-    fresh = ground[cells] == _NEVER
-    if not fresh.any():
+    if not _count_fresh(ground.found, positions, seated):
         return ground, 0
-    after = ground.copy()
-    after[tuple(axis[fresh] for axis in cells)] = step
-    return after, int((after != ground).sum())
+    after = Ground(ground.found.copy(), ground.news.copy())
+    return after, int(_mark(after, positions, seated, step))
 
 
 def renewed(ground: Ground, step: int) -> Ground:
-    """Ground as if all that has been visited had just been found.
-
-    Parameters
-    ----------
-    ground : ndarray of int32
-        Step of the first visit of every cell.
-    step : int
-        The step now.
-
-    Returns
-    -------
-    ndarray of int32
-        The step now for every visited cell.
-    """
-    return np.where(ground == _NEVER, _NEVER, step).astype(np.int32)
+    """Ground as if all that has been visited had just been found, at the step now."""
+    return Ground(*(np.where(cells == _NEVER, _NEVER, step).astype(np.int32) for cells in ground))
 
 
-def idle_steps(ground: Ground, positions: Array, step: int, elsewhere: int) -> NDArray[np.int64]:
-    """Steps since there was new ground around each particle.
+def idle_at(ground: Ground, positions: Array, step: int, elsewhere: int) -> NDArray[np.int64]:
+    """Steps since there was new ground around each particle, shape (N,); see `idle_steps`."""
+    idle = np.empty(len(positions), np.int64)
+    _idle_at(ground.news, positions, step, elsewhere, idle)
+    return idle
 
-    Parameters
-    ----------
-    ground : ndarray of int32
-        Step of the first visit of every cell.
-    positions : ndarray, shape (N, D)
-        Particles [px].
-    step : int
-        The step now.
-    elsewhere : int
-        Answer for particles far from all ground.
 
-    Returns
-    -------
-    ndarray of int64, shape (N,)
-        Steps.
-    """
-    newest = scipy.ndimage.maximum_filter(ground, size=_NEIGHBOURHOOD, mode="nearest")[_cells(positions, ground)]
-    return np.where(newest == _NEVER, elsewhere, step - newest).astype(np.int64)
+@compiled
+def _idle_at(news: Steps, position: Array, step: int, elsewhere: int, idle: NDArray[np.int64]) -> None:
+    for i in range(len(position)):
+        idle[i] = idle_steps(news, position[i, 0], position[i, 1], step, elsewhere)
+
+
+@compiled
+def idle_steps(news: Steps, y: float, x: float, step: int, elsewhere: int) -> int:
+    """Steps since there was new ground around a place [px]; `elsewhere` for a place far from all ground."""
+    newest = news[_own(y, news.shape[0]), _own(x, news.shape[1])]
+    return elsewhere if newest == _NEVER else step - newest
+
+
+@compiled
+def _own(place: float, along: int) -> int:
+    return int(min(max(int((place + 0.5) / _CELL), 0), along - 1))
+
+
+@compiled
+def _count_fresh(found: Steps, position: Array, seated: NDArray[np.bool_]) -> int:
+    """Particles that sit on ground nobody has been on."""
+    fresh = 0
+    for i in range(len(position)):
+        if seated[i] and found[_own(position[i, 0], found.shape[0]), _own(position[i, 1], found.shape[1])] == _NEVER:
+            fresh += 1
+    return fresh
+
+
+@compiled
+def _mark(ground: Ground, position: Array, seated: NDArray[np.bool_], step: int) -> int:
+    """Mark the visits in place and return how many cells they are."""
+    found, news = ground.found, ground.news
+    new = 0
+    for i in range(len(position)):
+        row, col = _own(position[i, 0], found.shape[0]), _own(position[i, 1], found.shape[1])
+        if seated[i] and found[row, col] == _NEVER:
+            found[row, col] = step
+            new += 1
+            for r in range(max(row - _REACH, 0), min(row + _REACH + 1, found.shape[0])):
+                for c in range(max(col - _REACH, 0), min(col + _REACH + 1, found.shape[1])):
+                    news[r, c] = step
+    return new

@@ -20,6 +20,7 @@ from cpm_core.threads import share
 from cpm_core.walls import NO_WALLS, Walls, build_walls
 
 Array = NDArray[np.float64]
+Single = NDArray[np.float32]
 
 GATE = 0.93
 """Interpolated |F_l| under which a particle sits on an edge: across an edge it falls linearly through zero."""
@@ -62,8 +63,13 @@ class Level:
 
     Attributes
     ----------
-    felt : ndarray, shape (2 D + 1, \*shape)
-        `lorentz`, `gradient` and `edge_map` in one, so that one interpolation gets a particle all of it.
+    felt : ndarray of float32, shape (\*shape, 2 D + 1)
+        Normalised Lorentz force, `gradient` and `edge_map` of each pixel side by side, so that a particle finds all of
+        it in one place; single precision is as much as a particle can feel.
+    gradient : ndarray, shape (D, \*shape)
+        Gradient of the smoothed image [grey levels / px]; on an edge it is normal to it.
+    edge_map : ndarray, shape (\*shape)
+        Edge strength f [grey levels / px]; minus it is the fixed charge in regions of interest.
     values : ndarray, shape (\*shape)
         The image.
     strongest : float
@@ -78,7 +84,9 @@ class Level:
         What particles do not cross.
     """
 
-    felt: Array
+    felt: Single
+    gradient: Array
+    edge_map: Array
     values: Array
     strongest: float
     least_charge: float
@@ -87,25 +95,14 @@ class Level:
     walls: Walls = NO_WALLS
 
     @property
-    def lorentz(self) -> Array:
+    def lorentz(self) -> Single:
         r"""Normalised Lorentz force on the pixels, shape (D, \*shape)."""
-        return self.felt[: self.felt.ndim - 1]
+        return np.moveaxis(self.felt, -1, 0)[: self.felt.ndim - 1]
 
     @property
     def charges(self) -> Array:
         r"""Size of the fixed charges, shape (\*shape): the edge map where it is not under `least_charge`."""
         return np.where(self.edge_map >= self.least_charge, self.edge_map, 0.0)
-
-    @property
-    def gradient(self) -> Array:
-        r"""Gradient of the smoothed image, shape (D, \*shape); on an edge it is normal to it."""
-        return self.felt[self.felt.ndim - 1 : -1]
-
-    @property
-    def edge_map(self) -> Array:
-        r"""Edge strength f [grey levels / px], shape (\*shape); minus it is the fixed charge in regions of interest."""
-        strength: Array = self.felt[-1]
-        return strength
 
     def strength(self, points: Array) -> Array:
         """Edge strength at points, shape (N, D), between the pixels."""
@@ -164,7 +161,7 @@ def build_level(
         Fields of the scale.
     """
     if known is not None and known.values is values and known.smoothing == smoothing:
-        grad = np.ascontiguousarray(known.gradient)
+        grad = known.gradient
     else:
         grad = gradient(values, smoothing)
     strength = magnitude(grad)
@@ -180,7 +177,7 @@ def build_level(
     lorentz = lorentz_force(convolved_field(charged, precision=_FIELD_PRECISION), grad, strength, strongest)
     if not inside.all():
         strength[~within(inside, _MARGIN)] = 0.0
-    felt = np.concatenate([lorentz, grad, strength[None]])
+    felt = np.stack([*lorentz, *grad, strength], axis=-1, dtype=np.float32)
     if strongest == 0.0:  # a coarse scale may have no pixel inside: nowhere is an edge to sit on
         floor = np.inf
     elif edge_floor > 0.0:
@@ -188,7 +185,7 @@ def build_level(
     else:
         background = min(background_strength(strength[inside]), _MOST_BACKGROUND * strongest)
         floor = max(WEAKEST_EDGE * strongest, background)
-    return Level(felt, values, strongest, least, floor, smoothing, walls)
+    return Level(felt, grad, strength, values, strongest, least, floor, smoothing, walls)
 
 
 def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:

@@ -1,7 +1,4 @@
-"""Which particles are near which: a grid of cells, each with the chain of particles that lie in it.
-
-The chains can be added to, so that a loop that inserts particles sees those it has just inserted.
-"""
+"""Which particles are near which: a grid of cells, and the particles sorted by the cell that they lie in."""
 
 from __future__ import annotations
 
@@ -15,156 +12,66 @@ from cpm_core.kernels import compiled
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-_FARTHEST_RING = 8
-"""Rings of cells that the search for the nearest particles looks at before it calls a particle lonely."""
-
 
 class Cells(NamedTuple):
-    """Particles sorted into cells; a plain tuple for the compiled loops.
+    """Particles sorted into square cells; a plain tuple for the compiled loops.
+
+    All that is nearer to a place than the side of a cell lies in the cell of the place and the eight around it, and
+    the particles of a row of cells lie in a row.
 
     Attributes
     ----------
-    position : ndarray, shape (room, D)
-        Particles [px]; those not yet sorted in do not count.
     size : float
         Side of a cell [px].
-    along : ndarray of int64, shape (D,)
-        Cells along each axis.
-    head : ndarray of int64
-        First particle of each cell, -1 for none.
-    following : ndarray of int64, shape (room,)
-        Next particle of the same cell, -1 at the end of the chain.
-    around : ndarray of int64, shape (3^D,)
-        Scratch for the indices of a cell and those it touches.
+    rows, cols : int
+        Cells along the axes; places beyond the grid belong to its outermost cells.
+    start : ndarray of int64, shape (rows cols + 1,)
+        Where the particles of each cell begin in the sorted ones.
+    order : ndarray of int64, shape (N,)
+        Index of each of the sorted particles.
+    y, x : ndarray, shape (N,)
+        Positions of the sorted particles [px].
     """
 
-    position: Array
     size: float
-    along: Index
-    head: Index
-    following: Index
-    around: Index
+    rows: int
+    cols: int
+    start: Index
+    order: Index
+    y: Array
+    x: Array
 
 
 @compiled
-def build_cells(position: Array, count: int, extent: Index, size: float) -> Cells:
-    """Sort the first `count` of the particles `position`, shape (room, D), on an image of shape `extent` into cells."""
-    dimension = extent.size
-    along = np.empty(dimension, np.int64)
-    total = 1
-    for k in range(dimension):
-        along[k] = np.int64(extent[k] / size) + 2
-        total *= along[k]
-    head = np.full(total, -1, np.int64)
-    following = np.full(len(position), -1, np.int64)
-    cells = Cells(position, size, along, head, following, np.empty(3**dimension, np.int64))
-    for i in range(count - 1, -1, -1):
-        sort_in(cells, i)
-    return cells
+def build_cells(position: Array, height: int, width: int, size: float) -> Cells:
+    """Sort the particles `position`, shape (N, 2), on an image of `height` by `width` pixels into cells."""
+    count = len(position)
+    rows, cols = int(height / size) + 1, int(width / size) + 1
+    start = np.zeros(rows * cols + 1, np.int64)
+    own = np.empty(count, np.int64)
+    for i in range(count):
+        own[i] = cell_of(position[i, 0], size, rows) * cols + cell_of(position[i, 1], size, cols)
+        start[own[i] + 1] += 1
+    for c in range(rows * cols):
+        start[c + 1] += start[c]
+    order, y, x = np.empty(count, np.int64), np.empty(count), np.empty(count)
+    cursor = start[:-1].copy()
+    for i in range(count):
+        k = cursor[own[i]]
+        cursor[own[i]] += 1
+        order[k], y[k], x[k] = i, position[i, 0], position[i, 1]
+    return Cells(size, rows, cols, start, order, y, x)
 
 
 @compiled
-def own_cell(cells: Cells, point: Array, k: int) -> int:
-    """Cell that a point lies in, along one axis; points beyond the grid belong to its outermost cells."""
-    return int(min(max(np.int64(point[k] / cells.size + 0.5), 0), cells.along[k] - 1))
+def cell_of(place: float, size: float, along: int) -> int:
+    """Cell that a coordinate lies in, of so many along the axis."""
+    return int(min(max(int((place + 0.5) / size), 0), along - 1))
 
 
 @compiled
-def sort_in(cells: Cells, i: int) -> None:
-    """Add particle `i` to the chain of its cell."""
-    index = 0
-    for k in range(cells.along.size):
-        index = index * cells.along[k] + own_cell(cells, cells.position[i], k)
-    cells.following[i] = cells.head[index]
-    cells.head[index] = i
-
-
-@compiled
-def squared_distance(a: Array, b: Array) -> float:
-    """Squared distance of two points."""
-    total = 0.0
-    for k in range(a.size):
-        total += (a[k] - b[k]) ** 2
-    return total
-
-
-@compiled
-def block(cells: Cells, point: Array, reach: int, out: Index) -> int:
-    """Write the indices of the cells within `reach` cells of a point's own into `out` and return how many they are."""
-    dimension = cells.along.size
-    low = np.empty(dimension, np.int64)
-    width = np.empty(dimension, np.int64)
-    total = 1
-    for k in range(dimension):
-        own = own_cell(cells, point, k)
-        low[k] = max(own - reach, 0)
-        width[k] = min(own + reach, cells.along[k] - 1) - low[k] + 1
-        total *= width[k]
-    for n in range(total):
-        rest, index, stride = n, 0, 1
-        for k in range(dimension - 1, -1, -1):
-            index += (low[k] + rest % width[k]) * stride
-            rest //= width[k]
-            stride *= cells.along[k]
-        out[n] = index
-    return total
-
-
-@compiled
-def count_near(cells: Cells, point: Array, radius: float) -> int:
-    """Particles nearer to a point than `radius`, which must not exceed the side of a cell."""
-    count = 0
-    for n in range(block(cells, point, 1, cells.around)):
-        j = cells.head[cells.around[n]]
-        while j >= 0:
-            if squared_distance(point, cells.position[j]) < radius * radius:
-                count += 1
-            j = cells.following[j]
-    return count
-
-
-@compiled
-def nearest_spacing(position: Array, targets: Index, extent: Index, size: float) -> Array:
-    """Local spacing of the particles: mean distance of each to its two nearest.
-
-    Parameters
-    ----------
-    position : ndarray, shape (N, D)
-        Particles [px].
-    targets : ndarray of int64, shape (M,)
-        Indices of the particles whose spacing is wanted.
-    extent : ndarray of int64, shape (D,)
-        Shape of the image.
-    size : float
-        Side of a cell of the search [px].
-
-    Returns
-    -------
-    ndarray, shape (M,)
-        Mean of the two least distances [px]; what lies beyond eight cells counts as eight cells away.
-    """
-    cells = build_cells(position, len(position), extent, size)
-    near = np.empty((2 * _FARTHEST_RING + 1) ** extent.size, np.int64)
-    spacing = np.empty(targets.size)
-    farthest = (_FARTHEST_RING * size) ** 2
-    for t in range(targets.size):
-        i = targets[t]
-        reach = 1
-        while True:
-            first, second = farthest, farthest
-            for n in range(block(cells, position[i], reach, near)):
-                j = cells.head[near[n]]
-                while j >= 0:
-                    if j != i:
-                        squared = squared_distance(position[i], position[j])
-                        if squared < first:
-                            first, second = squared, first
-                        elif squared < second:
-                            second = squared
-                    j = cells.following[j]
-            # Every particle nearer than (reach - 1/2) cells has been seen, wherever in its own cell this one lies.
-            if second <= ((reach - 0.5) * size) ** 2 or reach == _FARTHEST_RING:
-                break
-            reach = min(2 * reach, _FARTHEST_RING)
-        spacing[t] = 0.5 * (np.sqrt(first) + np.sqrt(second))
-    return spacing
+def row_of_cells(cells: Cells, row: int, left: float, right: float) -> tuple[int, int]:
+    """First of the sorted particles in the cells of a row from `left` to `right` [px], and the one behind the last."""
+    first = row * cells.cols + cell_of(left, cells.size, cells.cols)
+    last = row * cells.cols + cell_of(right, cells.size, cells.cols)
+    return cells.start[first], cells.start[last + 1]

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.coulomb.far_force import FarForce
 from cpm_core.ground import Ground
 from cpm_core.multiscale import to_image
 from cpm_core.regions import Regions
@@ -27,7 +28,7 @@ class Particles:
         Positions [px of their scale].
     velocity : ndarray, shape (N, D)
         Velocities [px / unit of time].
-    force : ndarray, shape (2, N, D)
+    force : ndarray, shape (N, 2, D)
         Undamped force on each at the last step and at the one before: the history of eq. (15).
     distance : ndarray, shape (N, T)
         ``|r|`` at the last T steps, newest first: the history of eq. (23); NaN before a particle was there.
@@ -48,7 +49,7 @@ class Particles:
         return cls(
             np.array(position, dtype=float),
             np.zeros((count, dimension)),
-            np.zeros((2, count, dimension)),
+            np.zeros((count, 2, dimension)),
             np.full((count, MEMORY), np.nan),
             np.arange(first_identity, first_identity + count),
         )
@@ -56,10 +57,23 @@ class Particles:
     def __len__(self) -> int:
         return len(self.position)
 
+    @property
+    def young(self) -> NDArray[np.bool_]:
+        """Which have been there for less than T steps, shape (N,)."""
+        return np.isnan(self.distance[:, -1])
+
     def where(self, kept: NDArray[np.bool_]) -> Particles:
         """Those particles for which `kept`, shape (N,), is true."""
+        return self.taken(np.flatnonzero(kept))
+
+    def taken(self, index: NDArray[np.int64]) -> Particles:
+        """Those particles whose indices are given, shape (M,), in this order."""
         return Particles(
-            self.position[kept], self.velocity[kept], self.force[:, kept], self.distance[kept], self.identity[kept]
+            self.position.take(index, axis=0),
+            self.velocity.take(index, axis=0),
+            self.force.take(index, axis=0),
+            self.distance.take(index, axis=0),
+            self.identity.take(index),
         )
 
     def with_more(self, position: Array, first: int) -> Particles:
@@ -68,7 +82,7 @@ class Particles:
         return Particles(
             np.concatenate([self.position, more.position]),
             np.concatenate([self.velocity, more.velocity]),
-            np.concatenate([self.force, more.force], axis=1),
+            np.concatenate([self.force, more.force]),
             np.concatenate([self.distance, more.distance]),
             np.concatenate([self.identity, more.identity]),
         )
@@ -89,14 +103,14 @@ class Particles:
         return Particles(
             np.concatenate([self.position, position]),
             np.concatenate([self.velocity, _mean(self.velocity, parent, other)]),
-            np.concatenate([self.force, _mean(self.force, parent, other)], axis=1),
+            np.concatenate([self.force, _mean(self.force, parent, other)]),
             np.concatenate([self.distance, np.full((newborn, MEMORY), np.nan)]),
             np.concatenate([self.identity, np.arange(first, first + newborn)]),
         )
 
 
 def _mean(history: Array, one: NDArray[np.int64], other: NDArray[np.int64]) -> Array:
-    return np.asarray(0.5 * (history[..., one, :] + history[..., other, :]))
+    return np.asarray(0.5 * (history[one] + history[other]))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -113,8 +127,10 @@ class State:
         Shape of the image.
     scale : int
         0 is the image itself, 1 half its size, and so on.
-    ground : ndarray of int32
-        When particles first sat on an edge in each cell of the scale, see `ground`.
+    ground : Ground
+        When particles first sat on an edge in each cell of the scale.
+    far : FarForce or None
+        Far part of the Coulomb force, which serves for some steps; None before the first step of a scale.
     step : int
         Steps done in all.
     step_of_scale : int
@@ -154,6 +170,7 @@ class State:
     shape: tuple[int, ...]
     scale: int
     ground: Ground
+    far: FarForce | None = None
     step: int = 0
     step_of_scale: int = 0
     annealed: float = 1.0

@@ -2,8 +2,8 @@
 
 No loop of the model starts threads of its own, so that two callers can never meet inside one parallel region; a caller
 cuts its items into parts, and each part is written by one thread alone, whatever their number: the same input gives the
-same bits on any machine. Nobody waits behind the work of another caller: a part that no thread has begun when the
-caller is done with its own is done by the caller.
+same bits on any machine. Parts are smaller than a core's share, since some take longer than others, and a part that no
+thread has begun when the caller is done with its own is done by the caller: nobody waits behind another caller's work.
 """
 
 from __future__ import annotations
@@ -13,10 +13,14 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
+_PARTS = 2
+"""Parts to each thread."""
+
 _MOST = 8
 """Threads beyond which the parts get too small to be worth it."""
 
 
+@lru_cache(maxsize=1)
 def cores() -> int:
     """Cores that this process may use, up to a sensible number."""
     allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -36,15 +40,19 @@ def share(work: Callable[[int, int], object], count: int, least: int) -> None:
     least : int
         Items that a part must have to be worth a thread; what has fewer than two such parts is done by the caller.
     """
-    parts = max(1, min(cores(), count // max(least, 1)))
+    threads = min(cores(), count // max(least, 1))
+    if threads < 2:
+        work(0, count)
+        return
+    parts = _PARTS * threads
     bounds = [count * part // parts for part in range(parts + 1)]
     others = [_pool().submit(work, bounds[part], bounds[part + 1]) for part in range(1, parts)]
     work(0, bounds[1])
-    for part, other in enumerate(others, start=1):
-        if other.cancel():
+    for part in reversed(range(1, parts)):
+        if others[part - 1].cancel():
             work(bounds[part], bounds[part + 1])
         else:
-            other.result()
+            others[part - 1].result()
 
 
 @lru_cache(maxsize=1)

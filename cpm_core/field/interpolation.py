@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from cpm_core.kernels import compiled
 
 Array = NDArray[np.float64]
+Single = NDArray[np.float32]
 
 
-def interpolate(field: Array, positions: Array) -> Array:
+def interpolate(field: NDArray[np.floating], positions: Array) -> Array:
     r"""Multilinear interpolation of a field at positions between its nodes.
 
     Parameters
@@ -27,50 +28,42 @@ def interpolate(field: Array, positions: Array) -> Array:
     """
     out = np.empty((len(positions), len(field)))
     shape = np.array(field.shape[1:], dtype=np.int64)
-    _interpolate(flattened(field), shape, np.ascontiguousarray(positions, dtype=float), out)
+    flat = np.ascontiguousarray(field, dtype=float).reshape(len(field), -1)
+    _interpolate(flat, shape, np.ascontiguousarray(positions, dtype=float), out)
     return out
-
-
-def flattened(field: Array) -> Array:
-    r"""Field of shape (C, \*shape) as the (C, M) array that the compiled loops read."""
-    return np.ascontiguousarray(field, dtype=float).reshape(len(field), -1)
-
-
-@compiled
-def _corner(shape: NDArray[np.int64], point: Array, corner: int) -> tuple[int, float]:
-    """Flat index and weight of one of the pixels around a point; the bits of `corner` say which."""
-    weight, index = 1.0, 0
-    for k in range(shape.size):
-        x = min(max(point[k], 0.0), shape[k] - 1.0)
-        low = min(np.int64(x), max(shape[k] - 2, 0))
-        up = (corner >> k) & 1
-        weight *= x - low if up else 1.0 - (x - low)
-        index = index * shape[k] + min(low + up, shape[k] - 1)
-    return index, weight
-
-
-@compiled
-def sample(flat: Array, shape: NDArray[np.int64], point: Array, out: Array) -> None:
-    """Interpolate the field `flat`, shape (C, M), of an image of shape `shape` at one point into `out`, shape (C,)."""
-    out[:] = 0.0
-    for corner in range(1 << shape.size):
-        index, weight = _corner(shape, point, corner)
-        if weight != 0.0:
-            for c in range(out.size):
-                out[c] += weight * flat[c, index]
-
-
-@compiled
-def sample_one(values: Array, shape: NDArray[np.int64], point: Array) -> float:
-    """Interpolate one flattened image, shape (M,), at one point."""
-    total = 0.0
-    for corner in range(1 << shape.size):
-        index, weight = _corner(shape, point, corner)
-        total += weight * values[index]
-    return total
 
 
 @compiled
 def _interpolate(flat: Array, shape: NDArray[np.int64], positions: Array, out: Array) -> None:
+    out[:] = 0.0
     for i in range(len(positions)):
-        sample(flat, shape, positions[i], out[i])
+        for corner in range(1 << shape.size):
+            weight, index = 1.0, 0
+            for k in range(shape.size):  # the bits of `corner` say which of the pixels around the place is meant
+                x = min(max(positions[i, k], 0.0), shape[k] - 1.0)
+                low = min(np.int64(x), max(shape[k] - 2, 0))
+                up = (corner >> k) & 1
+                weight *= x - low if up else 1.0 - (x - low)
+                index = index * shape[k] + min(low + up, shape[k] - 1)
+            if weight != 0.0:
+                for c in range(len(flat)):
+                    out[i, c] += weight * flat[c, index]
+
+
+@compiled
+def between(felt: Single, y: float, x: float) -> tuple[int, int, float, float]:
+    """Pixel before a place in an image, shape (H, W, ...), and how far beyond it the place lies, along both axes."""
+    y = min(max(y, 0.0), felt.shape[0] - 1.0)
+    x = min(max(x, 0.0), felt.shape[1] - 1.0)
+    row, col = min(int(y), felt.shape[0] - 2), min(int(x), felt.shape[1] - 2)
+    return row, col, y - row, x - col
+
+
+@compiled
+def component(felt: Single, c: int, place: tuple[int, int, float, float]) -> float:
+    """Component `c` of what is felt, shape (H, W, C), at a place as `between` tells it."""
+    row, col, down, right = place
+    upper = felt[row, col, c] * (1.0 - right) + felt[row, col + 1, c] * right
+    lower = felt[row + 1, col, c] * (1.0 - right) + felt[row + 1, col + 1, c] * right
+    value: float = upper * (1.0 - down) + lower * down
+    return value

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from cpm_core.bridge import Bridge
 from cpm_core.contour import Contour
+from cpm_core.deletion import deletion
 from cpm_core.level import Level
 from cpm_core.parameters import Parameters
-from cpm_core.population import deletion
 from cpm_core.reconstruction.bridging import bridge_gaps, bridges_of
 from cpm_core.reconstruction.choosing import LEAST_LENGTH, choose, drop_weak, shortest
 from cpm_core.reconstruction.closing import close_gaps

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cpm_core import Engine, Parameters, circle
+from cpm_core import Engine, Parameters, circle, segment
 
 from .scenes import antialiased, outline_distance
 
@@ -201,3 +201,12 @@ def test_more_scales_than_an_image_has_are_told_with_how_many_it_has():
     with pytest.raises(ValueError, match=r"scales is 6 but must be from 1 to 4 for an image of 72 x 66 pixels"):
         Engine(image("disk"), Parameters(scales=6))
     assert Engine(image("disk"), Parameters(scales=4)).scales == 4
+
+
+@pytest.mark.parametrize("distance", [60, 110])
+def test_an_object_is_found_from_however_far_away(distance):
+    """A small circle, whose particles fly for many times their number of steps at rest before they find anything."""
+    values = antialiased((120, 200), lambda row, col: np.hypot(row - 60.0, col - 170.0) < 15.0)
+    result = segment(values, circle((60.0, 155.0 - distance), 6.0), Parameters(scales=1))
+    assert result.converged
+    assert [contour.closed for contour in result.contours] == [True]

@@ -1,16 +1,22 @@
 """Deletion and insertion, against looking at every pair and on edges that are known exactly."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import Parameters
+from cpm_core import Parameters, Regions, threads
+from cpm_core.deletion import deletion, thinned
+from cpm_core.field.interpolation import interpolate
+from cpm_core.insertion import insertion, search_range
 from cpm_core.level import build_level
 from cpm_core.particles import Particles
-from cpm_core.population import deletion, insertion, on_edge
+from cpm_core.standing import is_seated, survey
 
-from .scenes import disk
+from .moving import even_level
+from .scenes import disk, ring
 
 SHAPE = (40, 48)
 EDGE = 21.3
@@ -81,18 +87,89 @@ def test_deletion_keeps_the_one_on_the_stronger_edge_and_the_earlier_of_equals()
     assert deletion(pair, np.array([1.0, 2.0]), SHAPE, 1.0).tolist() == [True, True]  # exactly d_min / 2 apart
 
 
-def test_on_edge_asks_for_a_weak_force_and_a_strong_edge():
-    felt = np.array([(0.0, 0.1, 9, 9, 5.0), (0.0, -1.0, 9, 9, 5.0), (0.6, 0.8, 9, 9, 5.0), (0.0, 0.1, 9, 9, 0.5)])
-    assert on_edge(felt, 1.0).tolist() == [True, False, False, False]
-    assert on_edge(felt, 0.0).tolist() == [True, False, False, True]
+@settings(max_examples=40, deadline=None)
+@given(crowds, crowds, st.integers(0, 10**6))
+def test_among_those_at_rest_who_have_been_thinned_only_the_stirred_need_be_looked_at(points, more, seed):
+    strength = np.random.default_rng(seed).integers(0, 4, len(points) + len(more)).astype(float)
+    rest = deletion(points, strength[: len(points)], SHAPE, 2.0)
+    everybody = np.concatenate([points[rest], more])
+    strength = np.concatenate([strength[: len(points)][rest], strength[len(points) :]])
+    stirred = np.arange(len(everybody)) >= rest.sum()
+    standing = replace(survey(everybody, even_level(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=strength)
+    truth = deletion(everybody, strength, SHAPE, 2.0)
+    np.testing.assert_array_equal(thinned(standing, stirred, 2.0), truth)
+
+
+@pytest.mark.parametrize("distance", [0.25, 0.6, 0.99, 1.01])
+def test_neither_of_two_too_near_has_to_have_moved_first(distance):
+    """It is enough that one of them has, whichever it is."""
+    pair = np.array([(10.0, 10.0), (10.0, 10.0 + distance)])
+    standing = replace(
+        survey(pair, even_level(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=np.array([1.0, 2.0])
+    )
+    for stirred in ([True, False], [False, True], [True, True]):
+        assert thinned(standing, np.array(stirred), 2.0).tolist() == [distance > 1.0, True]
+
+
+@pytest.mark.parametrize(
+    ("lorentz", "strength", "seated"),
+    [
+        ((0.0, 0.1), 5.0, True),
+        ((0.0, -1.0), 5.0, False),
+        ((0.6, 0.8), 5.0, False),
+        ((0.55, 0.74), 5.0, True),
+        ((0.0, 0.1), 1.5, False),
+        ((0.0, 0.1), 2.0, True),
+    ],
+    ids=str,
+)
+def test_a_seat_asks_for_a_weak_force_and_an_edge_that_is_strong_enough(lorentz, strength, seated):
+    level = even_level((20, 30), lorentz, strength=strength, floor=2.0)
+    points = np.array([(3.2, 4.7), (10.0, 29.5), (-0.5, -0.5)])
+    assert is_seated(points, level).tolist() == [seated] * 3
+    assert survey(points, level, search_range(Parameters())).seated.tolist() == [seated] * 3
+
+
+def test_seats_are_told_by_the_field_between_the_pixels(edge):
+    points = np.random.default_rng(0).uniform(-0.5, 39.5, (2000, 2))
+    force = np.hypot(*interpolate(edge.lorentz, points).T)
+    strength = edge.strength(points)
+    clear = (np.abs(force - 0.93) > 1e-5) & (np.abs(strength - edge.floor) > 1e-4)
+    truth = (force < 0.93) & (strength >= edge.floor)
+    assert 50 < truth.sum() < 1000
+    np.testing.assert_array_equal(is_seated(points, edge)[clear], truth[clear])
+    standing = survey(points, edge, search_range(Parameters()))
+    np.testing.assert_array_equal(standing.seated, is_seated(points, edge))
+    np.testing.assert_allclose(standing.strength, strength, rtol=1e-6, atol=1e-6 * edge.strongest)
+
+
+def births_of(
+    level,
+    points,
+    d_max=3.0,
+    seated=True,
+    looking=True,
+    ahead=True,
+    present=True,
+    thorough=True,
+    turn=0,
+    d_min=2.0,
+    **parameters,
+):
+    """New particles of those at some points; all sit, look for places and are there unless told otherwise."""
+    points = np.array(points, dtype=float).reshape(-1, 2)
+    asked = Parameters(d_min=d_min, d_max=max(d_max, 3.0), **parameters)
+    masks = (seated, looking, ahead, present, thorough)
+    seats, lookers, scouts, there, careful = (
+        np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy() for mask in masks
+    )
+    standing = replace(survey(points, level, search_range(asked)), seated=seats)
+    return insertion(standing, there, lookers, careful, scouts, level, d_max, asked, turn)
 
 
 def births_between(level, points, d_max=3.0, seated=True, d_min=2.0):
     """New particles by the rule for pairs alone: nobody looks ahead."""
-    points = np.array(points, dtype=float)
-    seats = np.broadcast_to(np.asarray(seated), len(points)).copy()
-    looking = np.zeros(len(points), bool)
-    return insertion(points, seats, looking, level, d_max, Parameters(d_min=d_min))
+    return births_of(level, points, d_max, seated, ahead=False, d_min=d_min)
 
 
 @pytest.mark.parametrize("distance", [2.21, 2.5, 3.7, 5.0])
@@ -167,9 +244,7 @@ def grown(level, start, rounds, d_min=2.0):
     """Particles after rounds of births from those at `start`, all of whom sit and look ahead."""
     points = np.array(start, dtype=float)
     for _ in range(rounds):
-        everybody = np.ones(len(points), bool)
-        births = insertion(points, everybody, everybody, level, 0.0, Parameters(d_min=d_min))
-        points = np.concatenate([points, births.position])
+        points = np.concatenate([points, births_of(level, points, d_max=0.0, d_min=d_min).position])
     return points
 
 
@@ -219,25 +294,146 @@ def test_a_front_stops_where_the_edge_fades():
     assert not np.any((np.abs(points[:, 1] - EDGE) < 4.0) & (points[:, 0] > 26.0))
 
 
-def test_nobody_looks_ahead_who_is_not_asked_to(edge):
-    points = np.array([(20.0, EDGE)])
-    births = insertion(points, np.array([True]), np.array([False]), edge, 3.0, Parameters())
-    assert len(births.position) == 0
-    births = insertion(points, np.array([False]), np.array([True]), edge, 3.0, Parameters())
-    assert len(births.position) == 0
+@pytest.mark.parametrize("missing", ["seated", "looking", "ahead", "present"])
+def test_nobody_looks_ahead_who_is_not_asked_to(edge, missing):
+    assert len(births_of(edge, [(20.0, EDGE)]).position) > 1
+    assert len(births_of(edge, [(20.0, EDGE)], **{missing: False}).position) == 0
 
 
-def test_births_are_the_same_bits_at_every_call(edge):
-    points = np.stack([np.linspace(2.0, 37.0, 9), np.full(9, EDGE)], axis=1)
-    first, second = (insertion(points, np.ones(9, bool), np.ones(9, bool), edge, 3.0, Parameters()) for _ in range(2))
-    assert first.position.tobytes() == second.position.tobytes()
+@pytest.mark.parametrize("looking", [(True, False), (False, True), (True, True)], ids=str)
+def test_one_of_a_pair_that_looks_is_enough_and_two_make_no_second(edge, looking):
+    births = births_of(edge, [(15.0, EDGE), (18.6, EDGE)], looking=looking, ahead=False)
+    np.testing.assert_allclose(births.position, [(16.8, EDGE)], atol=1e-12)
+    assert sorted([*births.parent, *births.other]) == [0, 1]
+
+
+def test_nobody_is_born_of_a_pair_that_does_not_look(edge):
+    assert len(births_of(edge, [(15.0, EDGE), (18.6, EDGE)], looking=False).position) == 0
+
+
+def test_who_has_gone_is_no_parent_and_in_nobodys_way(edge):
+    points = [(15.0, EDGE), (16.9, EDGE), (18.6, EDGE)]
+    assert len(births_of(edge, points, ahead=False).position) == 0
+    births = births_of(edge, points, ahead=False, present=(True, False, True))
+    np.testing.assert_allclose(births.position, [(16.8, EDGE)], atol=1e-12)
+    assert len(births_of(edge, points, ahead=False, present=(True, False, False)).position) == 0
+
+
+def test_nobody_breeds_across_a_barrier():
+    """Neither between two on both sides of it, nor ahead."""
+    level = build_level(upright(), 1.0, 0.0, Regions(barriers=(((20.2, 0.0), (20.2, 47.0)),)))
+    assert len(births_of(level, [(19.0, EDGE), (22.0, EDGE)], ahead=False).position) == 0
+    assert len(births_of(level, [(15.0, EDGE), (18.0, EDGE)], ahead=False).position) == 1
+    points = grown(level, [(12.0, EDGE)], 40)
+    assert points[:, 0].max() < 20.2
+    assert points[:, 0].max() > 17.0
+
+
+@pytest.fixture(scope="module")
+def curved():
+    return build_level(ring((60, 64), (29.4, 31.2), 14.0, 22.0).values, 1.0, 0.0)
+
+
+def on_the_ring(seed, count=120):
+    """Particles on and beside the rims of the ring, with gaps and crowds, thinned as in a step."""
+    rng = np.random.default_rng(seed)
+    angle, radius = rng.uniform(0.0, 6.0, count), rng.choice([14.0, 22.0], count) + rng.normal(0.0, 0.3, count)
+    points = np.stack([29.4 + radius * np.sin(angle), 31.2 + radius * np.cos(angle)], axis=1)
+    return points[deletion(points, np.zeros(count), (60, 64), 2.0)]
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.integers(5, 150), st.floats(0.0, 6.0))
+def test_the_newborn_keep_their_room_from_everybody_and_from_each_other(curved, seed, count, d_max):
+    """Half the distance of two parents, or 0.8 d_min ahead of one; and no more than three are within 1.5 d_min."""
+    points = on_the_ring(seed, count)
+    births = births_of(curved, points, d_max=d_max)
+    there = points
+    for place, one, other in zip(births.position, births.parent, births.other, strict=True):
+        room = 1.6 if one == other else 0.5 * np.linalg.norm(points[one] - points[other]) - 2e-9
+        distance = np.linalg.norm(there - place, axis=1)
+        assert distance.min() >= room
+        assert (distance < 3.0).sum() <= 3
+        assert curved.strength(place[None])[0] >= curved.floor * (1.0 - 1e-6)
+        there = np.concatenate([there, place[None]])
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10**6))
+def test_places_ahead_are_at_rest_on_the_edge_one_stride_off(curved, seed):
+    points = on_the_ring(seed, 12)
+    births = births_of(curved, points, d_max=0.0)
+    assert np.all(births.parent == births.other)
+    force = np.hypot(*interpolate(curved.lorentz, births.position).T)
+    assert np.all(force < 0.2 + 1e-6)
+    stride = np.linalg.norm(births.position - points[births.parent], axis=1)
+    assert np.all((stride >= 1.6) & (stride < 2.8))
+
+
+def test_no_third_row_is_born_beside_two_on_one_edge(edge):
+    """A gap in a row with another row beside it is left alone where more than three are around."""
+    row = np.arange(6.0, 34.0, 1.2)
+    beside = np.concatenate([np.stack([row, np.full(len(row), EDGE + off)], axis=1) for off in (-0.6, 0.6)])
+    births = births_of(edge, beside, d_max=1.5)
+    assert not np.any((births.position[:, 0] > row[0]) & (births.position[:, 0] < row[-1]))
+
+
+@pytest.mark.parametrize(("d_min", "d_max"), [(0.5, 10.0), (0.5, 50.0), (1.0, 10.0), (4.0, 20.0)])
+def test_a_gap_is_filled_however_many_particles_are_within_the_range(edge, d_min, d_max):
+    rows = np.arange(1.0, 38.0, 1.01 * d_min)
+    rows = rows[(rows < 17.0) | (rows > 21.0)]
+    gap = rows[rows < 17.0].max(), rows[rows > 21.0].min()
+    births = births_of(edge, np.stack([rows, np.full(len(rows), EDGE)], axis=1), d_max, ahead=False, d_min=d_min)
+    middle = births.position[(births.position[:, 0] > gap[0]) & (births.position[:, 0] < gap[1])]
+    np.testing.assert_allclose(middle, [(0.5 * sum(gap), EDGE)], atol=1e-9)
+
+
+@pytest.mark.parametrize(("d_min", "d_max"), [(2.0, 3.0), (0.5, 0.0), (5.0, 0.0), (1.0, 30.0)])
+def test_cells_reach_as_far_as_a_step_looks(d_min, d_max):
+    """To the other one of a pair, and from a place for a newborn to all that might crowd it."""
+    parameters = Parameters(d_min=d_min, d_max=d_max)
+    reach = search_range(parameters)
+    assert reach >= d_min + d_max
+    assert reach >= 0.5 * (d_min + d_max) + 1.5 * d_min
+    assert reach >= (0.9 + 1.5) * d_min
+    assert survey(np.zeros((1, 2)), even_level(SHAPE, (0.0, 0.0)), search_range(parameters)).cells.size >= reach
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.floats(2.3, 8.0), min_size=1, max_size=5), st.integers(0, 10**6))
+def test_the_order_of_the_particles_does_not_matter_where_nobody_vies_for_a_place(edge, gaps, seed):
+    rows = 0.5 + np.cumsum([0.0, *gaps])
+    points = np.stack([rows, np.full(len(rows), EDGE)], axis=1)
+    order = np.random.default_rng(seed).permutation(len(points))
+    one, other = births_between(edge, points), births_between(edge, points[order])
+    np.testing.assert_allclose(np.sort(other.position[:, 0]), np.sort(one.position[:, 0]), rtol=0, atol=1e-12)
+    pairs = {frozenset(p) for p in zip(one.parent.tolist(), one.other.tolist(), strict=True)}
+    assert pairs == {frozenset((int(order[i]), int(order[j]))) for i, j in zip(other.parent, other.other, strict=True)}
+
+
+def test_births_and_deletions_are_the_same_bits_at_every_call_and_on_any_number_of_cores(monkeypatch):
+    scene = ring((400, 400), (199.3, 201.2), 130.0, 180.0)
+    level = build_level(scene.values, 1.0, 0.0)
+    points = scene.boundary + np.random.default_rng(0).normal(0.0, 0.4, scene.boundary.shape)
+    points = np.concatenate([points, points[:400] + 0.1])
+    assert len(points) > 1500
+    found = []
+    for cores in (1, 2, 3, 3):
+        monkeypatch.setattr(threads, "cores", lambda cores=cores: cores)
+        standing = survey(points, level, search_range(Parameters()))
+        kept = thinned(standing, np.ones(len(points), bool), 2.0)
+        births = births_of(level, points, present=kept)
+        arrays = (standing.strength, standing.seated, kept, births.position, births.parent, births.other)
+        found.append([array.tobytes() for array in arrays])
+    assert len(births.position) > 0
+    assert found[0] == found[1] == found[2] == found[3]
 
 
 def parents(count=6, first=10):
     rng = np.random.default_rng(0)
     position, velocity = rng.normal(size=(2, count, 2))
     return Particles(
-        position, velocity, rng.normal(size=(2, count, 2)), rng.normal(size=(count, 4)), np.arange(first, first + count)
+        position, velocity, rng.normal(size=(count, 2, 2)), rng.normal(size=(count, 4)), np.arange(first, first + count)
     )
 
 
@@ -250,11 +446,10 @@ def test_the_newborn_inherit_the_mean_motion_of_their_parents():
     np.testing.assert_array_equal(after.position[6:], place)
     for n, (i, j) in enumerate(zip(one, other, strict=True)):
         np.testing.assert_allclose(after.velocity[6 + n], (old.velocity[i] + old.velocity[j]) / 2.0)
-        np.testing.assert_allclose(after.force[:, 6 + n], (old.force[:, i] + old.force[:, j]) / 2.0)
+        np.testing.assert_allclose(after.force[6 + n], (old.force[i] + old.force[j]) / 2.0)
     assert np.isnan(after.distance[6:]).all()
-    for name in ("position", "velocity", "distance", "identity"):
+    for name in ("position", "velocity", "force", "distance", "identity"):
         np.testing.assert_array_equal(getattr(after, name)[:6], getattr(old, name))
-    np.testing.assert_array_equal(after.force[:, :6], old.force)
 
 
 def test_identities_are_numbered_on_and_go_with_their_particles():
@@ -265,7 +460,24 @@ def test_identities_are_numbered_on_and_go_with_their_particles():
     assert left.identity.tolist() == [10, 12, 14, 40, 42]
     np.testing.assert_array_equal(left.position, after.position[kept])
     np.testing.assert_array_equal(left.velocity, after.velocity[kept])
-    np.testing.assert_array_equal(left.force, after.force[:, kept])
+    np.testing.assert_array_equal(left.force, after.force[kept])
+    np.testing.assert_array_equal(left.distance, after.distance[kept])
+
+
+def test_particles_taken_in_another_order_keep_all_that_is_theirs():
+    old = parents()
+    order = np.array([3, 0, 5])
+    after = old.taken(order)
+    for name in ("position", "velocity", "force", "distance", "identity"):
+        np.testing.assert_array_equal(getattr(after, name), getattr(old, name)[order])
+
+
+def test_the_young_are_those_whose_history_is_not_full():
+    old = parents()
+    old.distance[2, -1] = np.nan
+    old.distance[4, 1:] = np.nan
+    assert old.young.tolist() == [False, False, True, False, True, False]
+    assert Particles.at_rest(np.zeros((3, 2))).young.all()
 
 
 def test_particles_at_rest_have_no_motion_and_a_copy_of_their_places():
@@ -276,3 +488,24 @@ def test_particles_at_rest_have_no_motion_and_a_copy_of_their_places():
     assert not rest.velocity.any()
     assert not rest.force.any()
     assert rest.identity.tolist() == [5, 6]
+
+
+def test_who_has_others_on_both_sides_looks_only_if_thorough(edge):
+    chain = [(15.0, EDGE), (18.0, EDGE), (21.0, EDGE)]
+    middle = (False, True, False)
+    assert len(births_of(edge, chain, looking=middle, thorough=False).position) == 0
+    assert len(births_of(edge, chain, looking=middle, thorough=True).position) == 2
+    # and with an open side it looks in any case
+    assert len(births_of(edge, chain[:2], looking=middle[:2], thorough=False).position) == 2
+
+
+def test_directions_that_are_not_along_the_edge_take_turns():
+    """Where there is room everywhere but along the edge, which others have taken: across it and aslant in turn."""
+    level = even_level(SHAPE, (0.0, 0.0), (1.0, 0.0), 1.0, 0.5)
+    points = [(20.0, 20.0), (20.0, 23.0), (20.0, 17.0)]
+    for turn in range(8):
+        births = births_of(level, points, d_max=0.0, looking=(True, False, False), turn=turn)
+        places = births.position - 20.0
+        np.testing.assert_allclose(np.linalg.norm(places, axis=1), 1.8)
+        angles = np.degrees(np.arctan2(places[:, 0], places[:, 1])) % 180.0
+        np.testing.assert_allclose(angles, [[], [45.0] * 2, [90.0] * 2, [135.0] * 2][turn % 4])

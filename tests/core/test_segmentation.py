@@ -280,11 +280,17 @@ def test_a_weak_edge_beside_a_strong_one_is_not_drained(apart, level):
 
 
 def test_no_particle_is_left_where_there_is_no_edge():
+    """Not even the one that has come to rest in the middle of the disk, where all attractions balance."""
     scene = disk((96, 90), (50.0, 41.0), 20.0)
     engine = Engine(scene.values, Parameters())
     state = engine.start(uniform_grid(scene.values.shape))
     while not state.stop_reason:
         before, state = state, engine.step(state, Parameters())
     assert state.converged
-    assert np.abs(scene.distance(before.position)).max() > 10.0
     assert np.abs(scene.distance(state.position)).max() < 2.0
+    left = before.particles.with_more(np.array([(50.0, 41.0)]), before.next_identity)
+    left.distance[-1] = np.hypot(50.0, 41.0)
+    last = engine.step(dataclasses.replace(before, particles=left), Parameters())
+    assert last.converged
+    assert len(left) == len(before.particles) + 1
+    np.testing.assert_array_equal(last.particles.identity, state.particles.identity)
