@@ -18,7 +18,7 @@ _SETTLING = 60
 
 _TIMED = 30
 
-SIDES = (330, 1010)
+SIDES = (345, 1080)
 """Sides of the images on which there are then about 2,000 and 20,000 particles [px]."""
 
 
