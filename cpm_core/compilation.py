@@ -1,9 +1,9 @@
 """Compiling the model's loops ahead of their first use.
 
-The first time ever takes many seconds of two cores: one process compiles what a step needs and another what the
-reconstruction needs, while this one only waits, so that a window beside it moves freely. Numba cannot compile in two
-threads at once, nor may two processes keep loops in one folder, where each could overwrite what the other has noted of
-a loop that both compile; therefore each has a folder of its own, from which this one takes over what is new to it.
+The first time ever takes many seconds of two cores: one process compiles what a step needs and another the rest, while
+this one only waits, so that a window beside it moves freely. Numba cannot compile in two threads at once, nor may two
+processes keep loops in one folder, where each could overwrite what the other has noted of a loop that both compile;
+therefore each has a folder of its own, from which this one takes over what is new to it.
 """
 
 from __future__ import annotations
@@ -56,11 +56,11 @@ def warm_up(unwanted: Callable[[], bool] = lambda: False) -> None:
         return
     engine, state = step_once()
     engine.result(state, _PARAMETERS)
+    clean(_DISK)
 
 
 def step_once() -> tuple[Engine, State]:
-    """Run the loops of preparing an image and of a step."""
-    clean(_DISK)
+    """Run the loops of a step."""
     engine = Engine(_DISK, _PARAMETERS, _REGIONS)
     state = engine.start(circle((15.5, 15.5), 5.0))
     for _ in range(_STEPS):
@@ -69,7 +69,8 @@ def step_once() -> tuple[Engine, State]:
 
 
 def reconstruct_once() -> None:
-    """Run the loops of the reconstruction."""
+    """Run the loops of the reconstruction, and those that clean an image."""
+    clean(_DISK)
     engine = Engine(_DISK, _PARAMETERS, _REGIONS)
     engine.result(engine.start(circle((15.5, 15.5), 9.0)), _PARAMETERS)
 
