@@ -11,18 +11,20 @@ The model on one page
    positive charges to edges (`electric_field`). Its direction is the **Lorentz force** F_l; on an edge it falls
    linearly through zero (`level`).
 3. The **particles**, all of one positive charge, repel one another: the **Coulomb force** F_c, eq. (9)
-   (`coulomb_force`), scaled by the local spacing and cut at one.
+   (`coulomb_force`), scaled by the local spacing and cut at one. Where a run has many of them, near pairs are summed at
+   every step, and a mesh, made anew every few steps, carries what comes from afar (`far_force`).
 4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), the last term being the **damping**; one **step** advances
-   them by eq. (14)-(15) (`dynamics`). Who leaves the image is removed.
-5. **Insertion**: two neighbours at rest on an edge, d_min < d <= d_min + d_max apart, get a particle between them,
-   and a particle that sees its edge go on without anybody on it gets one ahead. **Deletion**: of two nearer than
-   d_min / 2 one goes. **Annealing**: d_max is multiplied by a at every step (`insertion`,
-   `deletion`).
-6. Where no new ground is gained, repulsion fades and friction grows; a run is in **equilibrium** when eq. (23) holds
-   and hardly anything has moved, appeared or vanished for twenty steps (`ground`, `equilibrium`). Before a run ends,
-   particles are launched beside boundaries that nobody has reached of whatever is enclosed and has been reached on
-   another boundary: the outline around a hole, or a hole in an object (`enclosure`). Who is at rest on no edge then is
-   removed.
+   them by eq. (14)-(15) (`dynamics`, `motion`). Who leaves the image is removed.
+5. **Insertion**: two neighbours at rest on an edge, d_min < d <= d_min + d_max apart, get a particle between them if
+   the crest of the edge is free there, and a particle that sees its edge go on without anybody on it gets one ahead.
+   **Deletion**: of two nearer than d_min / 2 one goes. **Annealing**: d_max is multiplied by a at every step
+   (`insertion`, `deletion`, `standing`).
+6. Where no new ground is gained, repulsion fades and friction grows, more slowly for those that are still under way far
+   from all ground; who has come to rest where nothing is new sleeps, passed over until something is (`ground`,
+   `motion`). A run is in **equilibrium** when eq. (23) holds and hardly anything has moved, appeared or vanished for
+   twenty steps (`equilibrium`). Before a run ends, particles are launched beside boundaries that nobody has reached of
+   whatever is enclosed and has been reached on another boundary: the outline around a hole, or a hole in an object
+   (`enclosure`). Who is at rest on no edge then is removed.
 7. All this happens on one **scale** after the other, from coarse to fine; each begins with what the coarser one found
    and with the **initialization**, the particles that were drawn (`multiscale`, `initialization`).
 8. The **reconstruction** moves points to the crest of the edge, joins them by walking along the crest, leaves out what

@@ -1,4 +1,4 @@
-"""The engine: one step of a run is the composition of force, motion, population and equilibrium.
+"""The engine: one step of a run is the composition of motion, deletion, insertion and equilibrium.
 
 ``Engine(image, parameters)`` prepares what the particles feel; ``start`` makes the first state of a run; ``step`` makes
 the next one from any state, without memory of its own, so that a run can be paused, steered, replayed and branched.

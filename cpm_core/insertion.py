@@ -109,10 +109,10 @@ def insertion(
     """Find places for new particles.
 
     Two rules. Between: two seated particles at ``d_min < d <= d_min + d_max`` with nothing between them get one at
-    their midpoint, as in section 3.6, if the edge goes on there. Ahead: a seated particle that sees the edge go on
-    within one spacing, with nobody on it, gets one there. Annealing ends the first rule; the second one does not depend
-    on it and carries a front along every edge that is connected to the one it sits on, through bends and junctions.
-    Neither of them reaches across a wall.
+    their midpoint, as in section 3.6, if the edge goes on there and its crest is free beside the midpoint. Ahead: a
+    seated particle that sees the edge go on within one spacing, with nobody on it, gets one there. Annealing ends the
+    first rule; the second one does not depend on it and carries a front along every edge that is connected to the one
+    it sits on, through bends and junctions. Neither of them reaches across a wall.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """The motion of all particles in one time step: the laws of `dynamics`, applied to each in one compiled loop.
 
 A particle that has come to rest where nothing new is found sleeps: nothing that could move it changes any more, and it
-is passed over until other parameters set the run going again.
+is passed over until there is new ground near it or other parameters set the run going again.
 """
 
 from __future__ import annotations

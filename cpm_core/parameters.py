@@ -87,7 +87,7 @@ _TABLE = (
     ParameterInfo(
         "annealing", "a", "", 0.0, 1.0, 0.9, 1.0, 0.001, "Annealing factor",
         "Factor by which the largest gap that a new particle fills shrinks at every step.",
-        "More of it (nearer to 1) keeps particles being inserted longer, for a denser and slower run.",
+        "More of it (nearer to 1) keeps particles being inserted longer, for denser rows along the edges.",
         "section 3.6", "nothing", False,
     ),
     ParameterInfo(
