@@ -76,8 +76,13 @@ class RunStatus:
 
     @property
     def started(self) -> bool:
-        """Whether there are particles of a run."""
+        """Whether a run has been begun."""
         return self.phase in ("running", "paused", "finished")
+
+    @property
+    def moved(self) -> bool:
+        """Whether anything of a run has been seen: the very first one may have to wait for loops to be compiled."""
+        return self.started and (self.step > 0 or self.count > 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,10 +218,8 @@ def _sentence(text: str) -> str:
 
 
 def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
-    started = status.started
-
     def shown(value: str) -> str:
-        return value if started else "–"
+        return value if status.moved else "–"
 
     epsilon = (
         "–"

@@ -176,10 +176,10 @@ class Stage(QWidget):
 
     def _show_drawing(self, *_: object) -> None:
         session = self._session
-        wanted = (session.document.shapes, session.selected, session.status.started)
+        wanted = (session.document.shapes, session.selected, session.status.moved)
         if wanted != self._drawn:
             self._drawn = wanted
-            self.canvas.drawing.show(session.document, session.selected, session.status.started)
+            self.canvas.drawing.show(session.document, session.selected, session.status.moved)
 
     def _show_draft(self) -> None:
         tool = self.canvas.tool

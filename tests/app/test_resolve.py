@@ -79,9 +79,9 @@ def test_a_start_everywhere_is_checked_for_as_long_as_the_document_has_it() -> N
     ("status", "said"),
     [
         (RunStatus("ready"), "–"),
-        (RunStatus("running"), "no gap"),
-        (RunStatus("running", bridges=1, longest_bridge=3.25), "1 gap of 3.2 px"),
-        (RunStatus("finished", bridges=3, longest_bridge=12.4), "3 gaps, longest 12.4 px"),
+        (RunStatus("running", step=1), "no gap"),
+        (RunStatus("running", step=1, bridges=1, longest_bridge=3.25), "1 gap of 3.2 px"),
+        (RunStatus("finished", step=1, bridges=3, longest_bridge=12.4), "3 gaps, longest 12.4 px"),
     ],
 )
 def test_bridged_gaps_are_counted_and_the_longest_is_told(status: RunStatus, said: str) -> None:

@@ -40,6 +40,23 @@ def test_nothing_is_looked_at_while_nothing_goes_on(ready, hand) -> None:
     hand.wait(lambda: not timer.isActive())
 
 
+def test_the_particles_drawn_are_shown_until_those_of_the_run_take_their_place(ready, hand, monkeypatch) -> None:
+    held, begin = threading.Event(), Engine.start
+    monkeypatch.setattr(Engine, "start", lambda engine, seeds: held.wait(hand.patience / 1000) and begin(engine, seeds))
+    drawn = hand.canvas.drawing._seeds.count
+    assert drawn > 0
+    hand.key(KEY.Key_Period)
+    try:
+        assert ready.session.status.started
+        assert (hand.canvas.drawing._seeds.count, hand.canvas.particles.count) == (drawn, 0)
+        assert ready.side.status.value("Particles") == "–"
+    finally:
+        held.set()
+    hand.wait(lambda: ready.session.status.step == 1)
+    assert hand.canvas.drawing._seeds.count == 0
+    assert hand.canvas.particles.count > 0
+
+
 def test_pause_holds_the_particles_and_run_goes_on_from_them(ready, hand) -> None:
     session = ready.session
     session.set_pace(30.0)
