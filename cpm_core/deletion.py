@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.kernels import compiled
-from cpm_core.neighbors import Cells, build_cells, cell_of, row_of_cells
+from cpm_core.neighbors import Cells, build_cells, cells_around, row_of_cells
 from cpm_core.standing import Standing
 from cpm_core.threads import share
 
@@ -83,10 +83,10 @@ def _find_close(cells: Cells, stirred: Mask, distance: float, alone: Mask, first
         if not stirred[cells.order[k]]:
             continue
         y, x = cells.y[k], cells.x[k]
-        left, right = cell_of(x - distance, cells.size, cells.cols), cell_of(x + distance, cells.size, cells.cols)
-        top, bottom = cell_of(y - distance, cells.size, cells.rows), cell_of(y + distance, cells.size, cells.rows)
+        top, bottom, left, right = cells_around(cells, y, x, distance)
         for row in range(top, bottom + 1):
-            for other in range(cells.start[row * cells.cols + left], cells.start[row * cells.cols + right + 1]):
+            start, end = row_of_cells(cells, row, left, right)
+            for other in range(start, end):
                 squared = (cells.y[other] - y) ** 2 + (cells.x[other] - x) ** 2
                 if squared < distance * distance and other != k:
                     alone[cells.order[k]] = alone[cells.order[other]] = False
@@ -106,9 +106,9 @@ def _thin(cells: Cells, order: Index, distance: float, kept: Mask) -> None:
 def _has_near(cells: Cells, k: int, distance: float, counting: Mask) -> bool:
     """Whether one of the sorted particles has another one nearer than a distance among those that count."""
     y, x = cells.y[k], cells.x[k]
-    top, bottom = cell_of(y - distance, cells.size, cells.rows), cell_of(y + distance, cells.size, cells.rows)
+    top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):
-        first, last = row_of_cells(cells, row, x - distance, x + distance)
+        first, last = row_of_cells(cells, row, left, right)
         for other in range(first, last):
             squared = (cells.y[other] - y) ** 2 + (cells.x[other] - x) ** 2
             if squared < distance * distance and other != k and counting[cells.order[other]]:

@@ -29,7 +29,7 @@ from cpm_core.particles import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.regions import Regions
 from cpm_core.result import Result
-from cpm_core.standing import Standing, is_seated
+from cpm_core.standing import Standing, seats
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -260,13 +260,14 @@ class Engine:
         standing = Standing(moved.strength, moved.seated, cells)
         kept = thinned(standing, stirred, parameters.d_min)
         ground, new = explore(state.ground, particles.position, standing.seated & kept, step)
-        turn = particles.identity + state.step // every
+        round_ = state.step // every
+        turn = particles.identity + round_
         front = idle_at(ground, particles.position, step, state.idle) < _FRONT
         thorough = (turn % _LOOK_EVERY == 0) | particles.young | cold
         looking = (thorough | front) & stirred
         ahead = (turn % _LOOK_IDLY == 0) | front
         d_max = state.annealed * parameters.d_max
-        births = insertion(standing, kept, looking, thorough, ahead, level, d_max, parameters, state.step // every)
+        births = insertion(standing, kept, looking, thorough, ahead, level, d_max, parameters, round_)
         born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
         if born:
             particles = particles.joined_by(births.position, births.parent, births.other, state.next_identity)
@@ -373,7 +374,8 @@ def _without_stragglers(state: State, level: Level) -> State:
     In a hole of a pixel or two nobody sits in the strict sense, but the edge around is strong.
     """
     position = state.particles.position
-    found = is_seated(position, level) | (level.strength(position) >= _CERTAIN * level.floor)
+    strength, seated = seats(position, level)
+    found = seated | (strength >= _CERTAIN * level.floor)
     if found.all() or not found.any():
         return state
     return replace(state, particles=state.particles.where(found), deleted=state.deleted + int((~found).sum()))
@@ -381,7 +383,7 @@ def _without_stragglers(state: State, level: Level) -> State:
 
 def _settled(state: State, level: Level) -> State:
     """Leave out the particles that sit on no edge; a finer scale launches them anew from the drawing."""
-    return replace(state, particles=state.particles.where(is_seated(state.particles.position, level)))
+    return replace(state, particles=state.particles.where(seats(state.particles.position, level)[1]))
 
 
 def _starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cpm_core.field.interpolation import between, component
 from cpm_core.kernels import compiled
 from cpm_core.level import FAINTEST, Level
-from cpm_core.neighbors import Cells, cell_of
+from cpm_core.neighbors import Cells, cell_of, cells_around, row_of_cells
 from cpm_core.parameters import Parameters
 from cpm_core.standing import Standing
 from cpm_core.threads import share
@@ -283,10 +283,10 @@ def _is_flanked(cells: Cells, present: Mask, y: float, x: float, felt: Single, d
     at = between(felt, y, x)
     n_y, n_x = component(felt, 2, at), component(felt, 3, at)
     before, behind = 0, 0
-    left, right = cell_of(x - distance, cells.size, cells.cols), cell_of(x + distance, cells.size, cells.cols)
-    top, bottom = cell_of(y - distance, cells.size, cells.rows), cell_of(y + distance, cells.size, cells.rows)
+    top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):
-        for k in range(cells.start[row * cells.cols + left], cells.start[row * cells.cols + right + 1]):
+        first, last = row_of_cells(cells, row, left, right)
+        for k in range(first, last):
             d_y, d_x = cells.y[k] - y, cells.x[k] - x
             across, along = d_y * n_y + d_x * n_x, d_y * n_x - d_x * n_y
             near = (d_y**2 + d_x**2 < distance**2) & (across**2 < along**2) & present[k]
@@ -309,10 +309,10 @@ def _list_near(
 ) -> int:
     """List the particles around a place; return how many they are, or one less than fit in if they are more."""
     length = 0
-    left, right = cell_of(x - distance, cells.size, cells.cols), cell_of(x + distance, cells.size, cells.cols)
-    top, bottom = cell_of(y - distance, cells.size, cells.rows), cell_of(y + distance, cells.size, cells.rows)
+    top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):
-        for k in range(cells.start[row * cells.cols + left], cells.start[row * cells.cols + right + 1]):
+        first, last = row_of_cells(cells, row, left, right)
+        for k in range(first, last):
             near_y[length], near_x[length], index[length] = cells.y[k], cells.x[k], cells.order[k]
             # what does not count is written over by the next one: cheaper than to guess whether it will
             counts = ((cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2 < distance**2) & present[k]

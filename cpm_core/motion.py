@@ -27,10 +27,10 @@ from cpm_core.dynamics import (
 from cpm_core.field.interpolation import between, component
 from cpm_core.kernels import compiled
 from cpm_core.level import GATE, Level
-from cpm_core.neighbors import Cells, build_cells, cell_of, row_of_cells
+from cpm_core.neighbors import Cells, build_cells, cell_of, cells_around, row_of_cells
 from cpm_core.parameters import Parameters
 from cpm_core.particles import MEMORY, Particles
-from cpm_core.standing import seat, survey
+from cpm_core.standing import seat, seats
 from cpm_core.threads import share
 
 Array = NDArray[np.float64]
@@ -100,9 +100,8 @@ class Moved:
     def held_at(self, particles: Particles, start: Array, level: Level) -> Moved:
         """Where walls have let the particles go from `start`, shape (N, 2); they have moved no farther."""
         particles.distance[:, 0] = np.linalg.norm(particles.position, axis=1)
-        standing = survey(particles.position, level, max(level.shape))
         motion = np.linalg.norm(particles.position - start, axis=1)
-        return Moved(particles, motion, standing.strength, standing.seated)
+        return Moved(particles, motion, *seats(particles.position, level))
 
 
 class _Law(NamedTuple):
@@ -311,8 +310,9 @@ def _gather(cells: Cells, row: int, col: int, near_y: Single, near_x: Single) ->
     """
     middle_y, middle_x = row * cells.size, col * cells.size
     length, own = 0, 0
-    for r in range(max(row - 1, 0), min(row + 2, cells.rows)):
-        first, last = row_of_cells(cells, r, middle_x - cells.size, middle_x + cells.size)
+    top, bottom, left, right = cells_around(cells, middle_y, middle_x, cells.size)
+    for r in range(top, bottom + 1):
+        first, last = row_of_cells(cells, r, left, right)
         own = length - first if r == row else own
         for k in range(first, last):
             near_y[length] = cells.y[k] - middle_y
@@ -376,9 +376,9 @@ def _two_nearest(squared: Single, bits: Bits, length: int) -> tuple[float, float
 def _two_nearest_of_many(cells: Cells, y: float, x: float, lonely: float) -> tuple[float, float]:
     """Squared distances of the two nearest particles as far away as anybody is looked for."""
     first, second = np.inf, np.inf
-    top, bottom = cell_of(y - lonely, cells.size, cells.rows), cell_of(y + lonely, cells.size, cells.rows)
+    top, bottom, left, right = cells_around(cells, y, x, lonely)
     for row in range(top, bottom + 1):
-        start, end = row_of_cells(cells, row, x - lonely, x + lonely)
+        start, end = row_of_cells(cells, row, left, right)
         for k in range(start, end):
             squared = (cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2
             if 0.0 < squared < first:

@@ -70,8 +70,17 @@ def cell_of(place: float, size: float, along: int) -> int:
 
 
 @compiled
-def row_of_cells(cells: Cells, row: int, left: float, right: float) -> tuple[int, int]:
-    """First of the sorted particles in the cells of a row from `left` to `right` [px], and the one behind the last."""
-    first = row * cells.cols + cell_of(left, cells.size, cells.cols)
-    last = row * cells.cols + cell_of(right, cells.size, cells.cols)
-    return cells.start[first], cells.start[last + 1]
+def cells_around(cells: Cells, y: float, x: float, distance: float) -> tuple[int, int, int, int]:
+    """First and last row, first and last column of the cells with all that is nearer to a place than a distance."""
+    return (
+        cell_of(y - distance, cells.size, cells.rows),
+        cell_of(y + distance, cells.size, cells.rows),
+        cell_of(x - distance, cells.size, cells.cols),
+        cell_of(x + distance, cells.size, cells.cols),
+    )
+
+
+@compiled
+def row_of_cells(cells: Cells, row: int, left: int, right: int) -> tuple[int, int]:
+    """First of the sorted particles in a row of cells from column `left` to `right`, and the one behind the last."""
+    return cells.start[row * cells.cols + left], cells.start[row * cells.cols + right + 1]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +10,11 @@ from numpy.typing import NDArray
 from cpm_core.field.interpolation import between, component
 from cpm_core.kernels import compiled
 from cpm_core.level import GATE, Level
-from cpm_core.neighbors import Cells, build_cells
-from cpm_core.threads import share
+from cpm_core.neighbors import Cells
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Single = NDArray[np.float32]
-
-_WORTH_A_THREAD = 10_000
-"""Particles from which on a second thread makes the survey faster."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -41,34 +36,16 @@ class Standing:
     cells: Cells
 
 
-def survey(positions: Array, level: Level, distance: float) -> Standing:
-    """Tell how particles stand.
-
-    Parameters
-    ----------
-    positions : ndarray, shape (N, 2)
-        The particles [px].
-    level : Level
-        Fields of the scale.
-    distance : float
-        Up to what distance neighbours will be looked for [px].
-    """
+def seats(positions: Array, level: Level) -> tuple[Array, Mask]:
+    """Edge strength at particles, shape (N, 2), and which of them sit on an edge."""
     strength, seated = np.empty(len(positions)), np.empty(len(positions), np.bool_)
-    share(partial(_survey, level.felt, level.floor, positions, strength, seated), len(positions), _WORTH_A_THREAD)
-    height, width = level.shape
-    return Standing(strength, seated, build_cells(positions, height, width, distance))
-
-
-def is_seated(positions: Array, level: Level) -> Mask:
-    """Which particles, shape (N, 2), sit on an edge."""
-    strength, seated = np.empty(len(positions)), np.empty(len(positions), np.bool_)
-    _survey(level.felt, level.floor, positions, strength, seated, 0, len(positions))
-    return seated
+    _seats(level.felt, level.floor, positions, strength, seated)
+    return strength, seated
 
 
 @compiled
-def _survey(felt: Single, floor: float, position: Array, strength: Array, seated: Mask, first: int, last: int) -> None:
-    for i in range(first, last):
+def _seats(felt: Single, floor: float, position: Array, strength: Array, seated: Mask) -> None:
+    for i in range(len(position)):
         strength[i], seated[i] = seat(felt, position[i, 0], position[i, 1], floor)
 
 

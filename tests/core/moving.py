@@ -7,11 +7,18 @@ from numpy.typing import NDArray
 
 from cpm_core import Parameters
 from cpm_core.level import Level
+from cpm_core.neighbors import build_cells
+from cpm_core.standing import Standing, seats
 
 Array = NDArray[np.float64]
 
 LONELY = 8.0
 """Distance to anybody that counts at most, in d_min + d_max."""
+
+
+def survey(positions: Array, level: Level, distance: float) -> Standing:
+    """How particles stand, with neighbours up to a distance."""
+    return Standing(*seats(positions, level), build_cells(positions, *level.shape, distance))
 
 
 def even_level(

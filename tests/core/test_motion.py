@@ -14,9 +14,8 @@ from cpm_core.dynamics import damped_series, damping, is_stuck, repulsion_left
 from cpm_core.level import GATE, build_level
 from cpm_core.motion import far_force_for, move
 from cpm_core.particles import MEMORY, Particles
-from cpm_core.standing import survey
 
-from .moving import coulomb, even_level, repulsion, spacing
+from .moving import coulomb, even_level, repulsion, spacing, survey
 
 SHAPE = (70, 90)
 LORENTZ = (0.6, -0.8)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.neighbors import build_cells, cell_of, row_of_cells
+from cpm_core.neighbors import build_cells, cell_of, cells_around, row_of_cells
 
 HEIGHT, WIDTH = 60, 45
 
@@ -28,9 +28,9 @@ def own_cell(point, size):
 def found_near(cells, y, x, radius):
     """Particles in the rows of cells that reach as far as a radius from a place."""
     found = []
-    top, bottom = cell_of(y - radius, cells.size, cells.rows), cell_of(y + radius, cells.size, cells.rows)
+    top, bottom, left, right = cells_around(cells, y, x, radius)
     for row in range(top, bottom + 1):
-        first, last = row_of_cells(cells, row, x - radius, x + radius)
+        first, last = row_of_cells(cells, row, left, right)
         found.extend(cells.order[first:last].tolist())
     return found
 
@@ -88,7 +88,9 @@ def test_the_rim_of_the_image_has_cells_and_beyond_it_are_the_outermost(size):
     for along in (cells.rows, cells.cols):
         assert cell_of(-1e6, size, along) == 0
         assert cell_of(1e6, size, along) == along - 1
-    np.testing.assert_array_equal(row_of_cells(cells, 0, -1e6, 1e6), [0, cells.start[cells.cols]])
+    np.testing.assert_array_equal(
+        row_of_cells(cells, 0, *cells_around(cells, 0.0, 0.0, 1e6)[2:]), [0, cells.start[cells.cols]]
+    )
 
 
 def test_an_empty_image_has_empty_cells():

@@ -13,9 +13,9 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.insertion import insertion, search_range
 from cpm_core.level import build_level
 from cpm_core.particles import Particles
-from cpm_core.standing import is_seated, survey
+from cpm_core.standing import seats
 
-from .moving import even_level
+from .moving import even_level, survey
 from .scenes import disk, ring
 
 SHAPE = (40, 48)
@@ -126,7 +126,7 @@ def test_neither_of_two_too_near_has_to_have_moved_first(distance):
 def test_a_seat_asks_for_a_weak_force_and_an_edge_that_is_strong_enough(lorentz, strength, seated):
     level = even_level((20, 30), lorentz, strength=strength, floor=2.0)
     points = np.array([(3.2, 4.7), (10.0, 29.5), (-0.5, -0.5)])
-    assert is_seated(points, level).tolist() == [seated] * 3
+    assert seats(points, level)[1].tolist() == [seated] * 3
     assert survey(points, level, search_range(Parameters())).seated.tolist() == [seated] * 3
 
 
@@ -137,9 +137,9 @@ def test_seats_are_told_by_the_field_between_the_pixels(edge):
     clear = (np.abs(force - 0.93) > 1e-5) & (np.abs(strength - edge.floor) > 1e-4)
     truth = (force < 0.93) & (strength >= edge.floor)
     assert 50 < truth.sum() < 1000
-    np.testing.assert_array_equal(is_seated(points, edge)[clear], truth[clear])
+    np.testing.assert_array_equal(seats(points, edge)[1][clear], truth[clear])
     standing = survey(points, edge, search_range(Parameters()))
-    np.testing.assert_array_equal(standing.seated, is_seated(points, edge))
+    np.testing.assert_array_equal(standing.seated, seats(points, edge)[1])
     np.testing.assert_allclose(standing.strength, strength, rtol=1e-6, atol=1e-6 * edge.strongest)
 
 
