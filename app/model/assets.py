@@ -28,3 +28,8 @@ def asset(name: str) -> Path:
     raise ValueError(
         f"The file {name} is missing from this installation of CPM; installing it again should bring it back."
     )
+
+
+def folder(name: str) -> Path | None:
+    """Path of a folder in the assets that need not be there; None when it is not."""
+    return next((place / name for place in _PLACES if (place / name).is_dir()), None)

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.shapes import Barrier, Everywhere, Kind, Limit, Region, Shape, Start
+from app.model.language import tr
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.regions import Regions
+from cpm_core.shapes import Barrier, Limit, Region, Shape, Start
+from cpm_core.sowing import NOWHERE, Sowable, Sown
 
-Sown = Mapping[Kind, NDArray[np.float64]]
-"""Positions of the particles that start all over an image, shape (N, 2) each."""
-
-NOWHERE: Sown = MappingProxyType({})
-
-FOLLOWING_SMOOTHING: frozenset[Kind] = frozenset({"edges"})
-"""Starts everywhere whose positions depend on the smoothing."""
-
-NOTHING_TO_START_FROM = (
+NOTHING_TO_START_FROM = tr(
     "There is nothing to start from: draw a circle, a stroke or points on the image first, or start everywhere."
 )
 
@@ -72,18 +64,18 @@ class Document:
         return tuple(shape for shape in self.shapes if not isinstance(shape, Limit))
 
     @property
-    def everywhere(self) -> tuple[Kind, ...]:
-        """The ways in which particles start without having been drawn."""
-        return tuple(shape.kind for shape in self.shapes if isinstance(shape, Everywhere))
+    def sowable(self) -> tuple[Sowable, ...]:
+        """The starts whose positions depend on the image."""
+        return tuple(shape for shape in self.shapes if isinstance(shape, Sowable))
 
     @property
     def sowing(self) -> tuple[object, ...]:
-        """Everything that the positions for `everywhere` depend on; empty when there is none."""
-        if not self.everywhere:
+        """Everything that the positions for `sowable` depend on; empty when there is none."""
+        if not self.sowable:
             return ()
         limits = tuple(shape for shape in self.shapes if isinstance(shape, Region))
-        followed = any(kind in FOLLOWING_SMOOTHING for kind in self.everywhere)
-        return (self.image, self.everywhere, limits, self.parameters.smoothing if followed else None)
+        followed = any(start.follows_smoothing for start in self.sowable)
+        return (self.image, self.sowable, limits, self.parameters.smoothing if followed else None)
 
     @property
     def regions(self) -> Regions | None:
@@ -97,8 +89,8 @@ class Document:
 
         Parameters
         ----------
-        sown : mapping of str to ndarray
-            For each of `everywhere` its positions on the image, which the document does not hold.
+        sown : mapping of start to ndarray
+            For each of `sowable` its positions on the image, which the document does not hold.
 
         Raises
         ------
@@ -107,9 +99,7 @@ class Document:
         """
         if not self.starts:
             raise ValueError(NOTHING_TO_START_FROM)
-        return np.concatenate(
-            [sown[start.kind] if isinstance(start, Everywhere) else start.seeds() for start in self.starts]
-        )
+        return np.concatenate([sown[start] if isinstance(start, Sowable) else start.seeds() for start in self.starts])
 
     @property
     def recipe(self) -> tuple[object, ...]:

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 from app.model import controls
 from app.model.document import Document
-from app.model.paths import Position
-from app.model.shapes import Circle, Everywhere, Kind, Shape
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.paths import Position
+from cpm_core.shapes import Everywhere, Kind, Shape
 
 
 def add_shape(document: Document, shape: Shape) -> Document:
@@ -28,10 +28,9 @@ def move_shape(document: Document, index: int, by: Position) -> Document:
     return replace_shape(document, index, document.shapes[index].moved(by))
 
 
-def resize_shape(document: Document, index: int, rim: Position) -> Document:
-    """The document with the circle at `index` led through `rim`; other shapes stay as they are."""
-    shape = document.shapes[index]
-    return replace_shape(document, index, shape.resized_to(rim)) if isinstance(shape, Circle) else document
+def lead_shape(document: Document, index: int, handle: Position, to: Position) -> Document:
+    """The document with one shape led by its handle to a position."""
+    return replace_shape(document, index, document.shapes[index].led(handle, to))
 
 
 def delete_shape(document: Document, index: int) -> Document:

@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from app.model import paths
-from app.model.paths import Position
-from app.model.shapes import Barrier, Circle, Points, Region, Shape, Stroke
+from cpm_core.paths import Position
+from cpm_core.shapes import Shape
 
 Part = Literal["handle", "body"]
 
@@ -47,11 +46,10 @@ def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selecte
     if selected is not None and any(math.dist(handle, position) <= tolerance for handle in handles):
         return Hit(selected, "handle")
     for index in _front_first(len(shapes), selected):
-        if _on_line(shapes[index], position, tolerance):
+        if shapes[index].distance(position) <= tolerance:
             return Hit(index, "body")
     for index in _front_first(len(shapes), selected):
-        shape = shapes[index]
-        if isinstance(shape, Circle) and math.dist(shape.center, position) <= shape.radius:
+        if shapes[index].encloses(position):
             return Hit(index, "body")
     return None
 
@@ -59,17 +57,3 @@ def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selecte
 def _front_first(count: int, selected: int | None) -> list[int]:
     order = list(reversed(range(count)))
     return sorted(order, key=lambda index: index != selected)
-
-
-def _on_line(shape: Shape, position: Position, tolerance: float) -> bool:
-    match shape:
-        case Circle():
-            return abs(math.dist(shape.center, position) - shape.radius) <= tolerance
-        case Points():
-            return any(math.dist(point, position) <= tolerance for point in shape.positions)
-        case Stroke():
-            return paths.distance(shape.points, position) <= tolerance
-        case Region() | Barrier():
-            return paths.distance(shape.outline, position) <= tolerance
-    # What starts everywhere has no place of its own: it would be in the way of all that is drawn.
-    return False

@@ -1,102 +1,31 @@
-"""From document and run to what is enabled, shown and said."""
+"""From the situation to what the window says."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 from app.model.document import Document
-from app.model.shapes import Everywhere, Shape, describe
-
-Phase = Literal["empty", "ready", "running", "paused", "finished"]
+from app.model.language import tr
+from app.model.naming import describe
+from app.model.situation import Situation
+from app.model.status import RunStatus
+from cpm_core.shapes import Everywhere, Shape
 
 FULL_SPEED = "full speed"
 PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
 """Steps per second that the speed control offers; None is as fast as it goes."""
 FIRST_PACE = 6
 
-TOOLS = ("select", "circle", "points", "stroke", "region", "barrier")
-"""Tools, in the order shown."""
-
-ON_AN_IMAGE = (*TOOLS, "add_circle", "start_grid", "start_edges", "start_centers", "fit")
-"""Actions that make sense on any image."""
-
-
-@dataclass(frozen=True, slots=True)
-class RunStatus:
-    """How the run stands.
-
-    Attributes
-    ----------
-    phase : {"empty", "ready", "running", "paused", "finished"}
-        Without an image; with nothing started; stepping; stopped by hand; stopped by itself.
-    busy : str
-        What is being prepared meanwhile, empty when nothing is.
-    stale : bool
-        Whether the document's recipe differs from the one that the run started from.
-    steered : bool
-        Whether the run has ended and the document's parameters differ from those it ended with.
-    steering : tuple
-        `Parameters.steering` of the last step.
-    step, count, scale : int
-        Steps taken, particles, scale (0 is the image itself).
-    epsilon : float
-        Eq. (23); NaN before it is known.
-    stop_reason : str
-        Why the run stopped by itself.
-    converged : bool
-        Whether it stopped at rest.
-    steps_per_second : float
-        Measured speed of the run.
-    closed, open : int
-        Contours reconstructed so far.
-    bridges : int
-        Gaps in contours that were bridged.
-    longest_bridge : float
-        Length of the longest of them [px].
-    """
-
-    phase: Phase = "empty"
-    busy: str = ""
-    stale: bool = False
-    steered: bool = False
-    steering: tuple[object, ...] = ()
-    step: int = 0
-    count: int = 0
-    scale: int = 0
-    epsilon: float = math.nan
-    stop_reason: str = ""
-    converged: bool = False
-    steps_per_second: float = 0.0
-    closed: int = 0
-    open: int = 0
-    bridges: int = 0
-    longest_bridge: float = 0.0
-
-    @property
-    def started(self) -> bool:
-        """Whether a run has been begun."""
-        return self.phase in ("running", "paused", "finished")
-
-    @property
-    def moved(self) -> bool:
-        """Whether anything of a run has been seen: the very first one may have to wait for loops to be compiled."""
-        return self.started and (self.step > 0 or self.count > 0)
-
 
 @dataclass(frozen=True, slots=True)
 class Resolved:
-    """What the window shows for a document and a run.
+    """What the window says in a situation.
 
     Attributes
     ----------
     title : str
         Title of the window.
-    enabled : frozenset of str
-        Names of the actions that make sense now, out of those that do not always.
-    checked : frozenset of str
-        Names of the actions that say what the document has, out of those that do so.
     run_text, undo_text, redo_text : str
         Wording of actions that changes with what they would do.
     running : bool
@@ -110,8 +39,6 @@ class Resolved:
     """
 
     title: str
-    enabled: frozenset[str]
-    checked: frozenset[str]
     run_text: str
     undo_text: str
     redo_text: str
@@ -121,35 +48,23 @@ class Resolved:
     numbers: tuple[tuple[str, str, str], ...]
 
 
-def resolve(
-    document: Document, status: RunStatus, undo_name: str = "", redo_name: str = "", selected: int | None = None
-) -> Resolved:
-    """What the window shows; pure, so that it can be tested without one."""
-    running = status.phase == "running"
-    has_image = document.image is not None
-    conditions = {
-        "run": has_image,
-        "step": has_image and not running and (status.phase != "finished" or status.stale or status.steered),
-        "reset": status.started,
-        "export": status.started,
-        "undo": bool(undo_name),
-        "redo": bool(redo_name),
-        "delete": selected is not None,
-        "clear": bool(document.shapes),
-        "select_next": bool(document.shapes),
-    } | dict.fromkeys(ON_AN_IMAGE, has_image)
+def resolve(situation: Situation) -> Resolved:
+    """What the window says; pure, so that it can be tested without one."""
+    document, status = situation.document, situation.status
     return Resolved(
         title=f"{document.image.name} – CPM" if document.image else "CPM",
-        enabled=frozenset(name for name, holds in conditions.items() if holds),
-        checked=frozenset(f"start_{kind}" for kind in document.everywhere),
         run_text=_run_text(status),
-        undo_text=f"Undo {undo_name}" if undo_name else "Undo",
-        redo_text=f"Redo {redo_name}" if redo_name else "Redo",
-        running=running,
+        undo_text=_named(tr("Undo"), situation.undo_name),
+        redo_text=_named(tr("Redo"), situation.redo_name),
+        running=status.phase == "running",
         state=_state(document, status),
-        hint=_hint(document, status, selected),
+        hint=_hint(document, status, situation.selected),
         numbers=_numbers(status),
     )
+
+
+def _named(text: str, name: str) -> str:
+    return f"{text} {name}" if name else text
 
 
 def pace_text(pace: float | None) -> str:

@@ -8,8 +8,8 @@ from functools import cache
 from pathlib import Path
 
 from app.model.assets import asset
-from app.model.shapes import Circle, Shape
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.shapes import Circle, Shape
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,112 +1,22 @@
-"""What goes down to the worker (commands) and what comes up from it (snapshots and reports)."""
+"""What comes up from the worker: snapshots, of which the newest wins, and reports, which are few and never lost."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.document import Document, Sown
 from app.model.shades import Shades
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
+from cpm_core.particles import State
 from cpm_core.result import Result
+from cpm_core.sowing import Sown
 
 Array = NDArray[np.float64]
-
-
-# Commands: ordered, never lost.
-
-
-@dataclass(frozen=True, slots=True)
-class Open:
-    """Read an image and prepare its engine; the image before stays when that fails."""
-
-    generation: int
-    path: Path
-    parameters: Parameters
-    otherwise: Path | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Start:
-    """Begin a run from the drawing of a document, if the image it was drawn on is still the one in use."""
-
-    generation: int
-    image_generation: int
-    document: Document
-
-
-@dataclass(frozen=True, slots=True)
-class Go:
-    """Step until told otherwise, or `steps` times."""
-
-    generation: int
-    steps: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Halt:
-    """Stop stepping and keep the particles."""
-
-
-@dataclass(frozen=True, slots=True)
-class Discard:
-    """Stop stepping and forget the particles."""
-
-    generation: int
-
-
-@dataclass(frozen=True, slots=True)
-class SetParameters:
-    """Use these parameters from the next step on."""
-
-    parameters: Parameters
-
-
-@dataclass(frozen=True, slots=True)
-class SetPace:
-    """Take at most so many steps a second; None for no limit."""
-
-    steps_per_second: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class SetOverlays:
-    """Keep the edge map and the field up to date for showing, or do not bother."""
-
-    edge_map: bool
-    field: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Sow:
-    """Find the positions from which a document starts all over the image, for showing them."""
-
-    image_generation: int
-    document: Document
-
-
-@dataclass(frozen=True, slots=True)
-class Export:
-    """Reconstruct and write to a file whose suffix tells the format."""
-
-    path: Path
-
-
-@dataclass(frozen=True, slots=True)
-class WarmUp:
-    """Compile or load the kernels, so that the first step does not wait for them."""
-
-
-@dataclass(frozen=True, slots=True)
-class Quit:
-    """End the thread."""
-
-
-Command = Open | Start | Go | Halt | Discard | SetParameters | SetPace | SetOverlays | Sow | Export | WarmUp | Quit
 
 
 # Snapshots: the newest wins.
@@ -129,20 +39,12 @@ class Snapshot:
     ----------
     generation : int
         The run that it belongs to.
+    state : State
+        The moment of the run, which is never changed.
     position : ndarray, shape (N, 2)
         (row, col) in px of the image.
     resting : ndarray of bool, shape (N,)
         Particles that hardly move.
-    step, scale : int
-        Steps taken and current scale.
-    epsilon : float
-        Eq. (23).
-    stop_reason : str
-        Why the run ended, empty while it goes on.
-    converged : bool
-        Whether it ended at rest.
-    steering : tuple
-        `Parameters.steering` of the step.
     steps_per_second : float
         Measured speed.
     trace : Trace
@@ -150,14 +52,9 @@ class Snapshot:
     """
 
     generation: int
+    state: State
     position: Array
     resting: NDArray[np.bool_]
-    step: int
-    scale: int
-    epsilon: float
-    stop_reason: str
-    converged: bool
-    steering: tuple[object, ...]
     steps_per_second: float
     trace: Trace
 
@@ -172,21 +69,26 @@ class Reconstruction:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Overlays:
-    """Shades of the edge map, shape (H, W), and field, shape (2, H, W); None for what is not asked for.
+    """What is asked for of what lies over the image, by name; see `app.session.overlays`.
 
-    They belong to the image that was opened as `generation`, whatever has been run on it since.
+    It belongs to the image that was opened as `generation`, whatever has been run on it since.
     """
 
     generation: int
-    edge_map: Shades | None
-    field: Array | None
+    arrays: Mapping[str, NDArray[np.generic]]
 
 
 # Reports: ordered, few.
 
 
+class Report:
+    """What the window must not miss; each kind is heard by whoever it concerns."""
+
+    __slots__ = ()
+
+
 @dataclass(frozen=True, eq=False, slots=True)
-class Opened:
+class Opened(Report):
     """An image has been read and its engine is ready, with the parameters asked for as far as the image has room."""
 
     generation: int
@@ -198,7 +100,7 @@ class Opened:
 
 
 @dataclass(frozen=True, slots=True)
-class NotOpened:
+class NotOpened(Report):
     """An image could not be used; everything is as before, and the user may be offered another one."""
 
     generation: int
@@ -207,7 +109,7 @@ class NotOpened:
 
 
 @dataclass(frozen=True, slots=True)
-class Failed:
+class Failed(Report):
     """A run could not start or go on."""
 
     generation: int
@@ -215,7 +117,7 @@ class Failed:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Sowing:
+class Sowing(Report):
     """Positions from which particles start all over the image opened as `generation`, or why there are none."""
 
     generation: int
@@ -224,22 +126,19 @@ class Sowing:
 
 
 @dataclass(frozen=True, slots=True)
-class Exported:
+class Exported(Report):
     """A file has been written."""
 
     path: Path
 
 
 @dataclass(frozen=True, slots=True)
-class Trouble:
+class Trouble(Report):
     """Something asked for did not work and nothing else changed."""
 
     sentence: str
 
 
 @dataclass(frozen=True, slots=True)
-class WarmedUp:
+class WarmedUp(Report):
     """The kernels are ready."""
-
-
-Report = Opened | NotOpened | Failed | Sowing | Exported | Trouble | WarmedUp

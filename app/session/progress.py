@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from app.model.document import Sown
-from app.model.resolve import Phase, RunStatus
+from app.model.status import Phase, RunStatus
 from app.session.messages import (
     Exported,
     Failed,
@@ -24,6 +23,7 @@ from app.session.messages import (
     WarmedUp,
 )
 from app.session.runner import Runner
+from cpm_core.sowing import Sown
 
 _FIGURES_EVERY = 0.1
 """Time between two updates of figures that a person reads [s]."""
@@ -63,6 +63,9 @@ class Audience(Protocol):
 
     def say(self, sentence: str, trouble: bool) -> None:
         """Tell the user."""
+
+    def pass_on(self, report: Report) -> None:
+        """Tell everybody whom a report concerns."""
 
 
 class Progress:
@@ -133,17 +136,17 @@ class Progress:
             self._audience.show_overlays(overlays)
 
     def _take_snapshot(self, snapshot: Snapshot) -> None:
-        before = self._known.phase
+        before, state = self._known.phase, snapshot.state
         self._known = replace(
             self._known,
-            phase="finished" if snapshot.stop_reason else before,
-            step=snapshot.step,
+            phase="finished" if state.stop_reason else before,
+            step=state.step,
             count=len(snapshot.position),
-            scale=snapshot.scale,
-            epsilon=snapshot.epsilon,
-            stop_reason=snapshot.stop_reason,
-            converged=snapshot.converged,
-            steering=snapshot.steering,
+            scale=state.scale,
+            epsilon=state.epsilon,
+            stop_reason=state.stop_reason,
+            converged=state.converged,
+            steering=state.steering,
             steps_per_second=snapshot.steps_per_second,
         )
         self._audience.show_snapshot(snapshot)
@@ -181,4 +184,5 @@ class Progress:
                 self._audience.say(sentence, True)
             case WarmedUp():
                 self._busy.pop("preparing", None)
+        self._audience.pass_on(report)
         self._audience.show_status()

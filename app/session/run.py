@@ -6,13 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.model import shades
-from app.model.document import NOWHERE, Document, Sown
+from app.model.document import Document
 from app.session.mailbox import Mailbox
 from app.session.messages import Overlays, Snapshot
+from app.session.overlays import OVERLAYS
 from app.session.pacer import Pacer
 from app.session.reconstructor import Reconstructor, Request
-from app.session.sower import Sower
 from app.session.trace import Recorder
 from cpm_core.engine import Engine
 from cpm_core.image import Image
@@ -20,6 +19,7 @@ from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.particles import State
 from cpm_core.regions import Regions
 from cpm_core.result import Result
+from cpm_core.sowing import NOWHERE, Sower, Sown
 
 RESTING_SPEED = 0.1
 """Speed under which a particle is shown as resting [px per unit of time]."""
@@ -59,7 +59,7 @@ class Run:
         self._parameters = Parameters()
         self._recorder = Recorder()
         self._remaining = 0.0
-        self._wanted = (False, False)
+        self._wanted: frozenset[str] = frozenset()
         self._shown: tuple[object, ...] = ()
 
     @property
@@ -93,7 +93,9 @@ class Run:
 
     def sow(self, document: Document) -> Sown:
         """Positions from which a document starts all over the image."""
-        return self._sower.sow(document) if self._sower is not None else NOWHERE
+        if self._sower is None:
+            return NOWHERE
+        return self._sower.sow(document.sowable, document.parameters.smoothing, document.regions)
 
     def go(self, steps: int | None) -> None:
         """Step from now on, `steps` times or until told otherwise; a run that has ended only with other parameters."""
@@ -123,9 +125,9 @@ class Run:
         if not self.stepping:
             self._reconstruct()
 
-    def set_overlays(self, edge_map: bool, field: bool) -> None:
+    def set_overlays(self, names: frozenset[str]) -> None:
         """Keep these up to date."""
-        self._wanted, self._shown = (edge_map, field), ()
+        self._wanted, self._shown = names, ()
         self._refresh_overlays()
 
     def step(self) -> None:
@@ -153,14 +155,9 @@ class Run:
         self._snapshots.put(
             Snapshot(
                 generation=self.generation,
+                state=state,
                 position=state.position,
                 resting=speed < RESTING_SPEED,
-                step=state.step,
-                scale=state.scale,
-                epsilon=state.epsilon,
-                stop_reason=state.stop_reason,
-                converged=state.converged,
-                steering=state.steering,
                 steps_per_second=self.pacer.per_second,
                 trace=self._recorder.trace(),
             )
@@ -173,19 +170,13 @@ class Run:
             self._reconstructor.ask(Request(self.generation, self._engine, self._state, self._parameters, last))
 
     def _refresh_overlays(self) -> None:
-        """Send edge map and field up when they are wanted and differ from those last sent."""
-        if self._engine is None or not any(self._wanted):
+        """Send overlays up when some are wanted and differ from those last sent."""
+        if self._engine is None or not self._wanted:
             return
         made_of = [getattr(self._parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "field"]
-        key = (self._engine, *self._wanted, *made_of)
+        key = (self._engine, self._wanted, *made_of)
         if key == self._shown:
             return
-        edge_map, field = self._wanted
-        self._overlays.put(
-            Overlays(
-                generation=self.image_generation,
-                edge_map=shades.of_edge_map(self._engine.edge_map(self._parameters)) if edge_map else None,
-                field=self._engine.field(self._parameters) if field else None,
-            )
-        )
+        arrays = {name: OVERLAYS[name](self._engine, self._parameters) for name in self._wanted}
+        self._overlays.put(Overlays(self.image_generation, arrays))
         self._shown = key

@@ -6,33 +6,33 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from PySide6.QtCore import QObject, Qt, QTimer, Signal
+from PySide6.QtCore import QObject, Qt, QTimer
 
 from app.model import edits
-from app.model.document import NOTHING_TO_START_FROM, Document, ImageReference, Sown
-from app.model.resolve import FIRST_PACE, PACES, Resolved, RunStatus, resolve
+from app.model.document import NOTHING_TO_START_FROM, Document, ImageReference
+from app.model.naming import describe
+from app.model.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.samples import sample_at
-from app.model.shapes import describe
-from app.session.core import Core
-from app.session.editor import Editor
-from app.session.messages import (
+from app.model.situation import Situation, can_step
+from app.model.status import RunStatus
+from app.session.announcements import Announcements
+from app.session.commands import (
     Command,
     Discard,
     Export,
     Go,
     Halt,
     Open,
-    Opened,
-    Overlays,
-    Reconstruction,
     SetOverlays,
     SetPace,
     SetParameters,
-    Snapshot,
     Sow,
     Start,
     WarmUp,
 )
+from app.session.core import Core
+from app.session.editor import Editor
+from app.session.messages import Opened
 from app.session.pacer import Pacer
 from app.session.progress import Progress
 from app.session.runner import Runner
@@ -41,8 +41,8 @@ FRAME = 16
 """Time between looks at what the worker has sent up [ms]."""
 
 
-class Session(QObject):
-    """Document, history and run, with the signals that views follow.
+class Session(Announcements):
+    """Document, history and run.
 
     Parameters
     ----------
@@ -51,23 +51,6 @@ class Session(QObject):
     parent : QObject
         Owner.
     """
-
-    document_changed = Signal(object)
-    """The document is another one: Document."""
-    image_changed = Signal(object, object)
-    """Another image is shown: Image, and its Shades."""
-    status_changed = Signal()
-    """What `resolved` says may have changed."""
-    snapshot_changed = Signal(object)
-    """Newer particles: Snapshot, or None when there are none."""
-    contours_changed = Signal(object)
-    """Newer contours: Result, or None when there are none."""
-    overlays_changed = Signal(object)
-    """Newer edge map and field: Overlays."""
-    sown_changed = Signal(object)
-    """Other places from which particles start all over the image: Sown."""
-    said = Signal(str, bool)
-    """A sentence for the user, and whether it tells of trouble."""
 
     def __init__(self, core: Core | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -78,6 +61,7 @@ class Session(QObject):
         self._generation = 0
         self._image_generation = 0
         self._recipe: tuple[object, ...] = ()
+        self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
         self._timer = QTimer(self)
         self._timer.setTimerType(Qt.TimerType.PreciseTimer)
@@ -116,9 +100,15 @@ class Session(QObject):
         return replace(status, stale=stale, steered=steered)
 
     @property
+    def situation(self) -> Situation:
+        """All that decides what the window shows and enables."""
+        editor = self._editor
+        return Situation(self.document, self.status, editor.undo_name, editor.redo_name, self.selected)
+
+    @property
     def resolved(self) -> Resolved:
         """What the window shows."""
-        return resolve(self.document, self.status, self._editor.undo_name, self._editor.redo_name, self.selected)
+        return resolve(self.situation)
 
     @property
     def frames_per_second(self) -> float:
@@ -196,11 +186,11 @@ class Session(QObject):
         self._progress.busy("opening", f"Opening {path.name}…")
         sample = sample_at(path)
         parameters = sample.parameters if sample else self.document.parameters
-        self._post(Open(self._next_generation(), path, parameters, otherwise))
+        self.post(Open(self._next_generation(), path, parameters, otherwise))
 
     def export(self, path: str | Path) -> None:
         """Write the contours found so far; the suffix tells the format."""
-        self._post(Export(Path(path)))
+        self.post(Export(Path(path)))
 
     # Running
 
@@ -211,13 +201,13 @@ class Session(QObject):
         if self.status.phase != "running":
             self._start_if_needed()
             self._progress.phase("running")
-            self._post(Go(self._generation))
+            self.post(Go(self._generation))
 
     def pause(self) -> None:
         """Stop after the step that is being taken."""
         if self.status.phase == "running":
             self._progress.phase("paused")
-            self._post(Halt())
+            self.post(Halt())
 
     def toggle(self) -> None:
         """Pause when running, run otherwise."""
@@ -228,30 +218,40 @@ class Session(QObject):
 
     def step(self) -> None:
         """Take one step, starting when nothing has been started."""
-        if "step" in self.resolved.enabled and self._ready():
+        if can_step(self.situation) and self._ready():
             self._start_if_needed()
             self._progress.phase("paused")
-            self._post(Go(self._generation, steps=1))
+            self.post(Go(self._generation, steps=1))
 
     def reset(self) -> None:
         """Forget the particles and go back to the drawing."""
         if self.status.started:
             self._generation = self._next_generation()
             self._progress.forget()
-            self._post(Discard(self._generation))
+            self.post(Discard(self._generation))
 
     def set_pace(self, steps_per_second: float | None) -> None:
         """Limit the speed; None for none."""
-        self._post(SetPace(steps_per_second))
+        self.post(SetPace(steps_per_second))
 
-    def want_overlays(self, edge_map: bool, field: bool) -> None:
-        """Say which overlays are wanted."""
-        self._post(SetOverlays(edge_map, field))
+    def want_overlay(self, name: str, wanted: bool) -> None:
+        """Say whether an overlay is to be kept up to date; see `app.session.overlays`."""
+        before = self._overlays
+        self._overlays = before | {name} if wanted else before - {name}
+        if self._overlays != before:
+            self.post(SetOverlays(self._overlays))
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
         self._progress.busy("preparing", "Preparing (longer the very first time)…")
-        self._post(WarmUp())
+        self.post(WarmUp())
+
+    def post(self, command: Command) -> None:
+        """Send a command to the worker."""
+        self._runner.post(command)
+        if not self._timer.isActive():
+            self._frames.begin()
+            self._timer.start()
 
     def close(self) -> None:
         """Stop everything and wait for the worker to end."""
@@ -266,31 +266,7 @@ class Session(QObject):
         self.image_changed.emit(opened.image, opened.shades)
         self._progress.forget()
         self._change(lambda: self._editor.begin(_document(opened)))
-        self._post(SetParameters(opened.parameters))
-
-    def show_snapshot(self, snapshot: Snapshot | None) -> None:
-        """Pass particles on."""
-        self.snapshot_changed.emit(snapshot)
-
-    def show_contours(self, reconstruction: Reconstruction | None) -> None:
-        """Pass contours on."""
-        self.contours_changed.emit(reconstruction.result if reconstruction else None)
-
-    def show_overlays(self, overlays: Overlays) -> None:
-        """Pass edge map and field on."""
-        self.overlays_changed.emit(overlays)
-
-    def show_sown(self, sown: Sown) -> None:
-        """Pass places to start from on."""
-        self.sown_changed.emit(sown)
-
-    def show_status(self) -> None:
-        """Say that what is resolved may have changed."""
-        self.status_changed.emit()
-
-    def say(self, sentence: str, trouble: bool = False) -> None:
-        """Tell the user one sentence."""
-        self.said.emit(sentence, trouble)
+        self.post(SetParameters(opened.parameters))
 
     # Inside
 
@@ -310,7 +286,7 @@ class Session(QObject):
             self._generation = self._next_generation()
             self._recipe = self.document.recipe
             self._progress.forget()
-            self._post(Start(self._generation, self._image_generation, self.document))
+            self.post(Start(self._generation, self._image_generation, self.document))
 
     def _next_generation(self) -> int:
         self._numbered += 1
@@ -320,19 +296,13 @@ class Session(QObject):
         before = self.document
         change()
         if before.parameters != self.document.parameters:
-            self._post(SetParameters(self.document.parameters))
-        if self.document.everywhere and before.sowing != self.document.sowing:
+            self.post(SetParameters(self.document.parameters))
+        if self.document.sowable and before.sowing != self.document.sowing:
             self._progress.busy("sowing", "Looking for places to start from…")
-            self._post(Sow(self._image_generation, self.document))
+            self.post(Sow(self._image_generation, self.document))
         if before != self.document:
             self.document_changed.emit(self.document)
             self.status_changed.emit()
-
-    def _post(self, command: Command) -> None:
-        self._runner.post(command)
-        if not self._timer.isActive():
-            self._frames.begin()
-            self._timer.start()
 
     def _frame(self) -> None:
         self._frames.stepped()

@@ -6,15 +6,13 @@ import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QResizeEvent, QWheelEvent
 
-from app.model.paths import Position
-from app.model.shades import Shades
+from app.session.session import Session
 from app.views import theme
-from app.views.contour_layer import ContourLayer
 from app.views.coordinates import image_rectangle, to_position
-from app.views.drawing_layer import DrawingLayer
-from app.views.layers import EdgeMapLayer, FieldLayer, ImageLayer
-from app.views.particle_layer import ParticleLayer
-from app.views.tools import Grip, Tool
+from app.views.layers import Layers
+from app.views.tools.tool import Grip, Tool
+from cpm_core.image import Image
+from cpm_core.paths import Position
 
 REACH = 8.0
 """How far off a line or handle the pointer still takes hold of it [px of the screen]."""
@@ -24,12 +22,18 @@ _MARGIN = 0.04
 
 
 class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hints
-    """Shows the layers, pans and zooms, and hands the left button to the tool in use."""
+    """Shows the layers, pans and zooms, and hands the left button to the tool in use.
+
+    Parameters
+    ----------
+    session : Session
+        What the layers follow.
+    """
 
     pointed = Signal(object)
     """Position (row, col) under the pointer, or None when it has left."""
 
-    def __init__(self) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__(background=theme.CANVAS)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAcceptDrops(False)
@@ -38,33 +42,19 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, enableMouse=False, defaultPadding=0.0)
         self.view.disableAutoRange()
         self.setCentralItem(self.view)
-        self.image = ImageLayer(self.view)
-        self.edge_map = EdgeMapLayer(self.view)
-        self.field = FieldLayer(self.view)
-        self.contours = ContourLayer(self.view)
-        self.particles = ParticleLayer(self.view)
-        self.drawing = DrawingLayer(self.view)
+        self.layers = Layers(self.view, session)
         self.tool: Tool | None = None
         self.grip: Grip | None = None
         self._dragged: Tool | None = None
         self._shape: tuple[int, ...] | None = None
         self._panned_from: QPointF | None = None
         self._fitted = True
+        session.image_changed.connect(lambda image, _: self._use_image(image))
 
     @property
     def gesturing(self) -> bool:
         """Whether a tool is in the middle of something."""
         return self._dragged is not None or (self.tool is not None and self.tool.drafting)
-
-    def show_image(self, shades: Shades) -> None:
-        """Show another image, as large as it fits."""
-        self.cancel()
-        self.image.show(shades)
-        self.particles.use_shape(shades.shape)
-        self.contours.use_shape(shades.shape)
-        self.drawing.use_shape(shades.shape)
-        self._shape = shades.shape
-        self.fit()
 
     def fit(self) -> None:
         """Show the whole image."""
@@ -180,6 +170,11 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         super().resizeEvent(event)
         if getattr(self, "_fitted", False):
             self.fit()
+
+    def _use_image(self, image: Image) -> None:
+        self.cancel()
+        self._shape = image.shape
+        self.fit()
 
     def _tool_at(self, at: Position) -> Tool:
         """The tool that a press would go to: what takes hold of a handle comes before the tool in use."""

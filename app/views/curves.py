@@ -11,10 +11,10 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.model.paths import coarser
 from app.views import theme
 from app.views.coordinates import image_rectangle, to_xy
-from app.views.layers import cached, line_pen
+from app.views.pens import cached, line_pen
+from cpm_core.paths import coarser
 
 Array = NDArray[np.float64]
 

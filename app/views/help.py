@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QMessageBox, QTextBrowser, QVBoxLayout, QWidget
 
-from app.views.actions import ENTRIES, MENUS
+from app.views.entry import Entry
 from app.views.icons import program_icon
 
 _TOUR = """
@@ -37,13 +39,13 @@ segmentation based on charged particles”, IEEE Transactions on Pattern Analysi
 <p>Free software under the MIT licence.</p>"""
 
 
-def show_help(parent: QWidget) -> QDialog:
+def show_help(parent: QWidget, entries: Iterable[Entry]) -> QDialog:
     """Open the short help beside the window."""
     dialog = QDialog(parent)
     dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     dialog.setWindowTitle("CPM – short help")
     text = QTextBrowser()
-    text.setHtml(_TOUR + _keys())
+    text.setHtml(_TOUR + _keys(entries))
     buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
     buttons.rejected.connect(dialog.close)
     layout = QVBoxLayout(dialog)
@@ -66,8 +68,11 @@ def show_about(parent: QWidget) -> QMessageBox:
     return box
 
 
-def _keys() -> str:
+def _keys(entries: Iterable[Entry]) -> str:
     cell = "<td style='padding-left: 14px'>"
-    entries = [entry for menu in MENUS for entry in ENTRIES if entry.menu == menu and entry.shortcuts]
-    rows = [f"<tr><td><b>{' or '.join(entry.shortcuts[:2])}</b></td>{cell}{entry.tip}</td></tr>" for entry in entries]
+    rows = [
+        f"<tr><td><b>{' or '.join(entry.shortcuts[:2])}</b></td>{cell}{entry.tip}</td></tr>"
+        for entry in entries
+        if entry.shortcuts
+    ]
     return f"<h3>Keys</h3><table cellspacing='3'>{''.join(rows)}</table>"

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import numpy as np
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from app.model import edits
-from app.model.shades import Shades
-from app.model.shapes import SMALLEST_RADIUS, Circle, describe
-from app.session.messages import Overlays, Snapshot
+from app.model.naming import describe
 from app.session.session import Session
 from app.views.canvas import Canvas
 from app.views.message_bar import MessageBar
-from app.views.path_tool import BARRIER, REGION, STROKE, PathTool
-from app.views.tools import CircleTool, PointTool, SelectTool, Tool
-from cpm_core.image import Image
-from cpm_core.result import Result
+from app.views.tools import TOOLS
+from app.views.tools.select import SelectTool
+from app.views.tools.tool import Tool
+from cpm_core.shapes import Circle
+
+FIRST_TOOL = "circle"
 
 _ARROWS = {
     Qt.Key.Key_Up: (-1.0, 0.0),
@@ -32,12 +31,12 @@ _MIDDLE_FRACTION = 0.2
 
 
 class Stage(QWidget):
-    """Draws what the session tells and lets the tools work on it."""
+    """Shows the canvas and lets the tools work on it."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
-        self.canvas = Canvas()
+        self.canvas = Canvas(session)
         self.messages = MessageBar(self.canvas)
         self.hint = QLabel(self.canvas)
         self.hint.setObjectName("hint")
@@ -47,27 +46,17 @@ class Stage(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
         layout.addWidget(self.canvas, 1)
-        self.canvas.grip = select = SelectTool(session)
-        tools: tuple[Tool, ...] = (
-            select,
-            CircleTool(session),
-            PointTool(session),
-            *(PathTool(session, kind, self._show_draft) for kind in (STROKE, REGION, BARRIER)),
-        )
+        self.canvas.grip = SelectTool(session)
         self._hint = ""
-        self._tools = {tool.name: tool for tool in tools}
-        self._visible = {"edge_map": False, "field": False}
-        self._drawn: tuple[object, ...] = ()
+        drawing = self.canvas.layers.drawing
+        self._tools: dict[str, Tool] = {
+            entry.name: entry.make(session, drawing, lambda: self.show_hint(self._hint)) for entry in TOOLS
+        }
+        self.canvas.grip = SelectTool(session)
         self.canvas.installEventFilter(self)
-        self.use_tool("circle")
-        session.image_changed.connect(self._show_image)
-        session.document_changed.connect(self._show_drawing)
-        session.status_changed.connect(self._show_drawing)
-        session.snapshot_changed.connect(self._show_snapshot)
-        session.contours_changed.connect(self._show_contours)
-        session.overlays_changed.connect(self._show_overlays)
-        session.sown_changed.connect(self.canvas.drawing.show_sown)
+        self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
+        session.status_changed.connect(lambda: self.show_hint(session.resolved.hint))
 
     def use_tool(self, name: str) -> None:
         """Change the tool; who is about to draw is done with what was selected, whose handles would be in the way."""
@@ -75,21 +64,6 @@ class Stage(QWidget):
         if name != "select":
             self._session.select(None)
         self.show_hint(self._hint)
-
-    def show_layer(self, name: str, shown: bool) -> None:
-        """Show or hide a layer; overlays are asked for only while they are seen."""
-        layers = self.canvas
-        if name in self._visible:
-            self._visible[name] = shown
-            self._session.want_overlays(**self._visible)
-            if not shown:
-                (layers.edge_map if name == "edge_map" else layers.field).show(None)
-        elif name == "particles":
-            layers.particles.set_visible(shown)
-        elif name == "contours":
-            layers.contours.set_visible(shown)
-        else:
-            layers.drawing.set_visible(shown)
 
     def escape(self) -> None:
         """Give up what is being drawn; when nothing is, dismiss the message and select nothing."""
@@ -163,42 +137,8 @@ class Stage(QWidget):
 
     def _grow(self, index: int, by: float) -> None:
         shape = self._session.document.shapes[index]
-        if isinstance(shape, Circle):
-            grown = Circle(shape.center, max(shape.radius + by, SMALLEST_RADIUS))
-            self._session.edit(
-                "resize circle", lambda document: edits.replace_shape(document, index, grown), f"grow {index}"
-            )
-
-    def _show_image(self, _: Image, shades: Shades) -> None:
-        self.canvas.show_image(shades)
-        self.canvas.edge_map.show(None)
-        self.canvas.field.show(None)
-
-    def _show_drawing(self, *_: object) -> None:
-        session = self._session
-        wanted = (session.document.shapes, session.selected, session.status.moved)
-        if wanted != self._drawn:
-            self._drawn = wanted
-            self.canvas.drawing.show(session.document, session.selected, session.status.moved)
-
-    def _show_draft(self) -> None:
-        tool = self.canvas.tool
-        if isinstance(tool, PathTool):
-            self.canvas.drawing.show_draft(tool.corners, tool.path, tool.kind.colour, tool.kind.closed)
-        self.show_hint(self._hint)
-
-    def _show_snapshot(self, snapshot: Snapshot | None) -> None:
-        if snapshot is None:
-            self.canvas.particles.show(np.empty((0, 2)), np.empty(0, dtype=bool))
-        else:
-            self.canvas.particles.show(snapshot.position, snapshot.resting)
-
-    def _show_contours(self, result: Result | None) -> None:
-        self.canvas.contours.show(result.contours if result else (), result.bridges if result else ())
-
-    def _show_overlays(self, overlays: Overlays) -> None:
-        self.canvas.edge_map.show(overlays.edge_map if self._visible["edge_map"] else None)
-        self.canvas.field.show(overlays.field if self._visible["field"] else None)
+        name, grown = f"resize {describe(shape)}", shape.grown(by)
+        self._session.edit(name, lambda document: edits.replace_shape(document, index, grown), f"grow {index}")
 
     def _place_hint(self) -> None:
         self.hint.adjustSize()

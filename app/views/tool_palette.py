@@ -6,22 +6,11 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QSizePolicy, QToolBar, QToolButton
 
-from app.model.resolve import TOOLS
-from app.model.shapes import KINDS
 from app.views.actions import Actions
 from app.views.icons import icon
 from app.views.theme import Theme
-
-_TEXTS = {
-    "select": "Select",
-    "circle": "Circle",
-    "points": "Points",
-    "stroke": "Stroke",
-    "region": "Region",
-    "barrier": "Barrier",
-}
-_GAPS = ("circle", "region")
-"""Tools above which a line is drawn: what selects, what starts and what limits stand together."""
+from app.views.tools import TOOLS, ToolEntry
+from cpm_core.shapes import KINDS
 
 
 class ToolPalette(QToolBar):
@@ -40,10 +29,10 @@ class ToolPalette(QToolBar):
         self.toggleViewAction().setEnabled(False)
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         self.setIconSize(QSize(24, 24))
-        for name in TOOLS:
-            if name in _GAPS:
+        for tool in TOOLS:
+            if tool.gap:
                 self.addSeparator()
-            self._add(actions[name], name)
+            self._add(actions[tool.name], tool)
         self.addSeparator()
         self.starts = self._make_starts([actions[f"start_{kind}"] for kind in KINDS])
         self.addWidget(self.starts)
@@ -52,12 +41,12 @@ class ToolPalette(QToolBar):
         """Tint the button that is no action."""
         self.starts.setIcon(icon("everywhere", theme.text, faded=theme.line))
 
-    def _add(self, action: QAction, name: str) -> None:
-        action.setIconText(_TEXTS[name])
+    def _add(self, action: QAction, tool: ToolEntry) -> None:
+        action.setIconText(tool.short)
         self.addAction(action)
         button = self.widgetForAction(action)
         if isinstance(button, QToolButton):
-            self._dress(button, name)
+            self._dress(button, tool.name)
 
     def _make_starts(self, actions: list[QAction]) -> QToolButton:
         button = QToolButton()

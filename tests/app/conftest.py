@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QSettings, Qt
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
 from app.model import edits
-from app.model.shapes import Circle
 from app.session.session import Session
 from app.views.application import make_application
 from app.views.main_window import MainWindow
+from cpm_core.shapes import Circle
 
 SIDE = 64
 
@@ -101,6 +101,12 @@ def nothing_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
     if isinstance(application, QApplication):
         seen = [widget for widget in application.topLevelWidgets() if widget.isVisible()]
         assert not seen, f"windows left open: {seen}"
+
+
+@pytest.fixture(autouse=True)
+def own_preferences(tmp_path: Path) -> None:
+    """No test reads or writes what the person at this computer prefers."""
+    QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "preferences"))
 
 
 @pytest.fixture

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from app.model import edits
 from app.model.controls import controls, slider_range, value_of
 from app.model.document import Document
-from app.model.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Stroke
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Stroke
 
 coordinates = st.floats(-200, 200, allow_nan=False)
 positions = st.tuples(coordinates, coordinates)
@@ -37,7 +37,9 @@ def test_a_moved_circle_keeps_its_radius_and_a_resized_one_its_center(circle: Ci
     assert isinstance(moved, Circle)
     assert moved.radius == circle.radius
     assert moved.center == (circle.center[0] + by[0], circle.center[1] + by[1])
-    resized = edits.resize_shape(document, 0, (circle.center[0] + 30.0, circle.center[1] + 40.0)).shapes[0]
+    resized = edits.lead_shape(
+        document, 0, circle.handles()[0], (circle.center[0] + 30.0, circle.center[1] + 40.0)
+    ).shapes[0]
     assert isinstance(resized, Circle)
     assert resized.center == circle.center
     assert resized.radius == pytest.approx(50.0)
@@ -50,11 +52,11 @@ def test_the_seeds_are_those_of_every_shape_in_the_order_drawn() -> None:
 
 def test_every_kind_of_start_gives_seeds_and_no_limit_does() -> None:
     line = ((10.0, 10.0), (10.0, 30.0))
-    sown = {"grid": np.array([[1.0, 1.0], [9.0, 9.0]])}
+    sown = {Everywhere("grid"): np.array([[1.0, 1.0], [9.0, 9.0]])}
     document = Document(shapes=(Barrier(line), Stroke(line), Region((*line, (40.0, 30.0))), Everywhere("grid")))
     assert document.starts == (Stroke(line), Everywhere("grid"))
     seeds = document.seeds(sown)
-    assert seeds[-2:].tolist() == sown["grid"].tolist()
+    assert seeds[-2:].tolist() == sown[Everywhere("grid")].tolist()
     stroke = seeds[:-2]
     assert (stroke[:, 0] == 10.0).all()
     assert np.diff(stroke[:, 1]) == pytest.approx(2.0, abs=0.2)
@@ -69,7 +71,7 @@ def test_limits_alone_are_nothing_to_start_from() -> None:
 def test_starting_everywhere_twice_over_is_starting_nowhere(drawn: list[Shape], kind) -> None:
     before = Document(shapes=tuple(drawn))
     once = edits.toggle_everywhere(before, kind)
-    assert once.everywhere == (kind,)
+    assert once.sowable == (Everywhere(kind),)
     assert edits.toggle_everywhere(once, kind) == before
 
 

@@ -8,8 +8,8 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 
 from app.model import edits
 from app.model.document import Document
-from app.model.shapes import Circle
 from app.session.editor import Editor
+from cpm_core.shapes import Circle
 
 
 class EditingMachine(RuleBasedStateMachine):

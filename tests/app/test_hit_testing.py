@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.model.hit_testing import Hit, hit
-from app.model.shapes import Barrier, Circle, Everywhere, Points, Region, Stroke
+from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Region, Stroke
 
 CIRCLE = Circle((50.0, 60.0), 20.0)
 

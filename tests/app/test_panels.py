@@ -10,17 +10,19 @@ from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QLabel, QToolButton
 
 from app.model.controls import controls
-from app.model.resolve import RunStatus, resolve
+from app.model.resolve import resolve
+from app.model.situation import Situation
+from app.model.status import RunStatus
 from app.session.messages import Trace
 from app.views.curves import pieces
 from app.views.help import show_about, show_help
-from app.views.layers import ARROW_SPACING, arrow_lines, arrows
+from app.views.layers.field import ARROW_SPACING, arrow_lines, arrows
 from app.views.panels.plot import PlotPanel
 from cpm_core import PRESETS, Parameters
 
 
 def test_every_parameter_tells_symbol_range_default_and_what_more_of_it_does(window) -> None:
-    rows = window.side.parameters.rows
+    rows = window.panels["parameters"].rows
     assert [row.control for row in rows.values()] == list(controls())
     for name, row in rows.items():
         tip = row.slider.toolTip()
@@ -29,7 +31,7 @@ def test_every_parameter_tells_symbol_range_default_and_what_more_of_it_does(win
 
 
 def test_the_explanation_follows_focus_and_fits_its_place(window, hand) -> None:
-    panel = window.side.parameters
+    panel = window.panels["parameters"]
     panel.advanced.fold.click()
     for row in panel.rows.values():
         row.explained.emit(row.control)
@@ -40,7 +42,7 @@ def test_the_explanation_follows_focus_and_fits_its_place(window, hand) -> None:
 
 @pytest.mark.parametrize("name", ["beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"])
 def test_a_double_click_on_a_slider_and_the_button_bring_the_default_back(window, hand, name) -> None:
-    panel = window.side.parameters
+    panel = window.panels["parameters"]
     panel.advanced.fold.click()
     row = panel.rows[name]
     hand.wait(lambda: row._restore.height() > 8)
@@ -58,7 +60,7 @@ def test_a_double_click_on_a_slider_and_the_button_bring_the_default_back(window
 
 
 def test_smoothing_can_be_left_to_the_program_and_taken_back(window, hand) -> None:
-    row = window.side.parameters.rows["smoothing"]
+    row = window.panels["parameters"].rows["smoothing"]
     row._automatic.click()
     assert window.session.document.parameters.smoothing == "auto"
     assert not row.slider.isEnabled()
@@ -68,19 +70,19 @@ def test_smoothing_can_be_left_to_the_program_and_taken_back(window, hand) -> No
 
 
 def test_a_preset_sets_all_parameters_and_own_settings_show_as_none(window, hand) -> None:
-    presets = window.side.parameters.presets
+    presets = window.panels["parameters"].presets
     assert presets.currentIndex() == 0
     presets.setFocus()
     hand.qtbot.keyClick(presets, Qt.Key.Key_Down)
     hand.qtbot.keyClick(presets, Qt.Key.Key_Return)
     presets.activated.emit(1)
     assert window.session.document.parameters == PRESETS["automatic"]
-    window.side.parameters.rows["beta"].slider.setValue(3)
+    window.panels["parameters"].rows["beta"].slider.setValue(3)
     assert presets.currentIndex() == -1
 
 
 def test_layers_are_switched_from_panel_menu_and_key_alike(window, hand) -> None:
-    box, action = window.side.layers.boxes["particles"], window.actions_by_name["layer_particles"]
+    box, action = window.panels["layers"].boxes["particles"], window.actions_by_name["layer_particles"]
     box.click()
     assert not action.isChecked()
     hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.ControlModifier)
@@ -93,7 +95,7 @@ def test_layers_are_switched_from_panel_menu_and_key_alike(window, hand) -> None
 def test_no_label_is_cut_off(window, hand, size, advanced) -> None:
     window.resize(*size)
     if advanced:
-        window.side.parameters.advanced.fold.click()
+        window.panels["parameters"].advanced.fold.click()
     hand.wait(lambda: (window.width(), window.height()) == size)
     for label in window.findChildren(QLabel):
         if label.isVisible() and label.text() and not label.wordWrap():
@@ -101,7 +103,7 @@ def test_no_label_is_cut_off(window, hand, size, advanced) -> None:
     for button in window.findChildren(QToolButton):
         if button.isVisible() and button.text() and button.toolButtonStyle() != Qt.ToolButtonStyle.ToolButtonIconOnly:
             assert button.width() >= button.sizeHint().width(), button.text()
-    column = window.side
+    column = window.panels["run"]
     for child in column.findChildren(QLabel):
         if child.isVisible() and child.visibleRegion().boundingRect().isValid():
             right = child.mapTo(column, QPoint(child.width(), 0)).x()
@@ -113,14 +115,14 @@ def test_the_figures_of_a_large_run_fit_their_places(window, hand) -> None:
         "running", step=123_456, count=98_765, scale=2, epsilon=0.0123, steps_per_second=1234.0, closed=123, open=456,
         bridges=23, longest_bridge=104.6,
     )  # fmt: skip
-    panel = window.side.status
-    panel.show_resolved(resolve(window.session.document, status), "60")
+    panel = window.panels["run"].status
+    panel.show_resolved(resolve(Situation(window.session.document, status)), "60")
     assert panel.value("Bridged") == "23 gaps, longest 104.6 px"
-    hand.wait(lambda: window.side.isVisible() and not window.side.layout().activate())
+    hand.wait(lambda: panel.isVisible() and not panel.layout().activate())
     for label in panel.findChildren(QLabel):
         if not label.wordWrap():
             assert label.width() >= label.fontMetrics().horizontalAdvance(label.text()), label.text()
-            assert label.mapTo(window.side, QPoint(label.width(), 0)).x() <= window.side.width(), label.text()
+            assert label.mapTo(panel, QPoint(label.width(), 0)).x() <= panel.width(), label.text()
 
 
 def test_the_plot_draws_whatever_a_run_can_give(qtbot) -> None:
@@ -166,7 +168,7 @@ def test_light_and_dark_are_both_to_be_had(window) -> None:
 
 
 def test_help_names_every_key_and_about_names_the_paper(window, qtbot) -> None:
-    helped = show_help(window)
+    helped = show_help(window, window.actions_by_name.entries)
     about = show_about(window)
     assert "charged particles" in about.text()
     about.close()

@@ -10,7 +10,7 @@ from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
 from app.views import theme
-from app.views.particle_layer import Discs
+from app.views.discs import Discs
 
 HEIGHT, WIDTH = 120, 200
 LARGEST = 6.0

@@ -10,9 +10,9 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
-from app.model import paths
-from app.model.shapes import Barrier, Region, Stroke
-from cpm_core import Regions
+from app.views.parts.running import RunningPart
+from cpm_core import Regions, paths
+from cpm_core.shapes import Barrier, Region, Stroke
 
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
@@ -204,8 +204,8 @@ def test_a_limit_drawn_during_a_run_is_said_and_acts_from_the_next_start_on(read
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
     assert session.generation > generation
-    assert len(ready._snapshot.position) > 10
-    assert ready._snapshot.position[:, 0].max() < 40.0 + PIXEL
+    assert len(ready.part(RunningPart)._snapshot.position) > 10
+    assert ready.part(RunningPart)._snapshot.position[:, 0].max() < 40.0 + PIXEL
 
 
 def test_a_region_beside_the_image_is_refused_in_a_sentence(ready, hand) -> None:

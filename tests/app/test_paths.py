@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model import paths
+from cpm_core import paths
 
 coordinates = st.integers(-50, 50).map(float)
 positions = st.tuples(coordinates, coordinates)

@@ -6,53 +6,62 @@ import pytest
 
 from app.model import edits
 from app.model.document import Document, ImageReference
-from app.model.resolve import RunStatus, resolve
-from app.model.shapes import Barrier, Circle
+from app.model.resolve import resolve
+from app.model.situation import Situation, can_redo, can_step, can_undo, has_image, is_started
+from app.model.status import RunStatus
+from cpm_core.shapes import Barrier, Circle
 
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
 DRAWN = Document(IMAGE, (Circle((32.0, 32.0), 10.0),))
 
 
 def test_without_an_image_nothing_can_be_run_and_the_hint_says_how_to_open_one() -> None:
-    shown = resolve(Document(), RunStatus())
-    assert not {"run", "step", "reset", "export", "circle"} & shown.enabled
-    assert "Open an image" in shown.hint
+    empty = Situation()
+    assert not any(holds(empty) for holds in (has_image, can_step, is_started))
+    assert "Open an image" in resolve(empty).hint
 
 
 @pytest.mark.parametrize(
-    ("status", "text", "enabled", "disabled"),
+    ("status", "text", "steps", "started"),
     [
-        (RunStatus("ready"), "Run", {"run", "step"}, {"reset", "export"}),
-        (RunStatus("running"), "Pause", {"run", "reset", "export"}, {"step"}),
-        (RunStatus("paused"), "Resume", {"run", "step", "reset", "export"}, set()),
-        (RunStatus("paused", stale=True), "Run anew", {"run", "step", "reset", "export"}, set()),
-        (RunStatus("finished", stop_reason="at rest"), "Run anew", {"run", "reset", "export"}, {"step"}),
-        (RunStatus("finished", stop_reason="at rest", steered=True), "Resume", {"run", "step", "reset"}, set()),
-        (RunStatus("finished", stop_reason="at rest", steered=True, stale=True), "Run anew", {"run", "step"}, set()),
+        (RunStatus("ready"), "Run", True, False),
+        (RunStatus("running"), "Pause", False, True),
+        (RunStatus("paused"), "Resume", True, True),
+        (RunStatus("paused", stale=True), "Run anew", True, True),
+        (RunStatus("finished", stop_reason="at rest"), "Run anew", False, True),
+        (RunStatus("finished", stop_reason="at rest", steered=True), "Resume", True, True),
+        (RunStatus("finished", stop_reason="at rest", steered=True, stale=True), "Run anew", True, True),
     ],
 )
-def test_run_is_worded_by_what_it_will_do(status: RunStatus, text: str, enabled: set[str], disabled: set[str]) -> None:
-    shown = resolve(DRAWN, status)
-    assert shown.run_text == text
-    assert enabled <= shown.enabled
-    assert not disabled & shown.enabled
+def test_run_is_worded_by_what_it_will_do(status: RunStatus, text: str, steps: bool, started: bool) -> None:
+    situation = Situation(DRAWN, status)
+    assert resolve(situation).run_text == text
+    assert has_image(situation)
+    assert (can_step(situation), is_started(situation)) == (steps, started)
 
 
 def test_a_run_that_is_out_of_date_says_what_makes_it_new() -> None:
-    assert "Reset" in resolve(DRAWN, RunStatus("running", stale=True)).hint
-    assert "Run starts anew" in resolve(DRAWN, RunStatus("paused", stale=True)).hint
-    assert resolve(DRAWN, RunStatus("running")).hint == ""
+    assert "Reset" in resolve(Situation(DRAWN, RunStatus("running", stale=True))).hint
+    assert "Run starts anew" in resolve(Situation(DRAWN, RunStatus("paused", stale=True))).hint
+    assert resolve(Situation(DRAWN, RunStatus("running"))).hint == ""
 
 
 def test_the_reason_for_stopping_is_said_and_whether_it_is_an_end_at_rest() -> None:
-    assert resolve(DRAWN, RunStatus("finished", stop_reason="at rest", converged=True)).state == "Done – at rest."
-    assert resolve(DRAWN, RunStatus("finished", stop_reason="lost")).state == "Stopped – lost."
+    assert (
+        resolve(Situation(DRAWN, RunStatus("finished", stop_reason="at rest", converged=True))).state
+        == "Done – at rest."
+    )
+    assert resolve(Situation(DRAWN, RunStatus("finished", stop_reason="lost"))).state == "Stopped – lost."
 
 
 def test_undo_and_redo_are_named_after_what_they_do() -> None:
-    shown = resolve(DRAWN, RunStatus("ready"), undo_name="draw circle", redo_name="move circle")
+    situation = Situation(DRAWN, RunStatus("ready"), undo_name="draw circle", redo_name="move circle")
+    shown = resolve(situation)
     assert (shown.undo_text, shown.redo_text) == ("Undo draw circle", "Redo move circle")
-    assert {"undo", "redo"} <= shown.enabled
+    assert can_undo(situation)
+    assert can_redo(situation)
+    assert not can_undo(Situation(DRAWN))
+    assert not can_redo(Situation(DRAWN))
 
 
 def test_the_recipe_changes_with_the_drawing_and_the_scales_but_not_with_live_parameters() -> None:
@@ -63,16 +72,10 @@ def test_the_recipe_changes_with_the_drawing_and_the_scales_but_not_with_live_pa
 
 def test_limits_alone_are_no_drawing_to_start_from() -> None:
     document = Document(IMAGE, (Barrier(((1.0, 2.0), (3.0, 4.0))),))
-    shown = resolve(document, RunStatus("ready"))
+    shown = resolve(Situation(document, RunStatus("ready")))
     assert shown.state == "Nothing to start from yet"
     assert "where particles start" in shown.hint
     assert document.recipe != Document(IMAGE).recipe
-
-
-def test_a_start_everywhere_is_checked_for_as_long_as_the_document_has_it() -> None:
-    once = edits.toggle_everywhere(Document(IMAGE), "edges")
-    assert resolve(once, RunStatus("ready")).checked == {"start_edges"}
-    assert resolve(edits.toggle_everywhere(once, "edges"), RunStatus("ready")).checked == frozenset()
 
 
 @pytest.mark.parametrize(
@@ -85,4 +88,4 @@ def test_a_start_everywhere_is_checked_for_as_long_as_the_document_has_it() -> N
     ],
 )
 def test_bridged_gaps_are_counted_and_the_longest_is_told(status: RunStatus, said: str) -> None:
-    assert {label: value for label, value, _ in resolve(DRAWN, status).numbers}["Bridged"] == said
+    assert {label: value for label, value, _ in resolve(Situation(DRAWN, status)).numbers}["Bridged"] == said

@@ -12,9 +12,10 @@ from PySide6.QtGui import QImage
 
 from app.model import edits
 from app.model.shades import of_edge_map
-from app.model.shapes import Circle
+from app.views.parts.running import RunningPart
 from cpm_core import Engine, Parameters
 from cpm_core.initialization import circle
+from cpm_core.shapes import Circle
 
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
@@ -26,10 +27,10 @@ def test_space_runs_to_rest_and_shows_one_closed_contour_around_the_disc(ready, 
     assert ready.actions_by_name["run"].text() == "Pause"
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle)
-    assert hand.canvas.contours.counts == (1, 0)
-    assert ready.side.status.state.startswith("Done")
-    assert ready.side.status.value("Contours") == "1 closed, 0 open"
-    assert hand.canvas.particles.count == int(ready.side.status.value("Particles").replace(",", ""))
+    assert hand.canvas.layers.contours.counts == (1, 0)
+    assert ready.panels["run"].status.state.startswith("Done")
+    assert ready.panels["run"].status.value("Contours") == "1 closed, 0 open"
+    assert hand.canvas.layers.particles.count == int(ready.panels["run"].status.value("Particles").replace(",", ""))
 
 
 def test_nothing_is_looked_at_while_nothing_goes_on(ready, hand) -> None:
@@ -43,18 +44,18 @@ def test_nothing_is_looked_at_while_nothing_goes_on(ready, hand) -> None:
 def test_the_particles_drawn_are_shown_until_those_of_the_run_take_their_place(ready, hand, monkeypatch) -> None:
     held, begin = threading.Event(), Engine.start
     monkeypatch.setattr(Engine, "start", lambda engine, seeds: held.wait(hand.patience / 1000) and begin(engine, seeds))
-    drawn = hand.canvas.drawing._seeds.count
+    drawn = hand.canvas.layers.drawing._seeds.count
     assert drawn > 0
     hand.key(KEY.Key_Period)
     try:
         assert ready.session.status.started
-        assert (hand.canvas.drawing._seeds.count, hand.canvas.particles.count) == (drawn, 0)
-        assert ready.side.status.value("Particles") == "–"
+        assert (hand.canvas.layers.drawing._seeds.count, hand.canvas.layers.particles.count) == (drawn, 0)
+        assert ready.panels["run"].status.value("Particles") == "–"
     finally:
         held.set()
     hand.wait(lambda: ready.session.status.step == 1)
-    assert hand.canvas.drawing._seeds.count == 0
-    assert hand.canvas.particles.count > 0
+    assert hand.canvas.layers.drawing._seeds.count == 0
+    assert hand.canvas.layers.particles.count > 0
 
 
 def test_pause_holds_the_particles_and_run_goes_on_from_them(ready, hand) -> None:
@@ -80,28 +81,28 @@ def test_single_steps_are_counted_one_by_one_and_none_is_lost(ready, hand) -> No
     hand.wait(lambda: ready.session.idle)
     assert ready.session.status.step == 7
     assert ready.session.status.phase == "paused"
-    assert len(ready._snapshot.trace.step) == 7
+    assert len(ready.part(RunningPart)._snapshot.trace.step) == 7
 
 
 def test_single_steps_are_the_engines_own(ready, hand) -> None:
-    values = ready._image
+    values = ready.pointer_readout._image
     engine, state = Engine(values, Parameters()), None
     state = engine.start(circle((32.0, 32.0), 10.0))
     for _ in range(5):
         hand.key(KEY.Key_Period)
         state = engine.step(state, Parameters())
     hand.wait(lambda: ready.session.idle)
-    np.testing.assert_array_equal(ready._snapshot.position, state.position)
+    np.testing.assert_array_equal(ready.part(RunningPart)._snapshot.position, state.position)
 
 
 def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -> None:
-    engine = Engine(ready._image, Parameters())
+    engine = Engine(ready.pointer_readout._image, Parameters())
     state = engine.start(circle((32.0, 32.0), 10.0))
     hand.key(KEY.Key_Period)
     hand.wait(lambda: ready.session.idle)
     generation = ready.session.generation
     state = engine.step(state, Parameters())
-    slider = ready.side.parameters.rows["beta"].slider
+    slider = ready.panels["parameters"].rows["beta"].slider
     hand.qtbot.keyClick(slider, KEY.Key_PageUp)
     changed = ready.session.document.parameters
     assert changed.beta > Parameters().beta
@@ -110,7 +111,7 @@ def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -
     state = engine.step(state, changed)
     hand.wait(lambda: ready.session.idle)
     assert ready.session.generation == generation
-    np.testing.assert_array_equal(ready._snapshot.position, state.position)
+    np.testing.assert_array_equal(ready.part(RunningPart)._snapshot.position, state.position)
 
 
 def test_reset_leaves_the_drawing_and_nothing_of_the_run(ready, hand) -> None:
@@ -118,10 +119,10 @@ def test_reset_leaves_the_drawing_and_nothing_of_the_run(ready, hand) -> None:
     hand.wait(lambda: ready.session.status.step > 3)
     hand.key(KEY.Key_R)
     assert ready.session.status.phase == "ready"
-    assert hand.canvas.particles.count == 0
+    assert hand.canvas.layers.particles.count == 0
     hand.wait(lambda: ready.session.idle)
-    assert hand.canvas.particles.count == 0
-    assert hand.canvas.contours.counts == (0, 0)
+    assert hand.canvas.layers.particles.count == 0
+    assert hand.canvas.layers.contours.counts == (0, 0)
     assert ready.session.document.shapes == (Circle((32.0, 32.0), 10.0),)
 
 
@@ -165,14 +166,14 @@ def test_contours_at_rest_follow_what_chooses_them_without_a_step(ready, hand) -
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
     step = session.status.step
-    assert hand.canvas.contours.counts == (1, 0)
-    slider = ready.side.parameters.rows["min_length"].slider
+    assert hand.canvas.layers.contours.counts == (1, 0)
+    slider = ready.panels["parameters"].rows["min_length"].slider
     slider.setFocus()
     hand.qtbot.keyClick(slider, KEY.Key_End)
-    hand.wait(lambda: hand.canvas.contours.counts == (0, 0))
-    assert ready.side.status.value("Contours") == "0 closed, 0 open"
+    hand.wait(lambda: hand.canvas.layers.contours.counts == (0, 0))
+    assert ready.panels["run"].status.value("Contours") == "0 closed, 0 open"
     hand.qtbot.keyClick(slider, KEY.Key_Home)
-    hand.wait(lambda: hand.canvas.contours.counts == (1, 0))
+    hand.wait(lambda: hand.canvas.layers.contours.counts == (1, 0))
     hand.wait(lambda: session.idle)
     assert (session.status.step, session.status.phase) == (step, "finished")
     assert ready.actions_by_name["run"].text() == "Run anew"
@@ -190,17 +191,17 @@ def test_a_wider_gap_bridges_at_rest_and_is_shown_and_told(window, hand, tmp_pat
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
     step = session.status.step
-    assert (canvas.contours.counts, canvas.contours.bridged) == ((0, 1), 0)
-    assert window.side.status.value("Bridged") == "no gap"
+    assert (canvas.layers.contours.counts, canvas.layers.contours.bridged) == ((0, 1), 0)
+    assert window.panels["run"].status.value("Bridged") == "no gap"
     (contour,) = session._runner._run.result().contours
     gap = float(np.linalg.norm(contour.points[0] - contour.points[-1]))
     assert gap > 5.0
-    slider = window.side.parameters.rows["max_gap"].slider
+    slider = window.panels["parameters"].rows["max_gap"].slider
     slider.setFocus()
     hand.qtbot.keyClick(slider, KEY.Key_End)
-    hand.wait(lambda: canvas.contours.bridged == 1)
-    assert canvas.contours.counts == (1, 0)
-    told = re.fullmatch(r"1 gap of ([\d.]+) px", window.side.status.value("Bridged"))
+    hand.wait(lambda: canvas.layers.contours.bridged == 1)
+    assert canvas.layers.contours.counts == (1, 0)
+    told = re.fullmatch(r"1 gap of ([\d.]+) px", window.panels["run"].status.value("Bridged"))
     assert told is not None
     assert float(told[1]) == pytest.approx(gap, abs=2.0)
     assert (session.status.step, session.status.phase) == (step, "finished")
@@ -253,7 +254,7 @@ def test_opening_another_image_while_running_lets_nothing_late_land_on_it(ready,
     assert ready.session.status.phase == "ready"
     assert ready.session.document.shapes == ()
     assert [snapshot for snapshot in seen if snapshot is not None] == []
-    assert hand.canvas.particles.count == 0
+    assert hand.canvas.layers.particles.count == 0
 
 
 def test_closing_while_running_ends_both_threads(ready, hand) -> None:
@@ -270,33 +271,35 @@ def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand) -> 
     window.session.overlays_changed.connect(seen.append)
     hand.key(KEY.Key_4, CONTROL)
     hand.wait(lambda: len(seen) == 1)
-    engine = Engine(window._image, Parameters())
-    np.testing.assert_array_equal(seen[0].edge_map, of_edge_map(engine.edge_map(Parameters())))
-    assert seen[0].field is None
+    engine = Engine(window.pointer_readout._image, Parameters())
+    np.testing.assert_array_equal(seen[0].arrays.get("edge_map"), of_edge_map(engine.edge_map(Parameters())))
+    assert seen[0].arrays.get("field") is None
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
     hand.wait(lambda: len(seen) == 2)
-    np.testing.assert_array_equal(seen[1].edge_map, of_edge_map(engine.edge_map(Parameters(smoothing=2.0))))
-    window.side.layers.boxes["field"].click()
+    np.testing.assert_array_equal(
+        seen[1].arrays.get("edge_map"), of_edge_map(engine.edge_map(Parameters(smoothing=2.0)))
+    )
+    window.panels["layers"].boxes["field"].click()
     hand.wait(lambda: len(seen) == 3)
-    np.testing.assert_array_equal(seen[2].field, engine.field(Parameters(smoothing=2.0)))
+    np.testing.assert_array_equal(seen[2].arrays.get("field"), engine.field(Parameters(smoothing=2.0)))
     window.session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.0))
     hand.wait(lambda: window.session.idle)
     assert len(seen) == 3
 
 
 def test_the_speed_control_offers_full_speed_and_limits_the_engine(ready, hand) -> None:
-    slider = ready.speed.slider
-    assert ready.speed._label.text() == "60 steps/s"
+    slider = ready.part(RunningPart).speed.slider
+    assert ready.part(RunningPart).speed._label.text() == "60 steps/s"
     slider.setValue(slider.maximum())
-    assert ready.speed._label.text() == "full speed"
+    assert ready.part(RunningPart).speed._label.text() == "full speed"
     hand.key(KEY.Key_BracketLeft)
-    assert ready.speed._label.text() == "120 steps/s"
+    assert ready.part(RunningPart).speed._label.text() == "120 steps/s"
 
 
 @pytest.mark.parametrize("name", ["beta", "ratio", "annealing"])
 def test_a_slider_drag_is_one_step_of_undo(window, hand, name) -> None:
     before = window.session.document.parameters
-    slider = window.side.parameters.rows[name].slider
+    slider = window.panels["parameters"].rows[name].slider
     slider.setFocus()
     for key in (KEY.Key_PageDown, KEY.Key_Left, KEY.Key_Left):
         hand.qtbot.keyClick(slider, key)

@@ -7,8 +7,8 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model import edits
-from app.model.shapes import KINDS, Everywhere, Region
 from cpm_core import divergence_centers, gradient_threshold, uniform_grid
+from cpm_core.shapes import KINDS, Everywhere, Region
 
 KEY = Qt.Key
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
@@ -44,12 +44,12 @@ def test_a_key_starts_everywhere_and_the_same_key_ends_it_each_a_step_of_undo(wi
     assert window.session.document.shapes == (Everywhere(kind),)
     assert action.isChecked()
     hand.wait(lambda: bool(seen))
-    np.testing.assert_array_equal(seen[-1][kind], expected(kind, window._image.values))
-    assert hand.canvas.drawing.everywhere == len(seen[-1][kind])
+    np.testing.assert_array_equal(seen[-1][Everywhere(kind)], expected(kind, window.pointer_readout._image.values))
+    assert hand.canvas.layers.drawing.everywhere == len(seen[-1][Everywhere(kind)])
     hand.key(*KEYS[kind])
     assert window.session.document.shapes == ()
     assert not action.isChecked()
-    assert hand.canvas.drawing.everywhere == 0
+    assert hand.canvas.layers.drawing.everywhere == 0
     hand.key(KEY.Key_Z, CONTROL)
     assert window.session.document.shapes == (Everywhere(kind),)
     assert action.isChecked()
@@ -66,7 +66,7 @@ def test_a_run_begins_with_the_particles_that_were_shown(window, hand, seen, kin
     window.session.snapshot_changed.connect(lambda snapshot: first.append(snapshot.position) if snapshot else None)
     window.session._start_if_needed()
     hand.wait(lambda: bool(first))
-    shown = seen[-1][kind]
+    shown = seen[-1][Everywhere(kind)]
     assert len(shown) > 0
     np.testing.assert_array_equal(np.unique(first[0], axis=0), np.unique(shown, axis=0))
 
@@ -79,23 +79,23 @@ def test_it_is_selected_in_turn_and_deleted_like_any_shape(ready, hand) -> None:
     assert "takes back" in ready.stage.hint.text()
     hand.key(KEY.Key_Up)
     hand.key(KEY.Key_Delete)
-    assert not ready.session.document.everywhere
+    assert not ready.session.document.sowable
     assert not ready.actions_by_name["start_grid"].isChecked()
-    assert hand.canvas.drawing.everywhere == 0
+    assert hand.canvas.layers.drawing.everywhere == 0
 
 
 def test_a_region_of_interest_keeps_them_and_the_smoothing_moves_them(window, hand, seen) -> None:
     hand.key(*KEYS["edges"])
     hand.wait(lambda: bool(seen))
-    everywhere = seen[-1]["edges"]
+    everywhere = seen[-1][Everywhere("edges")]
     region = Region(((0.0, 0.0), (0.0, 63.0), (31.5, 63.0), (31.5, 0.0)))
     window.session.edit("region", lambda document: edits.add_shape(document, region))
     hand.wait(lambda: len(seen) == 2)
-    np.testing.assert_array_equal(seen[-1]["edges"], everywhere[everywhere[:, 0] < 31.5])
+    np.testing.assert_array_equal(seen[-1][Everywhere("edges")], everywhere[everywhere[:, 0] < 31.5])
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 3.0))
     hand.wait(lambda: len(seen) == 3)
-    wider = gradient_threshold(window._image.values, smoothing=3.0)
-    np.testing.assert_array_equal(seen[-1]["edges"], wider[wider[:, 0] < 31.5])
+    wider = gradient_threshold(window.pointer_readout._image.values, smoothing=3.0)
+    np.testing.assert_array_equal(seen[-1][Everywhere("edges")], wider[wider[:, 0] < 31.5])
     window.session.edit("damping", lambda document: edits.set_parameter(document, "beta", 1.0))
     hand.wait(lambda: window.session.idle)
     assert len(seen) == 3
@@ -107,9 +107,9 @@ def test_the_window_says_that_it_is_looking_for_places_and_what_went_wrong(windo
 
     monkeypatch.setattr("app.session.run.Sower.sow", fail)
     hand.key(*KEYS["centers"])
-    assert window.side.status.state.startswith("Looking for places")
+    assert window.panels["run"].status.state.startswith("Looking for places")
     hand.wait(lambda: window.session.idle)
-    assert window.side.status.state == "Ready"
+    assert window.panels["run"].status.state == "Ready"
     assert "out of places" in window.stage.messages.text
     assert "out of places" in caplog.text
 
@@ -120,7 +120,7 @@ def test_places_found_late_do_not_land_on_another_image(window, hand, seen, tmp_
     hand.key(*KEYS["grid"])
     window.session.open(other)
     hand.wait(lambda: window.session.document.image.name == "other.npy" and window.session.idle)
-    assert hand.canvas.drawing.everywhere == 0
+    assert hand.canvas.layers.drawing.everywhere == 0
     hand.key(*KEYS["grid"])
     hand.wait(lambda: window.session.idle)
-    assert hand.canvas.drawing.everywhere == len(uniform_grid((40, 50)))
+    assert hand.canvas.layers.drawing.everywhere == len(uniform_grid((40, 50)))

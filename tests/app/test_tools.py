@@ -7,7 +7,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
-from app.model.shapes import Circle, Points
+from cpm_core.shapes import Circle, Points
 
 KEY = Qt.Key
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
@@ -138,9 +138,9 @@ def test_a_drag_with_another_button_pans_by_what_the_pointer_moves(window, hand,
 
 def test_the_status_bar_tells_position_and_grey_value_under_the_pointer(window, hand) -> None:
     hand.move(32, 32)
-    assert window._pointer.text() == "row 32, col 32:  200"
+    assert window.pointer_readout.text() == "row 32, col 32:  200"
     hand.move(3, 60)
-    assert window._pointer.text() == "row 3, col 60:  20"
+    assert window.pointer_readout.text() == "row 3, col 60:  20"
 
 
 def test_canvas_positions_and_points_are_each_others_inverse(hand) -> None:

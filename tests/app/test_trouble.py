@@ -11,7 +11,7 @@ from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 
 from app.model import edits
-from app.model.shapes import Circle
+from cpm_core.shapes import Circle
 
 KEY = Qt.Key
 
@@ -112,9 +112,9 @@ def test_a_circle_wholly_outside_is_told_and_can_be_put_right(window, hand) -> N
 
 
 def test_a_refused_parameter_is_told_and_the_old_value_is_shown_again(window) -> None:
-    window.side.parameters._change("scales", 0)
+    window.panels["parameters"]._change("scales", 0)
     assert "scales" in window.stage.messages.text.lower()
-    assert window.side.parameters.rows["scales"].number.value() == window.session.document.parameters.scales
+    assert window.panels["parameters"].rows["scales"].number.value() == window.session.document.parameters.scales
 
 
 def test_more_scales_than_the_image_has_room_for_are_told_at_the_start(ready, hand) -> None:

@@ -14,30 +14,15 @@ import pytest
 
 from app.model import edits
 from app.model.document import Document
-from app.model.shapes import Barrier, Points, Region
+from app.session.commands import Discard, Go, Halt, Open, SetPace, SetParameters, Sow, Start, WarmUp
 from app.session.core import Core
 from app.session.mailbox import Mailbox
-from app.session.messages import (
-    Discard,
-    Failed,
-    Go,
-    Halt,
-    NotOpened,
-    Open,
-    Opened,
-    SetPace,
-    SetParameters,
-    Snapshot,
-    Sow,
-    Sowing,
-    Start,
-    Trouble,
-    WarmUp,
-)
+from app.session.messages import Failed, NotOpened, Opened, Snapshot, Sowing, Trouble
 from app.session.pacer import Pacer
 from app.session.runner import Runner
 from app.session.trace import Recorder
 from cpm_core import Image, Parameters, Regions, uniform_grid
+from cpm_core.shapes import Barrier, Everywhere, Points, Region
 
 DOCUMENT = Document(shapes=(Points(((5.0, 5.0), (6.0, 6.0))),))
 
@@ -184,7 +169,7 @@ def test_commands_are_obeyed_in_order_and_none_is_lost(bench: Bench) -> None:
     assert snapshot is not None
     seen = engine.states[-1].betas
     assert list(seen) == sorted(seen)
-    assert snapshot.step == len(seen)
+    assert snapshot.state.step == len(seen)
     assert set(seen) <= set(betas)
 
 
@@ -201,7 +186,7 @@ def test_parameters_sent_between_steps_act_at_exactly_the_next_one(bench: Bench)
 def test_the_newest_snapshot_wins_and_carries_the_whole_trace(bench: Bench) -> None:
     _, snapshot = bench.run_to_the_end(2500)
     assert snapshot is not None
-    assert (snapshot.step, snapshot.stop_reason, snapshot.generation) == (2500, "far enough", 2)
+    assert (snapshot.state.step, snapshot.state.stop_reason, snapshot.generation) == (2500, "far enough", 2)
     np.testing.assert_array_equal(snapshot.trace.step, np.arange(1, 2501))
 
 
@@ -276,7 +261,7 @@ def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(ben
     bench.settle()
     (sowing,) = [report for report in bench.reports if isinstance(report, Sowing)]
     assert sowing.generation == 1
-    np.testing.assert_array_equal(sowing.sown["grid"], uniform_grid((64, 64)))
+    np.testing.assert_array_equal(sowing.sown[Everywhere("grid")], uniform_grid((64, 64)))
 
 
 def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_run_starts(bench: Bench) -> None:
@@ -289,7 +274,7 @@ def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_r
     (sowing,) = [report for report in bench.reports if isinstance(report, Sowing)]
     grid = uniform_grid((64, 64))
     inside = (grid[:, 0] > 10) & (grid[:, 0] < 30) & (grid[:, 1] > 10) & (grid[:, 1] < 40)
-    np.testing.assert_array_equal(sowing.sown["grid"], grid[inside])
+    np.testing.assert_array_equal(sowing.sown[Everywhere("grid")], grid[inside])
     np.testing.assert_array_equal(bench.engines[-1].seeds, grid[inside])
 
 
@@ -307,7 +292,7 @@ def test_an_engine_that_fails_is_reported_in_a_sentence_and_the_worker_lives(ben
     bench.runner.post(Go(2, steps=2))
     snapshot = bench.settle()
     assert snapshot is not None
-    assert snapshot.step == 2
+    assert snapshot.state.step == 2
 
 
 def test_a_start_without_an_image_or_a_drawing_is_refused_in_words(bench: Bench) -> None:
@@ -411,4 +396,4 @@ def test_the_pace_can_be_changed_while_a_slow_step_is_waited_for(bench: Bench) -
     bench.runner.post(SetPace(None))
     snapshot = bench.settle()
     assert snapshot is not None
-    assert snapshot.step == 50
+    assert snapshot.state.step == 50

@@ -25,8 +25,8 @@ from PySide6.QtWidgets import QWidget
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from app.model import edits
-from app.model.shapes import Points
 from app.session.core import Core
+from app.session.messages import Snapshot
 from app.session.session import FRAME, Session
 from app.views.application import make_application
 from app.views.main_window import MainWindow
@@ -34,6 +34,7 @@ from cpm_core.engine import Engine
 from cpm_core.initialization import uniform_grid
 from cpm_core.particles import Particles
 from cpm_core.result import Result
+from cpm_core.shapes import Points
 
 SIDE = 700
 SPACING = 12.5
@@ -54,6 +55,12 @@ class Times:
     obeyed: list[float] = field(default_factory=list)
     counts: list[int] = field(default_factory=list)
     steps: list[int] = field(default_factory=list)
+
+    def note(self, snapshot: Snapshot | None) -> None:
+        """Keep count and step of what is drawn."""
+        if snapshot is not None:
+            self.counts.append(len(snapshot.position))
+            self.steps.append(snapshot.state.step)
 
 
 class PaintClock(QObject):
@@ -156,9 +163,11 @@ def measure(seconds: float, count: int | None = None) -> Times:
     wait(application, lambda: session.status.step > 0, 60)
     window.stage.canvas.viewport().installEventFilter(clock)
     session.document_changed.connect(lambda _: times.obeyed.append(time.perf_counter()))
-    session.snapshot_changed.connect(lambda s: s and (times.counts.append(len(s.position)), times.steps.append(s.step)))
+    session.snapshot_changed.connect(
+        lambda s: s and (times.counts.append(len(s.position)), times.steps.append(s.state.step))
+    )
     end = threading.Event()
-    keys = threading.Thread(target=press_keys, args=(window.side.parameters.rows["beta"].slider, times, end))
+    keys = threading.Thread(target=press_keys, args=(window.panels["parameters"].rows["beta"].slider, times, end))
     keys.start()
     # The engine may take fewer steps a second than there are frames; every frame is drawn all the same, as at worst.
     frame = QTimer()

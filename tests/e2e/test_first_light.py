@@ -33,12 +33,12 @@ def window(qtbot) -> Iterator[MainWindow]:
 def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbot, tmp_path, monkeypatch) -> None:
     session = window.session
     assert session.document.image.name == "u_shape.png"
-    assert window.side.status.state == "Ready"
-    values = window._image.values
+    assert window.panels["run"].status.state == "Ready"
+    values = window.pointer_readout._image.values
     qtbot.keyClick(window.stage.canvas, Qt.Key.Key_Space)
     qtbot.waitUntil(lambda: session.status.phase == "finished", timeout=PATIENCE)
     qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
-    assert window.stage.canvas.contours.counts == (1, 0)
+    assert window.stage.canvas.layers.contours.counts == (1, 0)
     for suffix in (".svg", ".csv", ".png"):
         path = tmp_path / f"u{suffix}"
         monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=path: (str(path), ""))
@@ -63,8 +63,8 @@ def test_what_is_seen_changes_as_the_particles_move(window, qtbot) -> None:
     point = canvas.point((row, col)).toPoint()
     ratio = canvas.devicePixelRatioF()
     shown = canvas.grab().toImage().pixelColor(QPoint(point) * ratio)
-    value = window._image.values[round(row), round(col)]
-    low, high = window._image.values.min(), window._image.values.max()
+    value = window.pointer_readout._image.values[round(row), round(col)]
+    low, high = window.pointer_readout._image.values.min(), window.pointer_readout._image.values.max()
     assert shown.value() == pytest.approx(255 * (value - low) / (high - low), abs=2)
 
 
@@ -88,7 +88,7 @@ def test_no_particle_crosses_a_barrier_drawn_by_hand(window, qtbot) -> None:
     # Without the barrier the U is followed to its foot, far below.
     assert max(row.max() for row in rows) < across + 0.5
     assert rows[-1].max() > across - 10.0
-    assert sum(canvas.contours.counts) >= 1
+    assert sum(canvas.layers.contours.counts) >= 1
 
 
 def test_every_sample_opens_ready_and_runs(window, qtbot) -> None:

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Position = tuple[float, float]
 
+MOST_HANDLES = 24
+"""Corners up to which each of them is a handle; freehand paths have more."""
+
 _TOLERANCE = 0.25
 """Farthest that a path may be led away from where the hand went [px]: less than the pointer's own pixel."""
 

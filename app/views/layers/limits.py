@@ -1,4 +1,4 @@
-"""The layer of what limits the particles: regions of interest, dimmed outside, and barriers."""
+"""What limits the particles: regions of interest, dimmed outside, and barriers."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.model.shapes import Barrier, Limit, Region
 from app.views import theme
 from app.views.coordinates import image_rectangle, to_xy
 from app.views.curves import Curves
-from app.views.layers import cached
+from app.views.pens import cached
+from cpm_core.shapes import Barrier, Limit, Region
 
 _DIM_Z, _LINE_Z = 2.5, 6.5
 """Places in the pile: what is dimmed lies under particles and contours, the lines above them."""
 
 
-class LimitLayer:
+class Limits:
     """Regions and barriers of a document, seen as well while particles run, for they act all the time."""
 
     def __init__(self, view: pg.ViewBox) -> None:

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 import pyqtgraph as pg
 
+from app.model.language import tr
+from app.model.shades import Shades
+from app.session.session import Session
 from app.views import theme
 from app.views.coordinates import to_xy
 from app.views.curves import Curves
-from cpm_core.bridge import Bridge
-from cpm_core.contour import Contour
+from app.views.layers.layer import Layer
+from cpm_core.image import Image
+from cpm_core.result import Result
 
 
-class ContourLayer:
+class ContourLayer(Layer):
     """Shows contours."""
 
-    def __init__(self, view: pg.ViewBox) -> None:
+    name = "contours"
+    title = tr("Contours")
+    tip = tr("Closed, and open.")
+    shortcut = "Ctrl+2"
+    colours = (theme.CLOSED, theme.OPEN)
+
+    def __init__(self, view: pg.ViewBox, session: Session) -> None:
+        super().__init__(view, session)
         self._curves = {True: Curves(theme.CLOSED, 4.0), False: Curves(theme.OPEN, 4.1)}
         self._bridges = Curves(theme.BRIDGE, 4.2, dashed=True)
         self._junctions = pg.ScatterPlotItem(
@@ -25,8 +34,9 @@ class ContourLayer:
         )
         self._junctions.setZValue(5.5)
         self._lines = (*self._curves.values(), self._bridges)
-        for item in (*self._lines, self._junctions):
-            view.addItem(item, ignoreBounds=True)
+        self.add(*self._lines, self._junctions)
+        session.image_changed.connect(self._use_image)
+        session.contours_changed.connect(self._show)
 
     @property
     def counts(self) -> tuple[int, int]:
@@ -38,23 +48,22 @@ class ContourLayer:
         """Bridged gaps shown."""
         return self._bridges.count
 
-    def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Make room for an image of this shape."""
+    def show_or_hide(self) -> None:
+        """Show or hide them all."""
         for item in self._lines:
-            item.use_shape(shape)
+            item.set_wanted(self.shown)
+        self._junctions.setVisible(self.shown)
 
-    def show(self, contours: Iterable[Contour], bridges: Iterable[Bridge] = ()) -> None:
-        """Show contours, and over them the gaps that were bridged."""
-        contours = tuple(contours)
+    def _use_image(self, _: Image, shades: Shades) -> None:
+        for item in self._lines:
+            item.use_shape(shades.shape)
+
+    def _show(self, result: Result | None) -> None:
+        contours = result.contours if result is not None else ()
+        bridges = result.bridges if result is not None else ()
         for closed, item in self._curves.items():
             item.show([contour.path for contour in contours if contour.closed == closed])
         self._bridges.show([bridge.points for bridge in bridges])
         ends = [contour.points[end] for contour in contours for end in (0, -1) if contour.junctions[end]]
         x, y = to_xy(np.unique(np.array(ends, dtype=float).reshape(-1, 2), axis=0))
         self._junctions.setData(x=x, y=y)
-
-    def set_visible(self, visible: bool) -> None:
-        """Show or hide them all."""
-        for item in self._lines:
-            item.set_wanted(visible)
-        self._junctions.setVisible(visible)

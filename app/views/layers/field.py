@@ -1,4 +1,4 @@
-"""The layers of the canvas, from the image below to the drawing on top; each redraws only what it is given."""
+"""The layer of the electric field."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
 from PySide6.QtCore import QRectF
-from PySide6.QtGui import QColor, QPen
-from PySide6.QtWidgets import QGraphicsItem
 
-from app.model.shades import Shades
+from app.model.language import tr
+from app.session.messages import Overlays
+from app.session.session import Session
 from app.views import theme
-from app.views.coordinates import image_rectangle, to_xy
+from app.views.coordinates import to_xy
+from app.views.layers.layer import Layer
+from app.views.pens import cached, line_pen
 
 Array = NDArray[np.float64]
 
@@ -19,66 +21,38 @@ ARROW_SPACING = 22.0
 """Least distance between two arrows of the field [px of the screen]."""
 
 
-def line_pen(colour: str, width: float) -> QPen:
-    """A pen whose width does not change with the zoom."""
-    pen = QPen(QColor(colour), width)
-    pen.setCosmetic(True)
-    return pen
-
-
-def cached(item: QGraphicsItem) -> None:
-    """Keep what an item looks like until it changes, for what lies above it changes much more often."""
-    item.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
-
-
-class ImageLayer:
-    """The grey values."""
-
-    def __init__(self, view: pg.ViewBox) -> None:
-        self._item = pg.ImageItem()
-        self._item.setZValue(0)
-        cached(self._item)
-        view.addItem(self._item, ignoreBounds=True)
-
-    def show(self, shades: Shades) -> None:
-        """Show an image."""
-        self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))
-
-
-class EdgeMapLayer:
-    """The edge map, half transparent and fully so where there is no edge."""
-
-    def __init__(self, view: pg.ViewBox) -> None:
-        self._item = pg.ImageItem()
-        self._item.setZValue(1)
-        cached(self._item)
-        view.addItem(self._item, ignoreBounds=True)
-        table = pg.colormap.get("inferno").getLookupTable(nPts=256, alpha=True)
-        table[:, 3] = np.linspace(0, 235, 256).astype(np.uint8)
-        self._item.setLookupTable(table)
-
-    def show(self, shades: Shades | None) -> None:
-        """Show an edge map, or nothing."""
-        # hidden, not cleared: what is cached of an item would stay on screen when its extent vanishes
-        self._item.setVisible(shades is not None)
-        if shades is not None:
-            self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))
-
-
-class FieldLayer:
+class FieldLayer(Layer):
     """Arrows along the Lorentz force, as many as the zoom leaves room for."""
 
-    def __init__(self, view: pg.ViewBox) -> None:
-        self._view = view
+    name = "field"
+    title = tr("Field")
+    tip = tr("Direction in which edges pull.")
+    shortcut = "Ctrl+5"
+    initially = False
+    colours = (theme.FIELD,)
+
+    def __init__(self, view: pg.ViewBox, session: Session) -> None:
+        super().__init__(view, session)
         self._item = pg.PlotCurveItem(pen=line_pen(theme.FIELD, 1.0), antialias=True)
         self._item.setZValue(2)
         cached(self._item)
-        view.addItem(self._item, ignoreBounds=True)
+        self.add(self._item)
         self._field: Array | None = None
         view.sigRangeChanged.connect(self._draw)
+        session.overlays_changed.connect(self._show)
+        session.image_changed.connect(lambda *_: self._use(None))
 
-    def show(self, field: Array | None) -> None:
-        """Show a field, shape (2, H, W), or nothing."""
+    def show_or_hide(self) -> None:
+        """Ask for the field only while it is seen."""
+        self.session.want_overlay("field", self.shown)
+        if not self.shown:
+            self._use(None)
+
+    def _show(self, overlays: Overlays) -> None:
+        field = overlays.arrays.get("field")
+        self._use(np.asarray(field, dtype=float) if self.shown and field is not None else None)
+
+    def _use(self, field: Array | None) -> None:
         self._field = field
         self._draw()
 
@@ -86,7 +60,7 @@ class FieldLayer:
         self._item.setVisible(self._field is not None)
         if self._field is None:
             return
-        starts, ends = arrows(self._field, self._view.viewRect(), self._view.viewPixelSize()[0])
+        starts, ends = arrows(self._field, self.view.viewRect(), self.view.viewPixelSize()[0])
         lines = arrow_lines(starts, ends)
         x, y = to_xy(lines)
         self._item.setData(x, y, connect="pairs")

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import Qt
 
-from app.model import edits, paths
-from app.model.paths import Position
-from app.model.shapes import Barrier, Region, Shape, Stroke
+from app.model import edits
 from app.session.session import Session
 from app.views import theme
+from app.views.layers.drawing import DrawingLayer
+from cpm_core import paths
+from cpm_core.paths import Position
+from cpm_core.shapes import Barrier, Region, Shape, Stroke
 
 _FINEST = 1.0
 """Least distance between two corners of a freehand path [px]."""
@@ -87,15 +89,18 @@ class PathTool:
         Whose document gets the shape.
     kind : PathKind
         What is drawn.
-    changed : callable
-        Told that `path` has changed.
+    drawing : DrawingLayer
+        Shows the path while it is drawn.
+    advised : callable
+        Told that `advice` may have changed.
     """
 
-    def __init__(self, session: Session, kind: PathKind, changed: Callable[[], None]) -> None:
+    def __init__(self, session: Session, kind: PathKind, drawing: DrawingLayer, advised: Callable[[], None]) -> None:
         self.kind = kind
         self.name = kind.name
         self._session = session
-        self._changed = changed
+        self._drawing = drawing
+        self._advised_to = advised
         self._corners: list[Position] = []
         self._pointer: Position | None = None
         self._pressed: Position | None = None
@@ -198,3 +203,7 @@ class PathTool:
         self._pointer = self._pressed = None
         self._freehand = False
         self._changed()
+
+    def _changed(self) -> None:
+        self._drawing.show_draft(self.corners, self.path, self.kind.colour, self.kind.closed)
+        self._advised_to()

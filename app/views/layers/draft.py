@@ -1,4 +1,4 @@
-"""The layer of what is being drawn and is not in the document yet."""
+"""What is being drawn and is not in the document yet."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import Qt
 
-from app.model.paths import Position
 from app.views import theme
 from app.views.coordinates import to_xy
-from app.views.layers import line_pen
+from app.views.pens import line_pen
+from cpm_core.paths import Position
 
 _Z = 8.0
 
 
-class DraftLayer:
+class Draft:
     """A path with its corners, and, when it is to be closed, the way back to the first of them."""
 
     def __init__(self, view: pg.ViewBox) -> None:

@@ -1,4 +1,4 @@
-"""The layer of the particles, drawn anew in every frame of a run and therefore made to be fast."""
+"""Discs on the canvas, many of them, drawn anew in every frame and therefore made to be fast."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.views import theme
 from app.views.coordinates import image_rectangle, to_xy
 
 Array = NDArray[np.float64]
@@ -23,39 +22,10 @@ _SMALLEST = 2.4
 _SPAN = 2.4
 """Diameter of a disc [px of the image], a little more than the spacing of the particles."""
 
+NO_POSITIONS: Array = np.empty((0, 2))
+
 _RIM = 16.0
 """Room around the image for particles on its border [px of the image]."""
-
-
-class ParticleLayer:
-    """The particles, those at rest in a colour of their own."""
-
-    def __init__(self, view: pg.ViewBox) -> None:
-        # Contours run over the particles at rest, so that both are seen, and under those that still move.
-        self._resting = Discs(theme.RESTING, 7.0, 3.0)
-        self._moving = Discs(theme.MOVING, 6.0, 6.0)
-        for item in (self._resting, self._moving):
-            view.addItem(item, ignoreBounds=True)
-
-    @property
-    def count(self) -> int:
-        """Number of particles shown."""
-        return self._resting.count + self._moving.count
-
-    def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Make room for an image of this shape."""
-        for item in (self._resting, self._moving):
-            item.use_shape(shape)
-
-    def show(self, position: Array, resting: NDArray[np.bool_]) -> None:
-        """Show particles at (row, col), shape (N, 2)."""
-        self._resting.show(position[resting])
-        self._moving.show(position[~resting])
-
-    def set_visible(self, visible: bool) -> None:
-        """Show or hide them all."""
-        self._resting.setVisible(visible)
-        self._moving.setVisible(visible)
 
 
 class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints

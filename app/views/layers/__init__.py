@@ -1,0 +1,68 @@
+"""The layers of the canvas, from the image below to the drawing on top."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pyqtgraph as pg
+
+from app.session.session import Session
+from app.views.layers.contours import ContourLayer
+from app.views.layers.drawing import DrawingLayer
+from app.views.layers.edge_map import EdgeMapLayer
+from app.views.layers.field import FieldLayer
+from app.views.layers.image import ImageLayer
+from app.views.layers.layer import Layer
+from app.views.layers.particles import ParticleLayer
+
+LAYERS: tuple[type[Layer], ...] = (
+    ParticleLayer,
+    ContourLayer,
+    DrawingLayer,
+    EdgeMapLayer,
+    FieldLayer,
+    ImageLayer,
+)
+"""All layers in the order in which panel and menu list them; where they lie in the pile they know themselves."""
+
+
+class Layers:
+    """The layers of one canvas by name.
+
+    Parameters
+    ----------
+    view : pg.ViewBox
+        Where they lie.
+    session : Session
+        What they follow.
+    """
+
+    def __init__(self, view: pg.ViewBox, session: Session) -> None:
+        self._layers = {kind.name: kind(view, session) for kind in LAYERS}
+
+    def __getitem__(self, name: str) -> Layer:
+        return self._layers[name]
+
+    def __iter__(self) -> Iterator[Layer]:
+        return iter(self._layers.values())
+
+    @property
+    def particles(self) -> ParticleLayer:
+        """The particles."""
+        layer = self._layers["particles"]
+        assert isinstance(layer, ParticleLayer)
+        return layer
+
+    @property
+    def contours(self) -> ContourLayer:
+        """The contours."""
+        layer = self._layers["contours"]
+        assert isinstance(layer, ContourLayer)
+        return layer
+
+    @property
+    def drawing(self) -> DrawingLayer:
+        """What is drawn."""
+        layer = self._layers["drawing"]
+        assert isinstance(layer, DrawingLayer)
+        return layer

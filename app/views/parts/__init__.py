@@ -1,0 +1,24 @@
+"""The parts of the window, in the order in which their entries stand in the menus."""
+
+from __future__ import annotations
+
+from app.views.part import Part
+from app.views.parts.drawing import DrawingPart
+from app.views.parts.editing import EditingPart
+from app.views.parts.files import FilesPart
+from app.views.parts.helping import HelpingPart
+from app.views.parts.looks import LooksPart
+from app.views.parts.parameters import ParametersPart
+from app.views.parts.running import RunningPart
+from app.views.parts.viewing import ViewingPart
+
+PARTS: tuple[type[Part], ...] = (
+    FilesPart,
+    EditingPart,
+    DrawingPart,
+    RunningPart,
+    ParametersPart,
+    ViewingPart,
+    LooksPart,
+    HelpingPart,
+)

@@ -1,0 +1,64 @@
+"""Light or dark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from PySide6.QtGui import QGuiApplication
+
+from app.model.language import tr
+from app.views import theme
+from app.views.entry import Entry
+from app.views.part import Desk, Part
+
+_CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
+    ("system", tr("Colours of the &desktop"), tr("Light or dark as the desktop is."), None),
+    ("light", tr("&Light colours"), tr("Light window."), theme.LIGHT),
+    ("dark", tr("Dar&k colours"), tr("Dark window."), theme.DARK),
+)
+_KEY = "theme"
+
+
+class LooksPart(Part):
+    """The colours of the window."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self._chosen = desk.preferences.get(_KEY, "system")
+        QGuiApplication.styleHints().colorSchemeChanged.connect(self._follow_desktop)
+
+    def entries(self) -> Sequence[Entry]:
+        """The choices."""
+        return [
+            Entry(
+                name=f"theme_{name}",
+                menu="View",
+                text=text,
+                do=partial(self._choose, name),
+                tip=tip,
+                group="theme",
+                checked=name == self._chosen,
+                gap=index == 0,
+            )
+            for index, (name, text, tip, _) in enumerate(_CHOICES)
+        ]
+
+    def theme(self) -> theme.Theme:
+        """The theme that is chosen, or the desktop's."""
+        chosen = {name: made for name, _, _, made in _CHOICES}.get(self._chosen)
+        return chosen or theme.system_theme()
+
+    def close(self) -> bool:
+        """Follow the desktop no longer."""
+        QGuiApplication.styleHints().colorSchemeChanged.disconnect(self._follow_desktop)
+        return True
+
+    def _choose(self, name: str) -> None:
+        self._chosen = name
+        self.desk.preferences.put(_KEY, name)
+        self.desk.use_theme(self.theme())
+
+    def _follow_desktop(self) -> None:
+        if self._chosen == "system":
+            self.desk.use_theme(self.theme())

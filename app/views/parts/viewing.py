@@ -1,0 +1,76 @@
+"""Zoom and layers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from app.model.language import tr
+from app.model.situation import has_image
+from app.views.canvas import ZOOM
+from app.views.entry import STATE, Entry
+from app.views.layers.layer import Layer
+from app.views.panels.layers_panel import LayersPanel
+from app.views.part import Desk, Panel, Part
+
+
+class ViewingPart(Part):
+    """What is seen of the image and of what lies over it."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self._panel = LayersPanel(desk.stage.canvas.layers)
+        for layer in desk.stage.canvas.layers:
+            layer.changed.connect(desk.session.status_changed)
+
+    def entries(self) -> Sequence[Entry]:
+        """Zoom, and one toggle a layer."""
+        canvas = self.desk.stage.canvas
+        zoom = (
+            Entry(
+                name="fit",
+                menu="View",
+                text=tr("&Fit to window"),
+                short=tr("Fit"),
+                do=canvas.fit,
+                shortcuts=("F",),
+                tip=tr("Show the whole image."),
+                icon="fit",
+                when=has_image,
+            ),
+            Entry(
+                name="zoom_in",
+                menu="View",
+                text=tr("Zoom &in"),
+                do=lambda: canvas.zoom(ZOOM),
+                shortcuts=("+", "=", "Ctrl++"),
+                tip=tr("Enlarge."),
+            ),
+            Entry(
+                name="zoom_out",
+                menu="View",
+                text=tr("Zoom &out"),
+                do=lambda: canvas.zoom(1.0 / ZOOM),
+                shortcuts=("-", "Ctrl+-"),
+                tip=tr("Make smaller."),
+            ),
+        )
+        return (*zoom, *(_toggle(layer, index == 0) for index, layer in enumerate(canvas.layers)))
+
+    def panels(self) -> Sequence[Panel]:
+        """The layers."""
+        return (Panel(name="layers", title=tr("Layers"), widget=self._panel, tab="settings", shortcut="F8"),)
+
+
+def _toggle(layer: Layer, first: bool) -> Entry:
+    return Entry(
+        name=f"layer_{layer.name}",
+        menu="View",
+        text=layer.title,
+        do=lambda: layer.set_shown(not layer.shown),
+        shortcuts=(layer.shortcut,) if layer.shortcut else (),
+        tip=tr("Show or hide: {layer}").format(layer=layer.tip),
+        group=STATE,
+        checked=layer.shown,
+        gap=first,
+        holds=lambda situation: layer.shown,
+    )

@@ -1,0 +1,56 @@
+"""A line that particles do not cross."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core import paths
+from cpm_core.paths import MOST_HANDLES, Position
+
+
+@dataclass(frozen=True, slots=True)
+class Barrier:
+    """A line that particles do not cross.
+
+    Attributes
+    ----------
+    points : tuple of tuple of float
+        Corners (row, col) in px of the image, at least two.
+    """
+
+    title: ClassVar[str] = "barrier"
+
+    points: tuple[Position, ...]
+
+    @property
+    def outline(self) -> NDArray[np.float64]:
+        """Its line for drawing, shape (K, 2)."""
+        return np.array(self.points)
+
+    def moved(self, by: Position) -> Barrier:
+        """The same barrier displaced by (rows, cols)."""
+        return Barrier(paths.moved(self.points, by))
+
+    def grown(self, by: float) -> Barrier:
+        """Itself: its corners are what it is reshaped by."""
+        return self
+
+    def handles(self) -> tuple[Position, ...]:
+        """Its corners; there are none of one with so many that they would hide it."""
+        return self.points if len(self.points) <= MOST_HANDLES else ()
+
+    def led(self, handle: Position, to: Position) -> Barrier:
+        """The same barrier with the corner next to a handle led to a position."""
+        return Barrier(paths.led(self.points, handle, to))
+
+    def distance(self, position: Position) -> float:
+        """Distance of a position from its line [px]."""
+        return paths.distance(self.points, position)
+
+    def encloses(self, position: Position) -> bool:
+        """It is taken hold of by its line only."""
+        return False

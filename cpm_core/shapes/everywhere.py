@@ -1,0 +1,92 @@
+"""Particles all over the image, where nobody has to draw."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.initialization import divergence_centers, gradient_threshold, uniform_grid
+from cpm_core.paths import Position
+
+Kind = Literal["grid", "edges", "centers"]
+"""Where particles start that nobody has drawn: evenly, on strong edges, or where the electric field diverges."""
+
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+_TITLES: Mapping[Kind, str] = MappingProxyType(
+    {"grid": "start everywhere", "edges": "start on strong edges", "centers": "start at centres"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Everywhere:
+    """Particles all over the image; which positions they are depends on the image, and `cpm_core.sowing` finds them.
+
+    Attributes
+    ----------
+    kind : {"grid", "edges", "centers"}
+        Evenly, on strong edges, or at the centres of divergence of the electric field.
+    """
+
+    kind: Kind
+
+    @property
+    def title(self) -> str:
+        """What it is called."""
+        return _TITLES[self.kind]
+
+    @property
+    def follows_smoothing(self) -> bool:
+        """Whether its positions depend on the smoothing."""
+        return self.kind == "edges"
+
+    def sow(self, values: NDArray[np.float64], smoothing: float) -> NDArray[np.float64]:
+        """Positions of its particles on an image, shape (N, 2).
+
+        Parameters
+        ----------
+        values : ndarray, shape (H, W)
+            Grey values of the image.
+        smoothing : float
+            Gaussian before the gradient [px].
+        """
+        if self.kind == "grid":
+            return uniform_grid(values.shape)
+        if self.kind == "edges":
+            return gradient_threshold(values, smoothing=smoothing)
+        return divergence_centers(values)
+
+    @property
+    def outline(self) -> NDArray[np.float64]:
+        """It has no line to be drawn."""
+        return np.empty((0, 2))
+
+    def moved(self, by: Position) -> Everywhere:
+        """Itself, for it has no place."""
+        return self
+
+    def grown(self, by: float) -> Everywhere:
+        """Itself, for it has no size."""
+        return self
+
+    def handles(self) -> tuple[Position, ...]:
+        """It has no size to drag, so there are none."""
+        return ()
+
+    def led(self, handle: Position, to: Position) -> Everywhere:
+        """Itself, for it has no handles."""
+        return self
+
+    def distance(self, position: Position) -> float:
+        """Infinite: what has no place of its own would be in the way of all that is drawn."""
+        return math.inf
+
+    def encloses(self, position: Position) -> bool:
+        """It encloses nothing, for the same reason."""
+        return False
