@@ -32,8 +32,11 @@ The model on one page
    edges to closed and open **contours** with **junctions** (`reconstruction`).
 9. All of it happens inside the **regions of interest** and on this side of the **barriers**, if there are any
    (`regions`); at each scale they are the walls that no move, birth, contour or bridge crosses (`walls`).
+10. **Placed charges** attract or repel the particles around them, as strongly as the edges or up to four times so;
+    their force is added to the Lorentz force (`charges`). They, the parameters, regions and barriers may be changed at
+    any step, and particles added or erased (`steering`): what has come to rest and is concerned is set going again.
 
-`Engine` composes 1 to 7 and 9, step by step; `segment` is all of it in one call.
+`Engine` composes 1 to 7, 9 and 10, step by step; `segment` is all of it in one call.
 
 Between the contours lies the **skeleton**: the middle line of an object with the distance to its boundary, from which
 the object can be rebuilt (`skeleton`, `medial_axis`). It needs no start.
@@ -46,6 +49,7 @@ what a run has found; a `Level` is what particles feel at one scale.
 """
 
 from cpm_core.bridge import Bridge
+from cpm_core.charges import PlacedCharge
 from cpm_core.contour import Contour
 from cpm_core.coulomb import coulomb_force
 from cpm_core.edge_map import edge_map
@@ -71,6 +75,7 @@ __all__ = [
     "Image",
     "Parameters",
     "Particles",
+    "PlacedCharge",
     "Regions",
     "Result",
     "Skeleton",

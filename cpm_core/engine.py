@@ -6,17 +6,21 @@ the next one from any state, without memory of its own, so that a run can be pau
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cpm_core import steering
 from cpm_core.bridge import Bridge
+from cpm_core.charged import ChargedLevels
+from cpm_core.charges import PlacedCharge, at_scale, box_of, in_order, placed_force, radius_at
 from cpm_core.deletion import thinned
 from cpm_core.dynamics import FADED
-from cpm_core.enclosure import LAUNCHES, launch_places
 from cpm_core.equilibrium import IDLE_STEPS, QUIET_STEPS, STILL, epsilon, is_idle, is_quiet
-from cpm_core.ground import explore, idle_at, renewed, unvisited
+from cpm_core.ground import explore, idle_at, unvisited
 from cpm_core.image import Image
 from cpm_core.insertion import insertion, search_range
 from cpm_core.level import Level
@@ -29,7 +33,9 @@ from cpm_core.particles import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.regions import Regions
 from cpm_core.result import Result
-from cpm_core.standing import Standing, seats
+from cpm_core.seeds import allowed_by, inside_image, starting_points
+from cpm_core.settling import idle_steps_of, launched, settled, without_stragglers
+from cpm_core.standing import Standing
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -43,19 +49,6 @@ front must not wait; how often others look, and how often ahead where nothing ne
 
 _LATE_EVERY, _COLD_EVERY = 2, 4
 """How often particles are deleted and inserted once next to no new ground is found, and once no repulsion is left."""
-
-_UNDER_WAY, _PATIENCE = 0.3, 2
-"""Part of the speed at which the field alone drives a particle above which one far from all ground counts as on its way
-to some, and how many times as slowly it is then made to rest: it may have a long way to go."""
-
-_CERTAIN = 1.25
-"""How many times as strong as the weakest edge that counts one is that holds particles in any case."""
-
-_LEAST_BETA = 0.1
-"""Damping with which the speed is reckoned where there is none."""
-
-_NOWHERE = -1
-"""What stands for the idle steps of a particle far from all ground."""
 
 _LEAST_STEPS = 400
 """Steps that a scale may take however small it is."""
@@ -95,7 +88,44 @@ class Engine:
             regions.check(array.shape)
         self._levels = Levels(array, parameters.scales, regions)
         self._levels.prepare(parameters)
-        if regions is not None and not self.edge_map(parameters).any():
+        self._charged = ChargedLevels(array.shape)
+        self._latest = parameters
+        if regions is not None:
+            self._check_edges()
+
+    def with_regions(self, regions: Regions | None) -> Engine:
+        """Engine for the same image with other regions.
+
+        Parameters
+        ----------
+        regions : Regions or None
+            Regions of interest and barriers. Where only the barriers are others, nothing of the fields is built anew;
+            where the regions of interest are others, the image's gradient is taken over. A state of this engine can be
+            stepped by the new one.
+
+        Returns
+        -------
+        Engine
+            For as many scales.
+
+        Raises
+        ------
+        ValueError
+            When the image has no edges in the regions of interest, or one of them holds no pixel.
+        """
+        others = regions is not None and (self.regions is None or regions.interest != self.regions.interest)
+        if regions is not None and others:
+            regions.check(self.image.values.shape)
+        other = copy(self)
+        other.regions = regions
+        other._levels = self._levels.with_regions(regions)
+        other._charged = ChargedLevels(self.image.values.shape)
+        if others:
+            other._check_edges()
+        return other
+
+    def _check_edges(self) -> None:
+        if not self.level(self._latest).edge_map.any():
             raise ValueError("there are no edges in the regions of interest: draw them around what is to be found.")
 
     @property
@@ -105,15 +135,25 @@ class Engine:
 
     def level(self, parameters: Parameters, scale: int = 0) -> Level:
         """Fields of a scale, built when they are first asked for."""
+        self._latest = parameters
         return self._levels.at(scale, parameters)
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
         """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
         return self.level(parameters, scale).charges
 
-    def field(self, parameters: Parameters, scale: int = 0) -> Array:
-        """Lorentz force on the pixels of a scale, shape (2, H, W): vectors of at most unit length."""
-        return self.level(parameters, scale).lorentz.astype(float)
+    def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
+        """Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.
+
+        Without any the vectors have at most unit length. The charges are in px of the image, whatever the scale.
+        """
+        level = self.level(parameters, scale)
+        force = level.lorentz.astype(float)
+        if charges:
+            placed, radius = at_scale(in_order(charges), scale, self.image.shape), radius_at(scale)
+            box = box_of(placed, radius, level.shape)
+            force[:, slice(*box[:2]), slice(*box[2:])] += np.moveaxis(placed_force(placed, radius, box), -1, 0)
+        return force
 
     def start(self, seeds: ArrayLike) -> State:
         """First state of a run.
@@ -134,12 +174,12 @@ class Engine:
         ValueError
             When there is no particle, or none inside the image and the regions of interest.
         """
-        points = _starting_points(seeds, self.image.shape, self.regions)
+        points = starting_points(seeds, self.image.shape, self.regions)
         nobody = Particles.at_rest(points[:0])
         begun = State(nobody, points, self.image.shape, self.scales, unvisited(()), regions=self.regions)
         return self._enter(begun, self.scales - 1)
 
-    def step(self, state: State, parameters: Parameters) -> State:
+    def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
         """One time step.
 
         Parameters
@@ -149,6 +189,8 @@ class Engine:
         parameters : Parameters
             Obeyed at once, `scales` from the next start on. Other values than in the last step set particles that have
             come to rest going again.
+        charges : sequence of PlacedCharge, optional
+            Obeyed at once. One that comes, goes or is moved sets those particles going again that it is or was felt by.
 
         Returns
         -------
@@ -158,15 +200,66 @@ class Engine:
         """
         if state.stop_reason:
             return state
-        level = self.level(parameters, state.scale)
         if state.steering != parameters.steering or state.regions != self.regions:
-            state = self._heated(state, parameters)
-        idle = _idle(state, parameters)
+            state = replace(steering.heated(steering.within(state, self.regions)), steering=parameters.steering)
+        placed = in_order(charges)
+        if state.charges != placed:
+            state = steering.woken(state, placed)
+        level = self._charged.of(self.level(parameters, state.scale), state.scale, placed)
+        idle = idle_steps_of(state, level, parameters)
         cold = not (idle < FADED).any()
         state, moved = self._move(state, idle, level, parameters)
         if len(state.particles):
             state = self._populate(state, moved, cold, level, parameters)
         return self._judge(state, level)
+
+    def joined(self, state: State, seeds: ArrayLike) -> State:
+        """Put more particles into a run.
+
+        Parameters
+        ----------
+        state : State
+            A state of a run on this image.
+        seeds : array_like, shape (M, 2)
+            Where the new particles begin (row, col) [px]; those outside the image or the regions of interest, and those
+            on a barrier, are left out.
+
+        Returns
+        -------
+        State
+            With the new particles at rest, at the same scale; they are remembered for the finer scales. All particles
+            are set going again, and a run that has ended goes on.
+
+        Raises
+        ------
+        ValueError
+            When there is no new particle, or none inside the image and the regions of interest.
+        """
+        return steering.joined(state, seeds, self.regions)
+
+    def erased(self, state: State, inside: steering.Chosen) -> State:
+        """Take particles out of a run.
+
+        Parameters
+        ----------
+        state : State
+            A state of a run on this image.
+        inside : ndarray of bool, shape (N,), or callable
+            Which particles, or what tells so of positions, shape (M, 2) [px of the image]. It is then asked of the
+            places where the particles began as well, so that a finer scale does not begin there again.
+
+        Returns
+        -------
+        State
+            With the others, which are not woken by it: where none of them moves nothing grows anew, and a run that has
+            ended stays so. Where none is left the run ends.
+
+        Raises
+        ------
+        ValueError
+            When `inside` is not one truth value for each particle.
+        """
+        return steering.erased(state, inside)
 
     def result(self, state: State, parameters: Parameters) -> Result:
         """Contours and figures of any state of a run.
@@ -202,23 +295,6 @@ class Engine:
             bridges=bridges,
         )
 
-    def _heated(self, state: State, parameters: Parameters) -> State:
-        """Set the particles going again under other parameters: what has come to rest must be able to obey them."""
-        if state.regions != self.regions:
-            allowed = _allowed(state.position, self.regions)
-            state = replace(state, particles=state.particles.where(allowed), regions=self.regions)
-        return replace(
-            state,
-            steering=parameters.steering,
-            ground=renewed(state.ground, state.step_of_scale),
-            annealed=1.0,
-            heated=state.step_of_scale,
-            idle=0,
-            quiet=0,
-            launches=0,
-            far=None,
-        )
-
     def _move(self, state: State, idle: Index, level: Level, parameters: Parameters) -> tuple[State, Moved]:
         """Force and motion, and removal of what leaves the image."""
         particles, step = state.particles, state.step_of_scale
@@ -229,7 +305,7 @@ class Engine:
         held = level.walls.held(particles, moved.particles)
         if held is not moved.particles:
             moved = moved.held_at(held, particles.position, level)
-        inside = _inside(held.position, level.shape)
+        inside = inside_image(held.position, level.shape)
         left = len(held) - int(np.count_nonzero(inside))
         if left:
             moved = moved.where(inside)
@@ -293,16 +369,16 @@ class Engine:
         overdue = state.step_of_scale - state.heated >= most
         if state.scale > 0:
             if state.count == 0 or state.idle >= IDLE_STEPS or overdue:
-                return self._enter(_settled(state, level), state.scale - 1)
+                return self._enter(settled(state, level, and_drawn=True), state.scale - 1)
             return state
         if state.count == 0:
             return state.stopped("all particles left the image")
         if state.quiet >= QUIET_STEPS:
-            launched = _launched(state, level)
-            if launched is not None:
-                return launched
+            going_on = launched(state, level)
+            if going_on is not None:
+                return going_on
             reason = f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps"
-            return _without_stragglers(state, level).stopped(reason, True)
+            return without_stragglers(state, level).stopped(reason, True)
         if overdue:
             return state.stopped(f"not at rest after {most} steps at full size")
         return state
@@ -313,8 +389,8 @@ class Engine:
         drawn = to_scale(state.start, scale, state.shape)
         shape = shape_of_scale(state.shape, scale)
         position = np.concatenate([found, drawn])
-        position = position[_inside(position, shape)]
-        position = position[_allowed(to_image(position, scale, state.shape), self.regions)]
+        position = position[inside_image(position, shape)]
+        position = position[allowed_by(to_image(position, scale, state.shape), self.regions)]
         first = state.next_identity
         return replace(
             state,
@@ -331,93 +407,3 @@ class Engine:
             far=None,
             epsilon=float("nan"),
         )
-
-
-def _idle(state: State, parameters: Parameters) -> Index:
-    """Steps since there was new ground around each particle, as far as they make it rest."""
-    particles = state.particles
-    idle = idle_at(state.ground, particles.position, state.step_of_scale, _NOWHERE)
-    away = idle == _NOWHERE
-    if not away.any():
-        return idle
-    driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
-    speed = np.einsum("ni,ni->n", particles.velocity, particles.velocity)
-    under_way = state.idle // _PATIENCE if state.ground.size else 0  # the first to find anything may take all the time
-    idle[away] = np.where(speed[away] > (_UNDER_WAY * driven) ** 2, under_way, state.idle)
-    return idle
-
-
-def _launched(state: State, level: Level) -> State | None:
-    """Go on with particles beside enclosed boundaries that nobody has reached; None when nothing is missing."""
-    if state.launches == LAUNCHES:
-        return None
-    places = launch_places(level, _settled(state, level).particles.position)
-    if not len(places):
-        return None
-    state = _without_stragglers(state, level)  # else they would be set going again, and to no purpose
-    return replace(
-        state,
-        particles=state.particles.with_more(places, state.next_identity),
-        next_identity=state.next_identity + len(places),
-        launches=state.launches + 1,
-        born=state.born + len(places),
-        annealed=1.0,
-        heated=state.step_of_scale,
-        idle=0,
-        quiet=0,
-    )
-
-
-def _without_stragglers(state: State, level: Level) -> State:
-    """Leave out the particles at rest that sit on no edge, if any have found one: nothing draws them on.
-
-    In a hole of a pixel or two nobody sits in the strict sense, but the edge around is strong.
-    """
-    position = state.particles.position
-    strength, seated = seats(position, level)
-    found = seated | (strength >= _CERTAIN * level.floor)
-    if found.all() or not found.any():
-        return state
-    return replace(state, particles=state.particles.where(found), deleted=state.deleted + int((~found).sum()))
-
-
-def _settled(state: State, level: Level) -> State:
-    """Leave out the particles that sit on no edge; a finer scale launches them anew from the drawing."""
-    return replace(state, particles=state.particles.where(seats(state.particles.position, level)[1]))
-
-
-def _starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:
-    """Check where particles are to start, and leave out those that may not be there."""
-    points = np.asarray(seeds, dtype=float)
-    if points.size == 0:
-        raise ValueError("there are no particles to start with: draw a circle or click some points first.")
-    if points.ndim != 2 or points.shape[1] != len(shape):
-        raise ValueError(f"the starting particles have the shape {points.shape} but must be (N, {len(shape)}).")
-    if not np.isfinite(points).all():
-        wrong = int((~np.isfinite(points)).sum())
-        raise ValueError(f"{wrong} coordinates of the starting particles are not finite: leave those particles out.")
-    inside = _inside(points, shape)
-    if not inside.any():
-        size = " x ".join(map(str, shape))
-        raise ValueError(
-            f"none of the {len(points)} starting particles lies inside the image ({size} pixels): draw inside it."
-        )
-    points = points[inside]
-    allowed = _allowed(points, regions)
-    if not allowed.any():
-        raise ValueError(
-            f"none of the {len(points)} starting particles lies inside the regions of interest, clear of barriers: "
-            "draw inside them."
-        )
-    return points[allowed]
-
-
-def _inside(positions: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Which positions lie on the image, its outermost pixels whole."""
-    row, col = positions.T
-    return np.asarray((row >= -0.5) & (row <= shape[0] - 0.5) & (col >= -0.5) & (col <= shape[1] - 0.5))
-
-
-def _allowed(positions: Array, regions: Regions | None) -> NDArray[np.bool_]:
-    """Which positions [px of the image] lie in the regions of interest and on no barrier."""
-    return np.ones(len(positions), np.bool_) if regions is None else regions.allows(positions)

@@ -84,6 +84,16 @@ def renewed(ground: Ground, step: int) -> Ground:
     return Ground(*(np.where(cells == _NEVER, _NEVER, step).astype(np.int32) for cells in ground))
 
 
+def with_news(ground: Ground, place: Array, reach: float, step: int) -> Ground:
+    """Ground as if there were news in all cells within reach of a place, shape (2,) [px], at the step now."""
+    away = [
+        np.maximum(np.abs(_CELL * (np.arange(n) + 0.5) - 0.5 - x) - 0.5 * _CELL, 0.0)
+        for n, x in zip(ground.news.shape, place, strict=True)
+    ]
+    near = away[0][:, None] ** 2 + away[1] ** 2 < reach**2
+    return Ground(ground.found, np.where(near, step, ground.news).astype(np.int32))
+
+
 def idle_at(ground: Ground, positions: Array, step: int, elsewhere: int) -> NDArray[np.int64]:
     """Steps since there was new ground around each particle, shape (N,); see `idle_steps`."""
     idle = np.empty(len(positions), np.int64)

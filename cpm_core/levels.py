@@ -7,6 +7,8 @@ another smoothing also the gradient of what the pyramid holds; the pyramid and t
 from __future__ import annotations
 
 from collections import OrderedDict
+from copy import copy
+from dataclasses import replace
 from threading import Lock
 
 import numpy as np
@@ -17,8 +19,9 @@ from cpm_core.level import Level, build_level
 from cpm_core.multiscale import pyramid
 from cpm_core.noise import Cleaned
 from cpm_core.parameters import Parameters
-from cpm_core.regions import Regions
+from cpm_core.regions import Line, Regions
 from cpm_core.threads import share
+from cpm_core.walls import NO_WALLS, Walls, build_walls
 
 Array = NDArray[np.float64]
 
@@ -48,7 +51,28 @@ class Levels:
         self._prepared: tuple[tuple[Array, ...], Cleaned] | None = None
         self._told: dict[int, float] = {}
         self._kept: OrderedDict[_Key, Level] = OrderedDict()
+        self._former: OrderedDict[_Key, Level] = OrderedDict()
         self._lock = Lock()
+
+    def with_regions(self, regions: Regions | None) -> Levels:
+        """Levels of the same image with other regions.
+
+        Where the regions of interest are the same all levels that there are are taken over, but for the walls; where
+        they are others, what does not depend on them.
+        """
+        other = copy(self)
+        other._regions, other._lock = regions, Lock()
+        with self._lock:
+            kept, former, other._told = self._kept, self._former, self._told.copy()
+            walls = {scale: other._walls(scale) for scale, *_ in [*kept, *former]}
+            kept, former = (
+                OrderedDict((key, replace(level, walls=walls[key[0]])) for key, level in levels.items())
+                for levels in (kept, former)
+            )
+        same = _interest(regions) == _interest(self._regions)
+        other._kept = kept if same else OrderedDict()
+        other._former = former if same else OrderedDict({**former, **kept})
+        return other
 
     def __len__(self) -> int:
         return len(self._pyramid)
@@ -94,9 +118,14 @@ class Levels:
             smoothing = self._smoothing(scale)
         return build_level(values, smoothing, floor, regions, parameters.max_frame, self._akin(scale, parameters))
 
+    def _walls(self, scale: int) -> Walls:
+        regions = self._regions and self._regions.at_scale(scale, self._image.shape)
+        return build_walls(regions, self._pyramid[scale].shape) if regions else NO_WALLS
+
     def _akin(self, scale: int, parameters: Parameters) -> Level | None:
         """The kept level of a scale that has most in common with what is asked for: the smoothing, if there is one."""
-        found = [(key[1] == parameters.smoothing, level) for key, level in self._kept.items() if key[0] == scale]
+        known = [*self._former.items(), *self._kept.items()]
+        found = [(key[1] == parameters.smoothing, level) for key, level in known if key[0] == scale]
         return max(found, key=lambda one: one[0])[1] if found else None
 
     def _ready(self) -> tuple[tuple[Array, ...], Cleaned]:
@@ -115,6 +144,10 @@ class Levels:
         if scale not in self._told:
             self._told[scale] = automatic_smoothing(levels[scale])
         return self._told[scale]
+
+
+def _interest(regions: Regions | None) -> tuple[Line, ...]:
+    return regions.interest if regions is not None else ()
 
 
 def _key(scale: int, parameters: Parameters) -> _Key:

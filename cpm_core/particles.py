@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.charges import Charges
 from cpm_core.coulomb.far_force import FarForce
 from cpm_core.ground import Ground
 from cpm_core.multiscale import to_image
@@ -141,6 +142,8 @@ class State:
         `Parameters.steering` of the last step; empty before the first.
     regions : Regions or None
         Regions of interest and barriers of the last step.
+    charges : tuple of PlacedCharge
+        Placed charges of the last step.
     heated : int
         Step of this scale at which the particles were last set going, by its beginning or by other parameters.
     next_identity : int
@@ -176,6 +179,7 @@ class State:
     annealed: float = 1.0
     steering: tuple[object, ...] = ()
     regions: Regions | None = None
+    charges: Charges = ()
     heated: int = 0
     next_identity: int = 0
     born: int = 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,10 @@ Line = tuple[tuple[float, float], ...]
 _OFF = 1e-6
 """Distance to either side of a polygon's side at which it is seen whether it is a rim, and within which a place counts
 as on a line [px]."""
+
+_KEPT = 8
+"""Polygons whose pixels and rims are kept: while a barrier is dragged the regions of interest are asked for again and
+again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +55,7 @@ class Regions:
     def check(self, shape: tuple[int, ...]) -> None:
         """Raise a `ValueError` unless every region of interest holds a pixel of an image of this shape."""
         for number, polygon in enumerate(self.interest, start=1):
-            if not Regions((polygon,)).pixels(shape).any():
+            if not _pixels(polygon, shape).any():
                 size = " x ".join(map(str, shape))
                 raise ValueError(
                     f"region of interest {number} holds no pixel of the image ({size} pixels): "
@@ -78,7 +83,9 @@ class Regions:
 
     def pixels(self, shape: tuple[int, ...]) -> NDArray[np.bool_]:
         """Which pixels of an image of this shape have their centre in a region of interest."""
-        return self.contains(np.indices(shape).reshape(2, -1).T.astype(float)).reshape(shape)
+        if not self.interest:
+            return np.ones(shape, np.bool_)
+        return np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0)
 
     def rims(self) -> Array:
         """Rim of the union of the regions of interest.
@@ -91,17 +98,7 @@ class Regions:
         ndarray, shape (S, 4)
             Segments: row and column of one end, then of the other [px].
         """
-        if not self.interest:
-            return np.zeros((0, 4))
-        sides = np.concatenate([_segments(np.array([*polygon, polygon[0]])) for polygon in self.interest])
-        pieces = np.concatenate([_cut(side, sides) for side in sides])
-        along = pieces[:, 2:] - pieces[:, :2]
-        length = np.linalg.norm(along, axis=1)
-        off = _OFF * along[:, ::-1] * (1.0, -1.0) / np.maximum(length, 1e-300)[:, None]
-        middle = 0.5 * (pieces[:, :2] + pieces[:, 2:])
-        rim = self.contains(middle + off) != self.contains(middle - off)
-        # of a piece that is shorter than the look to its sides nothing can be told
-        return np.asarray(pieces[rim | (length < 10.0 * _OFF)])
+        return _rims(self.interest)
 
     def lines(self) -> Array:
         """Barriers as segments, shape (S, 4)."""
@@ -127,6 +124,30 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
             )
         checked.append(_line(points))
     return tuple(checked)
+
+
+@lru_cache(maxsize=_KEPT)
+def _pixels(polygon: Line, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Which pixels of an image of this shape have their centre in a polygon."""
+    places = np.indices(shape).reshape(2, -1).T.astype(float)
+    return _winds_around(np.array(polygon), places).reshape(shape)
+
+
+@lru_cache(maxsize=_KEPT)
+def _rims(interest: tuple[Line, ...]) -> Array:
+    """Rim of the union of polygons; see `Regions.rims`."""
+    if not interest:
+        return np.zeros((0, 4))
+    regions = Regions(interest)
+    sides = np.concatenate([_segments(np.array([*polygon, polygon[0]])) for polygon in interest])
+    pieces = np.concatenate([_cut(side, sides) for side in sides])
+    along = pieces[:, 2:] - pieces[:, :2]
+    length = np.linalg.norm(along, axis=1)
+    off = _OFF * along[:, ::-1] * (1.0, -1.0) / np.maximum(length, 1e-300)[:, None]
+    middle = 0.5 * (pieces[:, :2] + pieces[:, 2:])
+    rim = regions.contains(middle + off) != regions.contains(middle - off)
+    # of a piece that is shorter than the look to its sides nothing can be told
+    return np.asarray(pieces[rim | (length < 10.0 * _OFF)])
 
 
 def _line(points: Array) -> Line:

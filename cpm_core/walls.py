@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from cpm_core.kernels import compiled
@@ -23,6 +22,9 @@ Array = NDArray[np.float64]
 
 _SAMPLING = 0.5
 """Distance of the places along a wall by which the pixels near it are told [px]."""
+
+_FAR = 12
+"""Distance from which on nothing is nearer: hardly any move is that long [px]."""
 
 _ROUNDING = 2.0
 """What the distance of two pixels may exceed that of a place in one from a wall in the other by: half a diagonal twice,
@@ -94,17 +96,31 @@ def build_walls(regions: Regions, shape: tuple[int, ...]) -> Walls:
     segments = np.concatenate([regions.rims(), regions.lines()])
     if not len(segments):
         return NO_WALLS
-    free = np.ones(shape, np.bool_)
-    last = np.array(shape) - 1
-    for segment in segments:
-        a, b = segment[:2], segment[2:]
-        count = 2 + int(np.linalg.norm(b - a) / _SAMPLING)
-        places = np.rint(a + (b - a) * np.linspace(0.0, 1.0, count)[:, None]).astype(np.int64)
-        near = ((places >= -1) & (places <= last + 1)).all(axis=1)
-        free[tuple(np.clip(places[near], 0, last).T)] = False
-    if free.all():
-        return Walls(segments, np.full(shape, np.inf))
-    return Walls(segments, np.asarray(scipy.ndimage.distance_transform_edt(free)) - _ROUNDING)
+    clearance = np.full(shape, float(_FAR))
+    _clear(segments, clearance)
+    clearance -= _ROUNDING
+    return Walls(segments, clearance)
+
+
+@compiled
+def _clear(segments: Array, clearance: Array) -> None:
+    """Distance of every pixel to the nearest one that a wall runs through, as far as it is not far."""
+    rows, cols = clearance.shape
+    walled = np.zeros((rows, cols), np.bool_)
+    for s in range(len(segments)):
+        down, right = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
+        count = 1 + int(np.sqrt(down**2 + right**2) / _SAMPLING)
+        for n in range(count + 1):
+            y, x = np.rint(segments[s, 0] + down * n / count), np.rint(segments[s, 1] + right * n / count)
+            if y < -1 or y > rows or x < -1 or x > cols:
+                continue
+            row, col = min(max(int(y), 0), rows - 1), min(max(int(x), 0), cols - 1)
+            if walled[row, col]:
+                continue
+            walled[row, col] = True
+            for r in range(max(row - _FAR, 0), min(row + _FAR + 1, rows)):
+                for c in range(max(col - _FAR, 0), min(col + _FAR + 1, cols)):
+                    clearance[r, c] = min(clearance[r, c], np.sqrt(float((r - row) ** 2 + (c - col) ** 2)))
 
 
 @compiled
