@@ -17,41 +17,25 @@ from cpm_core import steering
 from cpm_core.bridge import Bridge
 from cpm_core.charged import ChargedLevels
 from cpm_core.charges import PlacedCharge, at_scale, box_of, in_order, placed_force, radius_at
-from cpm_core.deletion import thinned
+from cpm_core.course import entered, judged
 from cpm_core.dynamics import FADED
-from cpm_core.equilibrium import IDLE_STEPS, QUIET_STEPS, STILL, epsilon, is_idle, is_quiet
-from cpm_core.ground import explore, idle_at, unvisited
+from cpm_core.ground import unvisited
 from cpm_core.image import Image
-from cpm_core.insertion import insertion, search_range
 from cpm_core.level import Level
 from cpm_core.levels import Levels
-from cpm_core.motion import FAR_EVERY, Moved, far_force_for, move
-from cpm_core.multiscale import shape_of_scale, to_image, to_scale
-from cpm_core.neighbors import build_cells
+from cpm_core.motion import Moved
+from cpm_core.multiscale import to_image
 from cpm_core.parameters import Parameters
 from cpm_core.particles import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.regions import Regions
 from cpm_core.result import Result
-from cpm_core.seeds import allowed_by, inside_image, starting_points
-from cpm_core.settling import idle_steps_of, launched, settled, without_stragglers
-from cpm_core.standing import Standing
+from cpm_core.seeds import starting_points
+from cpm_core.settling import idle_steps_of
+from cpm_core.step import displaced, populated
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-_STEPS_A_PIXEL = 2.0
-"""Steps that a scale may take, for each pixel of the longest side: a front advances about two pixels a step."""
-
-_FRONT, _LOOK_EVERY, _LOOK_IDLY = 20, 4, 8
-"""Steps without new ground around it up to which a particle with an open side looks for places at every step, for a
-front must not wait; how often others look, and how often ahead where nothing new has been found for longer."""
-
-_LATE_EVERY, _COLD_EVERY = 2, 4
-"""How often particles are deleted and inserted once next to no new ground is found, and once no repulsion is left."""
-
-_LEAST_STEPS = 400
-"""Steps that a scale may take however small it is."""
 
 
 class Engine:
@@ -177,7 +161,7 @@ class Engine:
         points = starting_points(seeds, self.image.shape, self.regions)
         nobody = Particles.at_rest(points[:0])
         begun = State(nobody, points, self.image.shape, self.scales, unvisited(()), regions=self.regions)
-        return self._enter(begun, self.scales - 1)
+        return entered(begun, self.scales - 1, self.regions)
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
         """One time step.
@@ -208,10 +192,10 @@ class Engine:
         level = self._charged.of(self.level(parameters, state.scale), state.scale, placed)
         idle = idle_steps_of(state, level, parameters)
         cold = not (idle < FADED).any()
-        state, moved = self._move(state, idle, level, parameters)
+        state, moved = displaced(state, idle, level, parameters)
         if len(state.particles):
             state = self._populate(state, moved, cold, level, parameters)
-        return self._judge(state, level)
+        return judged(state, level, self.regions)
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
         """Put more particles into a run.
@@ -277,7 +261,9 @@ class Engine:
             In px of the image.
         """
         scale, shape, level = state.scale, self.image.shape, self.level(parameters, state.scale)
-        found, bridged = find_contours(state.particles.position, level, parameters, at_rest=state.converged)
+        # an edge that nobody is on may have been cleared by the user, and is then not walked along
+        filled = state.converged and not state.charges and not state.erased
+        found, bridged = find_contours(state.particles.position, level, parameters, at_rest=filled)
         size = 2.0**scale
         contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
         bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
@@ -295,115 +281,6 @@ class Engine:
             bridges=bridges,
         )
 
-    def _move(self, state: State, idle: Index, level: Level, parameters: Parameters) -> tuple[State, Moved]:
-        """Force and motion, and removal of what leaves the image."""
-        particles, step = state.particles, state.step_of_scale
-        far = state.far
-        if step % FAR_EVERY == 0 or far is None:
-            far = far_force_for(particles, idle, level, parameters)
-        moved = move(particles, idle, far, level, parameters)
-        held = level.walls.held(particles, moved.particles)
-        if held is not moved.particles:
-            moved = moved.held_at(held, particles.position, level)
-        inside = inside_image(held.position, level.shape)
-        left = len(held) - int(np.count_nonzero(inside))
-        if left:
-            moved = moved.where(inside)
-        motion = moved.motion
-        state = replace(
-            state,
-            particles=moved.particles,
-            far=far,
-            step=state.step + 1,
-            step_of_scale=step + 1,
-            born=0,
-            deleted=left,
-            displacement=float(motion.mean()) if len(motion) else float("nan"),
-            moving=int(np.count_nonzero(motion > STILL)),
-            epsilon=epsilon(moved.particles.distance),
-        )
-        return state, moved
-
     def _populate(self, state: State, moved: Moved, cold: bool, level: Level, parameters: Parameters) -> State:
-        """Deletion, insertion and annealing; late in a run the first two only now and then."""
-        annealed = state.annealed * parameters.annealing
-        every = _COLD_EVERY if cold else _LATE_EVERY if state.idle >= IDLE_STEPS else 1
-        if state.step % every:
-            return replace(state, annealed=annealed, idle=state.idle + 1)
-        particles, step, stirred = state.particles, state.step_of_scale, moved.motion > 0.0
-        height, width = level.shape
-        cells = build_cells(particles.position, height, width, search_range(parameters))
-        standing = Standing(moved.strength, moved.seated, cells)
-        kept = thinned(standing, stirred, parameters.d_min)
-        ground, new = explore(state.ground, particles.position, standing.seated & kept, step)
-        round_ = state.step // every
-        turn = particles.identity + round_
-        front = idle_at(ground, particles.position, step, state.idle) < _FRONT
-        thorough = (turn % _LOOK_EVERY == 0) | particles.young | cold
-        looking = (thorough | front) & stirred
-        ahead = (turn % _LOOK_IDLY == 0) | front
-        d_max = state.annealed * parameters.d_max
-        births = insertion(standing, kept, looking, thorough, ahead, level, d_max, parameters, round_)
-        born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
-        if born:
-            particles = particles.joined_by(births.position, births.parent, births.other, state.next_identity)
-        if deleted:  # those who stay, in the order of their cells: what is near in space is then near in memory
-            stay = standing.cells.order[kept[standing.cells.order]]
-            particles = particles.taken(np.concatenate([stay, np.arange(len(kept), len(kept) + born)]))
-        return replace(
-            state,
-            particles=particles,
-            annealed=annealed,
-            next_identity=state.next_identity + born,
-            born=born,
-            deleted=state.deleted + deleted,
-            ground=ground,
-            idle=state.idle + 1 if is_idle(new, ground.size) else 0,
-        )
-
-    def _judge(self, state: State, level: Level) -> State:
-        """Rest, the way to the next scale, and the bound on steps."""
-        quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
-        state = replace(state, quiet=state.quiet + 1 if quiet else 0)
-        most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(level.shape)))
-        overdue = state.step_of_scale - state.heated >= most
-        if state.scale > 0:
-            if state.count == 0 or state.idle >= IDLE_STEPS or overdue:
-                return self._enter(settled(state, level, and_drawn=True), state.scale - 1)
-            return state
-        if state.count == 0:
-            return state.stopped("all particles left the image")
-        if state.quiet >= QUIET_STEPS:
-            going_on = launched(state, level)
-            if going_on is not None:
-                return going_on
-            reason = f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps"
-            return without_stragglers(state, level).stopped(reason, True)
-        if overdue:
-            return state.stopped(f"not at rest after {most} steps at full size")
-        return state
-
-    def _enter(self, state: State, scale: int) -> State:
-        """Begin a scale with what the coarser one found and with the drawing itself."""
-        found = to_scale(to_image(state.particles.position, state.scale, state.shape), scale, state.shape)
-        drawn = to_scale(state.start, scale, state.shape)
-        shape = shape_of_scale(state.shape, scale)
-        position = np.concatenate([found, drawn])
-        position = position[inside_image(position, shape)]
-        position = position[allowed_by(to_image(position, scale, state.shape), self.regions)]
-        first = state.next_identity
-        return replace(
-            state,
-            particles=Particles.at_rest(position, first),
-            scale=scale,
-            step_of_scale=0,
-            next_identity=first + len(position),
-            ground=unvisited(shape),
-            annealed=1.0,
-            heated=0,
-            idle=0,
-            quiet=0,
-            launches=0,
-            far=None,
-            epsilon=float("nan"),
-        )
+        """Population of a step, by itself for the experiments that do without."""
+        return populated(state, moved, cold, level, parameters)

@@ -144,6 +144,8 @@ class State:
         Regions of interest and barriers of the last step.
     charges : tuple of PlacedCharge
         Placed charges of the last step.
+    erased : bool
+        Whether particles have been erased since all were last set going.
     heated : int
         Step of this scale at which the particles were last set going, by its beginning or by other parameters.
     next_identity : int
@@ -180,6 +182,7 @@ class State:
     steering: tuple[object, ...] = ()
     regions: Regions | None = None
     charges: Charges = ()
+    erased: bool = False
     heated: int = 0
     next_identity: int = 0
     born: int = 0

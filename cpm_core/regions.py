@@ -85,7 +85,7 @@ class Regions:
         """Which pixels of an image of this shape have their centre in a region of interest."""
         if not self.interest:
             return np.ones(shape, np.bool_)
-        return np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0)
+        return np.asarray(np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0))
 
     def rims(self) -> Array:
         """Rim of the union of the regions of interest.

@@ -87,8 +87,11 @@ def _drawn(state: State) -> NDArray[np.bool_]:
 
 
 def launched(state: State, level: Level) -> State | None:
-    """Go on with particles beside enclosed boundaries that nobody has reached; None when nothing is missing."""
-    if state.launches == LAUNCHES:
+    """Go on with particles beside enclosed boundaries that nobody has reached; None when nothing is missing.
+
+    Nor are any launched where some have been erased.
+    """
+    if state.launches == LAUNCHES or state.erased:
         return None
     places = launch_places(level, settled(state, level).particles.position)
     if not len(places):

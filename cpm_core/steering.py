@@ -25,6 +25,7 @@ def heated(state: State) -> State:
         state,
         ground=renewed(state.ground, state.step_of_scale),
         annealed=1.0,
+        erased=False,
         heated=state.step_of_scale,
         idle=0,
         quiet=0,
@@ -86,7 +87,7 @@ def erased(state: State, inside: Chosen) -> State:
         gone, start = _mask(inside, state.count, "particles"), state.start
     if not gone.any() and len(start) == len(state.start):
         return state
-    rest = replace(state, particles=state.particles.where(~gone), start=start, far=None)
+    rest = replace(state, particles=state.particles.where(~gone), start=start, far=None, erased=True)
     return rest if rest.count else rest.stopped("all particles have been erased")
 
 
