@@ -36,7 +36,8 @@ The model on one page
     their force is added to the Lorentz force (`charges`). They, the parameters, regions and barriers may be changed at
     any step, and particles added or erased (`steering`): what has come to rest and is concerned is set going again.
 
-`Engine` composes 1 to 7, 9 and 10, step by step; `segment` is all of it in one call.
+`Engine` composes 1 to 7, 9 and 10, step by step; `segment` is all of it in one call. What is known about each contour,
+and which lies in which, is a row of `measure`'s table (`contour_table`).
 
 Between the contours lies the **skeleton**: the middle line of an object with the distance to its boundary, from which
 the object can be rebuilt (`skeleton`, `medial_axis`). It needs no start.
@@ -51,6 +52,7 @@ what a run has found; a `Level` is what particles feel at one scale.
 from cpm_core.bridge import Bridge
 from cpm_core.charges import PlacedCharge
 from cpm_core.contour import Contour
+from cpm_core.contour_table import containment, measure
 from cpm_core.coulomb import coulomb_force
 from cpm_core.edge_map import edge_map
 from cpm_core.engine import Engine
@@ -81,6 +83,7 @@ __all__ = [
     "Skeleton",
     "State",
     "circle",
+    "containment",
     "coulomb_force",
     "divergence_centers",
     "edge_map",
@@ -88,6 +91,7 @@ __all__ = [
     "export",
     "gradient_threshold",
     "load_image",
+    "measure",
     "reconstruct_curve",
     "segment",
     "skeleton",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -32,6 +33,15 @@ class Contour:
         Whether the first and the last vertex lie on a junction that further contours share.
     sides : Sides or None
         What `contrast` is measured on; None for a curve that was not found in an image.
+    name : str
+        What a user calls it; empty when nobody has named it.
+    colour : str
+        Colour that a user has given it, ``"#rrggbb"``; empty when nobody has.
+
+    Raises
+    ------
+    ValueError
+        When the colour is none of these.
     """
 
     points: NDArray[np.float64]
@@ -39,6 +49,15 @@ class Contour:
     strength: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
     sides: Sides | None = field(default=None, repr=False)
+    name: str = ""
+    colour: str = ""
+
+    def __post_init__(self) -> None:
+        if self.colour and not re.fullmatch("#[0-9A-Fa-f]{6}", self.colour):
+            raise ValueError(
+                f'The colour of a contour is "{self.colour}" but must be "#rrggbb", two hexadecimal digits each for '
+                "red, green and blue, or empty."
+            )
 
     @cached_property
     def contrast(self) -> float:
