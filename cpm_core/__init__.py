@@ -57,7 +57,7 @@ from cpm_core.coulomb import coulomb_force
 from cpm_core.edge_map import edge_map
 from cpm_core.engine import Engine
 from cpm_core.field.electric import electric_field
-from cpm_core.formats import export, load_image
+from cpm_core.formats import encoded, export, load_image
 from cpm_core.image import Image
 from cpm_core.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
@@ -88,6 +88,7 @@ __all__ = [
     "divergence_centers",
     "edge_map",
     "electric_field",
+    "encoded",
     "export",
     "gradient_threshold",
     "load_image",

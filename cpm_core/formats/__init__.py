@@ -13,7 +13,26 @@ import warnings
 from pathlib import Path
 from typing import Protocol
 
-from cpm_core.formats import branch_mask, contour_csv, label_mask, numpy_array, raster, svg, tiff
+from cpm_core.formats import (
+    branch_mask,
+    coco,
+    contour_csv,
+    contour_json,
+    dxf,
+    geojson,
+    imagej_roi,
+    imagej_rois,
+    label_mask,
+    label_tiff,
+    labelme,
+    measures_csv,
+    nifti,
+    nifti_packed,
+    numpy_array,
+    raster,
+    svg,
+    tiff,
+)
 from cpm_core.formats.atomic import write_together
 from cpm_core.formats.decoded import Decoded, UnreadableError
 from cpm_core.formats.points_csv import load_points
@@ -21,7 +40,16 @@ from cpm_core.image import Image
 from cpm_core.result import Result
 from cpm_core.skeleton import Skeleton
 
-__all__ = ["READABLE", "WRITABLE", "check_export", "export", "load_image", "load_points"]
+__all__ = [
+    "READABLE",
+    "WRITABLE",
+    "check_export",
+    "encoded",
+    "export",
+    "load_image",
+    "load_points",
+    "suffix_of",
+]
 
 
 class Reader(Protocol):
@@ -57,8 +85,24 @@ class SkeletonWriter(Protocol):
 
 
 _READERS: tuple[Reader, ...] = (tiff, numpy_array, raster)  # the last one takes what no other recognises
-_WRITERS: tuple[Writer, ...] = (svg, contour_csv, label_mask)
-_SKELETON_WRITERS: tuple[SkeletonWriter, ...] = (svg, contour_csv, branch_mask)  # of the same suffixes
+_BOTH = (
+    contour_csv,
+    measures_csv,
+    contour_json,
+    geojson,
+    imagej_rois,
+    imagej_roi,
+    labelme,
+    coco,
+    label_tiff,
+    nifti,
+    nifti_packed,
+    dxf,
+)
+"""Writers that make of a skeleton what they make of a result."""
+
+_WRITERS: tuple[Writer, ...] = (svg, *_BOTH, label_mask)
+_SKELETON_WRITERS: tuple[SkeletonWriter, ...] = (svg, *_BOTH, branch_mask)  # of the same suffixes
 _HEAD = 16
 _LOG = logging.getLogger(__name__)
 
@@ -66,7 +110,7 @@ READABLE: dict[str, str] = {suffix: text for reader in _READERS for suffix, text
 """Suffixes of the images that can be read -> what they are. A file is known by its content, whatever its suffix."""
 
 WRITABLE: dict[str, str] = {suffix: text for writer in _WRITERS for suffix, text in writer.WRITES.items()}
-"""Suffixes that a result can be exported to -> what is written."""
+"""Suffixes that a result can be exported to, some of two parts -> what is written."""
 
 
 def load_image(path: str | os.PathLike[str]) -> Image:
@@ -129,7 +173,51 @@ def export(result: Result | Skeleton, *paths: str | os.PathLike[str]) -> None:
     files = [Path(path) for path in paths]
     for file in files:
         check_export(file)
-    write_together([(file, _encoded(result, file.suffix.lower())) for file in files])
+    write_together([(file, encoded(result, suffix_of(file))) for file in files])
+
+
+def encoded(result: Result | Skeleton, suffix: str) -> bytes:
+    """Make what `export` would write, for the clipboard or for wherever there is no file.
+
+    Parameters
+    ----------
+    result : Result or Skeleton
+        Outcome of a run, or of `skeleton`.
+    suffix : str
+        One of `WRITABLE`. What is text is UTF-8.
+
+    Returns
+    -------
+    bytes
+        Content of the file.
+
+    Raises
+    ------
+    ValueError
+        When the suffix is not known, or the result holds nothing such a file could show.
+    """
+    writers = _SKELETON_WRITERS if isinstance(result, Skeleton) else _WRITERS
+    writer = next((writer for writer in writers if suffix in writer.WRITES), None)
+    if writer is None:
+        raise ValueError(f'"{suffix}" says no format that can be written: choose one of {_known()}.')
+    # of the two kinds of writers the one for this kind of result was taken
+    return writer.encode(result)  # type: ignore[arg-type]
+
+
+def suffix_of(path: str | os.PathLike[str]) -> str:
+    """Suffix of `WRITABLE` that a file's name ends in, in small letters.
+
+    Of several the longest counts, so that ``a.coco.json`` is no plain ``.json``; a name that is nothing but a suffix
+    has none.
+
+    Returns
+    -------
+    str
+        The suffix; empty when no format is known by it.
+    """
+    name = Path(path).name.lower()
+    suffix = max((suffix for suffix in WRITABLE if name.endswith(suffix)), key=len, default="")
+    return suffix if len(suffix) < len(name) else ""
 
 
 def check_export(path: str | os.PathLike[str]) -> None:
@@ -143,21 +231,18 @@ def check_export(path: str | os.PathLike[str]) -> None:
     file = Path(path)
     if file.is_dir():
         raise ValueError(f"{file} is a folder: name a file in it.")
-    if file.suffix.lower() not in WRITABLE:
-        known = ", ".join(f"{suffix} ({text})" for suffix, text in WRITABLE.items())
-        named = f'ends in "{file.suffix}"' if file.suffix else "has no suffix"
-        raise ValueError(f"{file.name} {named}, which says no format that can be written: choose one of {known}.")
+    if not suffix_of(file):
+        named = f'ends in "{file.suffix}"' if file.suffix and file.suffix not in WRITABLE else "has no suffix"
+        raise ValueError(f"{file.name} {named}, which says no format that can be written: choose one of {_known()}.")
     if not file.parent.is_dir():
         raise ValueError(f"{file} cannot be written: there is no folder {file.parent}.")
     if not os.access(file.parent, os.W_OK):
         raise ValueError(f"{file} cannot be written: you have no permission to write into {file.parent}.")
 
 
-def _encoded(result: Result | Skeleton, suffix: str) -> bytes:
-    """Bytes of the file for a suffix that is known."""
-    if isinstance(result, Skeleton):
-        return next(writer for writer in _SKELETON_WRITERS if suffix in writer.WRITES).encode(result)
-    return next(writer for writer in _WRITERS if suffix in writer.WRITES).encode(result)
+def _known() -> str:
+    """All formats that can be written, in words."""
+    return ", ".join(f"{suffix} ({text})" for suffix, text in WRITABLE.items())
 
 
 def _head(file: Path) -> bytes:

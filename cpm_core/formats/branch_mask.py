@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage.draw import line
 
-from cpm_core.formats.label_mask import MOST_LABELS, as_png
+from cpm_core.formats.label_mask import MOST_LABELS, as_png, label_type
 from cpm_core.skeleton import Skeleton
 
 WRITES = {".png": "branches of a skeleton as labelled lines"}
 
 
-def paint(skeleton: Skeleton) -> NDArray[np.uint16]:
+def paint(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:
     """Draw each branch as a line of pixels, one pixel wide, that touch at sides or corners.
 
     The longest branch has label 1, the next 2, and so on; where branches meet, the longer one shows.
@@ -20,14 +20,14 @@ def paint(skeleton: Skeleton) -> NDArray[np.uint16]:
     Parameters
     ----------
     skeleton : Skeleton
-        Skeleton with at most 65535 branches.
+        Skeleton.
 
     Returns
     -------
-    ndarray of uint16, shape `skeleton.shape`
-        Labels, 0 off the skeleton.
+    ndarray of uint16 or uint32, shape `skeleton.shape`
+        Labels, 0 off the skeleton; 32 bits where there are more than 65535.
     """
-    mask = np.zeros(skeleton.shape, dtype=np.uint16)
+    mask = np.zeros(skeleton.shape, dtype=label_type(len(skeleton.contours)))
     last = np.array(skeleton.shape) - 1
     for label in range(len(skeleton.contours), 0, -1):
         pixels = np.clip(np.floor(skeleton.contours[label - 1].path + 0.5).astype(int), 0, last)
@@ -37,6 +37,16 @@ def paint(skeleton: Skeleton) -> NDArray[np.uint16]:
         for a, b in zip(pixels[:-1].tolist(), pixels[1:].tolist(), strict=True):
             mask[line(*a, *b)] = label  # type: ignore[no-untyped-call]
     return mask
+
+
+def check(skeleton: Skeleton) -> int:
+    """Count the branches of a skeleton; ValueError when there are none."""
+    if not skeleton.contours:
+        raise ValueError(
+            f"{skeleton.source} has no skeleton, so its picture would be empty: "
+            "take less smoothing, or export to SVG or CSV."
+        )
+    return len(skeleton.contours)
 
 
 def encode(skeleton: Skeleton) -> bytes:
@@ -52,15 +62,10 @@ def encode(skeleton: Skeleton) -> bytes:
     ValueError
         When there is no branch, or more than 65535.
     """
-    count = len(skeleton.contours)
-    if count == 0:
-        raise ValueError(
-            f"{skeleton.source} has no skeleton, so its picture would be empty: "
-            "take less smoothing, or export to SVG or CSV."
-        )
+    count = check(skeleton)
     if count > MOST_LABELS:
         raise ValueError(
             f"The skeleton of {skeleton.source} has {count} branches, "
-            f"but a mask can tell {MOST_LABELS} apart at most: raise pruning."
+            f"but a PNG mask can tell {MOST_LABELS} apart at most: raise pruning, or export to TIFF."
         )
     return as_png(paint(skeleton), count)

@@ -28,7 +28,7 @@ def numbers(contours: Sequence[Contour]) -> tuple[int, ...]:
     return tuple(labels)
 
 
-def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> NDArray[np.uint16]:
+def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> NDArray[np.unsignedinteger]:
     """Fill the inside of each closed contour with its label.
 
     A pixel is inside when its centre is. Contours are painted from the largest to the smallest, so one that lies inside
@@ -44,15 +44,31 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> NDArray[np.uin
 
     Returns
     -------
-    ndarray of uint16, shape `shape`
-        Labels, 0 outside every contour.
+    ndarray of uint16 or uint32, shape `shape`
+        Labels, 0 outside every contour; 32 bits where there are more than 65535.
     """
-    mask = np.zeros(shape, dtype=np.uint16)
+    mask = np.zeros(shape, dtype=label_type(len(contours)))
     closed = [(contour, label) for contour, label in zip(contours, numbers(contours), strict=True) if contour.closed]
     for contour, label in sorted(closed, key=lambda pair: -pair[0].area):
         inside = polygon(contour.points[:, 0], contour.points[:, 1], shape)  # type: ignore[no-untyped-call]
         mask[inside] = label
     return mask
+
+
+def label_type(count: int) -> type[np.unsignedinteger]:
+    """Type that holds so many labels."""
+    return np.uint16 if count <= MOST_LABELS else np.uint32
+
+
+def check(result: Result) -> int:
+    """Count the closed contours of a result; ValueError when there are none."""
+    count = max(numbers(result.contours), default=0)
+    if count == 0:
+        raise ValueError(
+            f"No contour of {result.source} is closed, so a label mask would be empty: "
+            "let it run on, or export to SVG or CSV."
+        )
+    return count
 
 
 def encode(result: Result) -> bytes:
@@ -68,22 +84,17 @@ def encode(result: Result) -> bytes:
     ValueError
         When no contour is closed, or more than 65535 are.
     """
-    count = max(numbers(result.contours), default=0)
-    if count == 0:
-        raise ValueError(
-            f"No contour of {result.source} is closed, so a label mask would be empty: "
-            "let it run on, or export to SVG or CSV."
-        )
+    count = check(result)
     if count > MOST_LABELS:
         raise ValueError(
-            f"{result.source} has {count} closed contours, but a label mask can tell {MOST_LABELS} apart at most: "
-            "raise min_length or min_strength."
+            f"{result.source} has {count} closed contours, but a PNG label mask can tell {MOST_LABELS} apart at most: "
+            "raise min_length or min_strength, or export to TIFF."
         )
     return as_png(paint(result.contours, result.shape), count)
 
 
-def as_png(mask: NDArray[np.uint16], count: int) -> bytes:
+def as_png(mask: NDArray[np.unsignedinteger], count: int) -> bytes:
     """Make a grey PNG file of labels from 1 to `count`, of 8 bits up to 255 of them and of 16 bits above."""
     stream = io.BytesIO()
-    PIL.Image.fromarray(mask.astype(np.uint8) if count <= 255 else mask).save(stream, format="PNG")
+    PIL.Image.fromarray(mask.astype(np.uint8 if count <= 255 else np.uint16)).save(stream, format="PNG")
     return stream.getvalue()

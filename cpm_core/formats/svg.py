@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contour import Contour
+from cpm_core.formats.appearance import DEFAULT
 from cpm_core.formats.label_mask import numbers
 from cpm_core.result import Result
 from cpm_core.skeleton import Skeleton
@@ -23,9 +24,10 @@ def encode(result: Result | Skeleton) -> bytes:
 
     User units are pixels of the image, x along columns and y along rows, pixel centres at integers: the image covers
     the view box. Every contour is one path without a fill, and tells in data attributes whether it is closed, its mean
-    edge strength [grey levels / px], its length [px] and its label in the label mask (0 when open). The page has the
-    object's true size where that is known and can be seen, else one CSS pixel per pixel. Of a skeleton each branch is
-    such a path, and tells the distance to the boundary of all its vertices [px].
+    edge strength [grey levels / px], its length [px], its contrast where that can be measured, and its label in the
+    label mask (0 when open). One that has been named or coloured has its name as the title and its colour as the
+    stroke. The page has the object's true size where that is known and can be seen, else one CSS pixel per pixel. Of a
+    skeleton each branch is such a path, and tells the distance to the boundary of all its vertices [px].
 
     Returns
     -------
@@ -46,7 +48,7 @@ def encode(result: Result | Skeleton) -> bytes:
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="-0.5 -0.5 {cols} {rows}" '
         f'preserveAspectRatio="none"{known}>',
         f"<title>{title} of {escape(result.source)}</title>",
-        '<g fill="none" stroke="#d6006c" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round">',
+        f'<g fill="none" stroke="{DEFAULT}" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round">',
         *paths,
         "</g>",
         "</svg>",
@@ -58,10 +60,13 @@ def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None
     vertices = contour.points if len(contour.points) > 1 else contour.points.repeat(2, axis=0)  # one by itself: a dot
     points = " L".join(f"{col:.3f} {row:.3f}" for row, col in vertices)
     known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '
+    known += "" if contour.sides is None else f'data-contrast="{contour.contrast:.4f}" '
+    known += f'stroke="{contour.colour}" ' if contour.colour else ""
+    end = f"><title>{escape(contour.name)}</title></path>" if contour.name else "/>"
     return (
         f'<path fill="none" vector-effect="non-scaling-stroke" data-closed="{str(contour.closed).lower()}" '
         f'data-label="{label}" data-strength="{contour.strength:.6g}" data-length="{contour.length:.3f}" {known}'
-        f'd="M{points}{" Z" if contour.closed else ""}"/>'
+        f'd="M{points}{" Z" if contour.closed else ""}"{end}'
     )
 
 

@@ -80,8 +80,8 @@ def test_the_size_of_a_pixel_goes_from_the_image_into_the_table(tmp_path, comman
     assert "0.5 x 0.25 µm" in command("info", tmp_path / "a.tif")[1]
     assert command("run", tmp_path / "a.tif", *START, "--export", tmp_path / "a.csv")[0] == 0
     lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
-    assert lines[0].endswith(",row,col,x_um,y_um")
-    rows, columns, across, down = np.array([line.split(",")[5:] for line in lines[1:]], dtype=float).T
+    assert lines[0].endswith(",row,col,x_um,y_um,contrast")
+    rows, columns, across, down = np.array([line.split(",")[5:9] for line in lines[1:]], dtype=float).T
     assert np.allclose(across, 0.25 * columns, atol=1e-4)
     assert np.allclose(down, 0.5 * rows, atol=1e-4)
 

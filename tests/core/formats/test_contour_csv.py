@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from cpm_core.contour import Contour
+from cpm_core.contrast import Sides
 from cpm_core.formats import export, load_points
 from cpm_core.result import Result
 
@@ -48,9 +49,10 @@ def test_each_row_tells_whether_its_contour_is_closed_how_strong_and_which_label
 
 
 def test_columns_in_units_appear_only_where_the_size_of_a_pixel_is_known(tmp_path):
-    assert list(table(tmp_path / "a.csv")[0]) == ["contour", "closed", "label", "strength", "vertex", "row", "col"]
+    plain = ["contour", "closed", "label", "strength", "vertex", "row", "col"]
+    assert list(table(tmp_path / "a.csv")[0]) == [*plain, "contrast"]
     rows = table(tmp_path / "b.csv", replace(RESULT, spacing=(0.5, 0.25), unit="µm"))
-    assert list(rows[0])[-2:] == ["x_um", "y_um"]
+    assert list(rows[0]) == [*plain, "x_um", "y_um", "contrast"]
     for row in rows:
         assert float(row["x_um"]) == pytest.approx(0.25 * float(row["col"]))
         assert float(row["y_um"]) == pytest.approx(0.5 * float(row["row"]))
@@ -64,3 +66,20 @@ def test_a_result_without_contours_is_a_header(tmp_path):
 def test_the_table_can_be_the_start_of_another_run(tmp_path):
     export(RESULT, tmp_path / "a.csv")
     assert np.allclose(load_points(tmp_path / "a.csv"), np.concatenate([LINE.points, SQUARE.points]), atol=1e-4)
+
+
+def test_contrast_stands_where_it_can_be_measured(tmp_path):
+    values = np.where(np.arange(80) < 40, 0.0, 100.0) * np.ones((50, 1))
+    points = np.stack([np.arange(15.0, 35.0), np.full(20, 39.5)], axis=1)
+    edge = Contour(points, closed=False, sides=Sides(values, points, np.tile([0.0, 1.0], (20, 1)), 1.0))
+    rows = table(tmp_path / "a.csv", replace(RESULT, contours=(LINE, edge)))
+    assert {row["contrast"] for row in rows[:3]} == {""}
+    assert [float(row["contrast"]) for row in rows[3:]] == pytest.approx([edge.contrast] * 20, abs=1e-4)
+    assert edge.contrast > 0.5
+
+
+def test_names_and_colours_stand_where_any_contour_has_one(tmp_path):
+    named = replace(SQUARE, name='two, "words"', colour="#e69f00")
+    rows = table(tmp_path / "a.csv", replace(RESULT, contours=(LINE, named)))
+    assert [row["name"] for row in rows] == [""] * 3 + ['two, "words"'] * 4
+    assert [row["colour"] for row in rows] == [""] * 3 + ["#e69f00"] * 4

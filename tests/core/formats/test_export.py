@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cpm_core.contour import Contour
-from cpm_core.formats import WRITABLE, check_export, export
+from cpm_core.formats import WRITABLE, check_export, encoded, export, suffix_of
 from cpm_core.result import Result
 
 TRIANGLE = np.array([[5.0, 5.0], [5.0, 20.0], [20.0, 5.0]])
@@ -26,11 +26,27 @@ CLOSED = result_of(True)
 def test_the_suffix_chooses_the_format_in_small_and_capital_letters(tmp_path, suffix, change):
     path = tmp_path / f"out{change(suffix)}"
     export(CLOSED, path)
-    beginnings = {".svg": b"<?xml", ".csv": b"contour,", ".png": b"\x89PNG"}
+    beginnings = {
+        ".svg": b"<?xml",
+        ".csv": b"contour,closed,",
+        ".measures.csv": b"contour,label,",
+        ".json": b'{\n"format": "cpm-contours"',
+        ".geojson": b'{\n"type": "FeatureCollection"',
+        ".zip": b"PK",
+        ".roi": b"Iout",
+        ".labelme.json": b'{\n"version"',
+        ".coco.json": b'{\n"info"',
+        ".png": b"\x89PNG",
+        ".tif": b"II*\0",
+        ".tiff": b"II*\0",
+        ".nii": b"\x5c\x01\0\0",
+        ".nii.gz": b"\x1f\x8b",
+        ".dxf": b"0\nSECTION\n",
+    }
     assert path.read_bytes().startswith(beginnings[suffix])
 
 
-@pytest.mark.parametrize("name", ["out.stl", "out", "out.svg.gz", ".svg"])
+@pytest.mark.parametrize("name", ["out.stl", "out", "out.svg.gz", ".svg", ".nii.gz", ".coco.json", "outsvg"])
 def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path, name):
     with pytest.raises(ValueError, match=re.escape(name)) as caught:
         export(CLOSED, tmp_path / name)
@@ -91,3 +107,36 @@ def test_a_folder_that_must_not_be_written_to_is_told_beforehand(tmp_path, monke
     monkeypatch.setattr(os, "access", lambda path, mode: not (mode == os.W_OK and path == tmp_path))
     with pytest.raises(ValueError, match="no permission to write"):
         check_export(tmp_path / "out.svg")
+
+
+@pytest.mark.parametrize(
+    ("name", "suffix"),
+    [
+        ("a.json", ".json"),
+        ("a.COCO.json", ".coco.json"),
+        ("a.labelme.json", ".labelme.json"),
+        ("a.b.json", ".json"),
+        ("coco.json", ".json"),
+        ("a.measures.csv", ".measures.csv"),
+        ("measures.csv", ".csv"),
+        ("scan.nii.gz", ".nii.gz"),
+        ("scan.nii", ".nii"),
+        ("scan.gz", ""),
+        (".json", ""),
+        ("a", ""),
+    ],
+)
+def test_of_several_suffixes_the_longest_counts(name, suffix):
+    assert suffix_of(name) == suffix
+
+
+@pytest.mark.parametrize("suffix", WRITABLE)
+def test_what_is_made_without_a_file_is_the_content_of_the_file(tmp_path, suffix):
+    export(CLOSED, tmp_path / f"a{suffix}")
+    assert encoded(CLOSED, suffix) == (tmp_path / f"a{suffix}").read_bytes()
+
+
+def test_text_for_the_clipboard_of_an_unknown_kind_is_refused_with_the_known_ones():
+    with pytest.raises(ValueError, match=re.escape('".stl" says no format')) as caught:
+        encoded(CLOSED, ".stl")
+    assert all(suffix in str(caught.value) for suffix in WRITABLE)

@@ -10,7 +10,7 @@ import pytest
 from scipy import ndimage
 
 from cpm_core import Contour, Skeleton
-from cpm_core.formats import WRITABLE, export, load_image
+from cpm_core.formats import WRITABLE, export, load_image, suffix_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 STEM = Contour(np.array([[5.0, 10.2], [20.0, 10.4], [33.4, 10.0]]), False, 12.0, junctions=(False, True))
@@ -89,6 +89,17 @@ def test_a_branch_that_ends_on_the_border_stays_in_the_picture(tmp_path):
 def test_a_picture_without_a_skeleton_is_refused_and_the_others_are_empty(tmp_path):
     with pytest.raises(ValueError, match=r"a\.png has no skeleton"):
         export(NOTHING, tmp_path / "a.png")
-    export(NOTHING, tmp_path / "a.svg", tmp_path / "a.csv")
+    pictures = {".png", ".tif", ".tiff", ".nii", ".nii.gz"}
+    for suffix in pictures:
+        with pytest.raises(ValueError, match=r"a\.png has no skeleton"):
+            export(NOTHING, tmp_path / f"a{suffix}")
+    with pytest.raises(ValueError, match=r"a\.png has no contours, but a \.roi file"):
+        export(NOTHING, tmp_path / "a.roi")
+    with pytest.raises(ValueError, match=r"a\.png has no contours, and ImageJ"):
+        export(NOTHING, tmp_path / "a.zip")
+    with pytest.raises(ValueError, match=r"No contour of a\.png is closed"):
+        export(NOTHING, tmp_path / "a.coco.json")
+    empty = set(WRITABLE) - pictures - {".roi", ".zip", ".coco.json"}
+    export(NOTHING, *(tmp_path / f"a{suffix}" for suffix in empty))
     assert (tmp_path / "a.csv").read_text(encoding="utf-8").count("\n") == 1
-    assert {path.suffix for path in tmp_path.iterdir()} == set(WRITABLE) - {".png"}
+    assert {suffix_of(path) for path in tmp_path.iterdir()} == empty

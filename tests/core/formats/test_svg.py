@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cpm_core.contour import Contour
+from cpm_core.contrast import Sides
 from cpm_core.formats import export
 from cpm_core.result import Result
 
@@ -82,3 +83,19 @@ def test_name_of_the_image_is_said_whatever_letters_it_has(tmp_path):
 def test_a_result_without_contours_is_an_empty_drawing(tmp_path):
     root = drawing(tmp_path / "a.svg", replace(RESULT, contours=()))
     assert root.findall(f".//{SVG}path") == []
+
+
+def test_a_name_is_the_title_of_a_path_and_a_colour_its_stroke(tmp_path):
+    named = replace(SQUARE, name="<me> & U", colour="#e69f00")
+    first, second = drawing(tmp_path / "a.svg", replace(RESULT, contours=(named, LINE))).findall(f".//{SVG}path")
+    assert (first.find(f"{SVG}title").text, first.get("stroke")) == ("<me> & U", "#e69f00")
+    assert (second.find(f"{SVG}title"), second.get("stroke")) == (None, None)
+
+
+def test_contrast_is_told_where_it_can_be_measured(tmp_path):
+    values = np.where(np.arange(80) < 40, 0.0, 100.0) * np.ones((50, 1))
+    points = np.stack([np.arange(15.0, 35.0), np.full(20, 39.5)], axis=1)
+    edge = Contour(points, closed=False, sides=Sides(values, points, np.tile([0.0, 1.0], (20, 1)), 1.0))
+    first, second = drawing(tmp_path / "a.svg", replace(RESULT, contours=(edge, LINE))).findall(f".//{SVG}path")
+    assert float(first.get("data-contrast")) == pytest.approx(edge.contrast, abs=1e-4)
+    assert second.get("data-contrast") is None

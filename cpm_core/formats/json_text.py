@@ -1,0 +1,44 @@
+"""JSON: how the formats that are made of it are written down."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+PIXEL = 0.5
+"""Where the centre of the first pixel lies for formats that count from its corner [px]."""
+
+
+def text(content: dict[str, Any]) -> bytes:
+    """Write an object as UTF-8 with a line to each entry of its lists, so that versions of a file can be compared.
+
+    Raises
+    ------
+    ValueError
+        When a number is not finite, which JSON cannot say.
+    """
+    parts = [f"{json.dumps(key)}: {_value(value)}" for key, value in content.items()]
+    return ("{\n" + ",\n".join(parts) + "\n}\n").encode()
+
+
+def pairs(points: NDArray[np.float64]) -> list[list[float]]:
+    """Points (row, col) as pairs [x, y] from the corner of the image, as most programs that draw count [px]."""
+    return rounded(points[:, ::-1] + PIXEL)
+
+
+def rounded(values: NDArray[np.float64]) -> list[Any]:
+    """Numbers to a ten thousandth of a pixel, in nested lists."""
+    return list(np.round(values, 4).tolist())
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return "[\n" + ",\n".join(_plain(entry) for entry in value) + "\n]"
+    return _plain(value)
+
+
+def _plain(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)

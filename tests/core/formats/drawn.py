@@ -1,0 +1,32 @@
+"""A result with all that contours in files can have: names, colours, holes, an object in a hole, open ends, a unit."""
+
+import numpy as np
+
+from cpm_core import Contour, Result
+from cpm_core.bridge import Bridge
+
+
+def around(row, col, radius, count=80):
+    angle = 2 * np.pi * np.arange(count) / count
+    return np.stack([row + radius * np.sin(angle), col + radius * np.cos(angle)], axis=1)
+
+
+CELL = Contour(around(30.2, 35.1, 25.3), closed=True, strength=12.5, name="cell", colour="#e69f00")
+HOLE = Contour(around(30.2, 35.1, 15.3)[::-1], closed=True, strength=9.0)
+CORE = Contour(around(30.2, 35.1, 5.3, 20), closed=True, strength=7.0, name="Kern β", colour="#0072B2")
+FIBRE = Contour(np.array([[5.25, 70.0], [20.0, 72.5], [50.75, 68.0]]), False, 3.0, (True, False), name="fibre")
+DOT = Contour(np.array([[55.0, 80.5]]), False, 1.0)
+BRIDGE = Bridge(FIBRE.points[:2], 15.0, 0.5)
+RESULT = Result(
+    particles=np.zeros((7, 2)),
+    contours=(CELL, FIBRE, HOLE, CORE, DOT),
+    surface=None,
+    steps=123,
+    converged=True,
+    stop_reason="at rest",
+    shape=(60, 90),
+    spacing=(0.5, 0.25),
+    unit="µm",
+    source="cells & more.png",
+    bridges=(BRIDGE,),
+)
