@@ -37,7 +37,8 @@ The model on one page
     any step, and particles added or erased (`steering`): what has come to rest and is concerned is set going again.
 
 `Engine` composes 1 to 7, 9 and 10, step by step; `segment` is all of it in one call. What is known about each contour,
-and which lies in which, is a row of `measure`'s table (`contour_table`).
+and which lies in which, is a row of `measure`'s table (`contour_table`). Where the **truth** is known, as a mask or as
+contours, `compare` tells how well they agree with it and where they do not (`truth`, `comparison`).
 
 Between the contours lies the **skeleton**: the middle line of an object with the distance to its boundary, from which
 the object can be rebuilt (`skeleton`, `medial_axis`). It needs no start.
@@ -51,13 +52,14 @@ what a run has found; a `Level` is what particles feel at one scale.
 
 from cpm_core.bridge import Bridge
 from cpm_core.charges import PlacedCharge
+from cpm_core.comparison import Comparison, compare
 from cpm_core.contour import Contour
 from cpm_core.contour_table import containment, measure
 from cpm_core.coulomb import coulomb_force
 from cpm_core.edge_map import edge_map
 from cpm_core.engine import Engine
 from cpm_core.field.electric import electric_field
-from cpm_core.formats import encoded, export, load_image
+from cpm_core.formats import encoded, export, load_contours, load_image
 from cpm_core.image import Image
 from cpm_core.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
@@ -67,11 +69,13 @@ from cpm_core.regions import Regions
 from cpm_core.result import Result
 from cpm_core.segmentation import segment
 from cpm_core.skeleton import Skeleton, skeleton
+from cpm_core.truth import Truth, load_truth
 
 __all__ = [
     "PARAMETERS",
     "PRESETS",
     "Bridge",
+    "Comparison",
     "Contour",
     "Engine",
     "Image",
@@ -82,7 +86,9 @@ __all__ = [
     "Result",
     "Skeleton",
     "State",
+    "Truth",
     "circle",
+    "compare",
     "containment",
     "coulomb_force",
     "divergence_centers",
@@ -91,7 +97,9 @@ __all__ = [
     "encoded",
     "export",
     "gradient_threshold",
+    "load_contours",
     "load_image",
+    "load_truth",
     "measure",
     "reconstruct_curve",
     "segment",

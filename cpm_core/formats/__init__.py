@@ -34,6 +34,7 @@ from cpm_core.formats import (
     tiff,
 )
 from cpm_core.formats.atomic import write_together
+from cpm_core.formats.contour_files import CONTOURS_READABLE, load_contours
 from cpm_core.formats.decoded import Decoded, UnreadableError
 from cpm_core.formats.points_csv import load_points
 from cpm_core.image import Image
@@ -41,11 +42,13 @@ from cpm_core.result import Result
 from cpm_core.skeleton import Skeleton
 
 __all__ = [
+    "CONTOURS_READABLE",
     "READABLE",
     "WRITABLE",
     "check_export",
     "encoded",
     "export",
+    "load_contours",
     "load_image",
     "load_points",
     "suffix_of",
