@@ -7,16 +7,15 @@ here or in a module of its own; the worker does not know them.
 from __future__ import annotations
 
 import gc
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from app.model import shades
 from app.model.document import Document
-from app.session.messages import Exported, Failed, NotOpened, Opened, Report, Sowing, Trouble, WarmedUp
+from app.session.messages import Exported, Failed, Opened, Report, Sowing, Trouble, WarmedUp
+from app.session.tasks import Task
 from app.session.trouble import sentence
 from app.session.workshop import Workshop
-from cpm_core.multiscale import most_scales
 from cpm_core.parameters import Parameters
 from cpm_core.sowing import NOWHERE
 
@@ -41,30 +40,18 @@ class Command:
         return Trouble(sentence(error, self.doing))
 
 
-@dataclass(frozen=True, slots=True)
-class Open(Command):
-    """Read an image and prepare its engine; the image before stays when that fails."""
+@dataclass(frozen=True, eq=False, slots=True)
+class Adopt(Command):
+    """Change to an image that has been opened; see `app.session.opening`."""
 
     generation: int
-    path: Path
-    parameters: Parameters
-    otherwise: Path | None = None
+    opened: Opened
+
+    doing = "changing to another image"
 
     def obey(self, shop: Workshop) -> None:
-        """Read and prepare it, with as many scales as it has room for."""
-        image = shop.core.load_image(self.path)
-        parameters, notes = self.parameters, image.notes
-        most = most_scales(image.shape)
-        if parameters.scales > most:
-            parameters = replace(parameters, scales=most)
-            notes = (*notes, f"The image is small: the scales are set to {most}.")
-        shop.run.use(self.generation, image, parameters)
-        shown = shades.of_image(image.values)
-        shop.report(Opened(self.generation, image, shown, self.path, parameters, notes))
-
-    def refusal(self, error: Exception) -> Report:
-        """The image could not be used."""
-        return NotOpened(self.generation, sentence(error, f"opening {self.path.name}"), self.otherwise)
+        """Change to it."""
+        shop.run.use(self.generation, self.opened.engine, self.opened.parameters)
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,14 +163,20 @@ class Sow(Command):
 
 @dataclass(frozen=True, slots=True)
 class Export(Command):
-    """Reconstruct and write to a file whose suffix tells the format."""
+    """Reconstruct and write to a file whose suffix tells the format, unless it is given up before."""
 
     path: Path
+    task: Task
 
     def obey(self, shop: Workshop) -> None:
         """Write it."""
-        shop.core.export(shop.run.result(), self.path)
-        shop.report(Exported(self.path))
+        try:
+            result = None if self.task.cancelled else shop.run.result()
+            if result is not None and not self.task.cancelled:
+                shop.core.export(result, self.path)
+                shop.report(Exported(self.path))
+        finally:
+            self.task.end()
 
     def refusal(self, error: Exception) -> Report:
         """Nothing has been written."""

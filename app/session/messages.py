@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.shades import Shades
+from cpm_core.engine import Engine
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
 from cpm_core.particles import State
@@ -91,8 +92,8 @@ class Report:
 class Opened(Report):
     """An image has been read and its engine is ready, with the parameters asked for as far as the image has room."""
 
-    generation: int
     image: Image
+    engine: Engine
     shades: Shades
     path: Path
     parameters: Parameters
@@ -103,7 +104,6 @@ class Opened(Report):
 class NotOpened(Report):
     """An image could not be used; everything is as before, and the user may be offered another one."""
 
-    generation: int
     sentence: str
     otherwise: Path | None = None
 

@@ -158,13 +158,11 @@ class Progress:
     def _take_report(self, report: Report) -> None:
         match report:
             case Opened():
-                for what in ("opening", "sowing"):
-                    self._busy.pop(what, None)
+                self._busy.pop("sowing", None)
                 self._audience.accept(report)
                 if report.notes:
                     self._audience.say(" ".join(report.notes), False)
-            case NotOpened(_, sentence, otherwise):
-                self._busy.pop("opening", None)
+            case NotOpened(sentence, otherwise):
                 self._audience.say(sentence, True)
                 if otherwise is not None:
                     self._audience.open(otherwise)

@@ -67,13 +67,12 @@ class Run:
         """Whether steps are to be taken."""
         return self._remaining > 0
 
-    def use(self, generation: int, image: Image, parameters: Parameters) -> None:
-        """Change to another image; when no engine can be built for it, everything stays as it was."""
-        engine = self._build(image, parameters, None)
+    def use(self, generation: int, engine: Engine, parameters: Parameters) -> None:
+        """Change to another image, with the engine that has been built for it."""
         self.discard(generation)
         self.image_generation = generation
         self._engine, self._regions, self._parameters = engine, None, parameters
-        self._sower = Sower(image)
+        self._sower = Sower(engine.image)
         self._refresh_overlays()
 
     def start(self, generation: int, document: Document) -> None:

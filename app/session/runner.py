@@ -42,7 +42,7 @@ class Runner:
         self._last: dict[type[Command], Command] = {}
         core = core or Core()
         self._run = Run(core.engine, self.snapshots, self.overlays, self.reconstructor)
-        self._shop = Workshop(core, self._run, self._reports.append, lambda: self._closing)
+        self._shop = Workshop(core, self._run, self.report, lambda: self._closing)
         self._thread = threading.Thread(target=self._work, name="cpm-engine", daemon=True)
         self._thread.start()
 
@@ -52,6 +52,10 @@ class Runner:
         if command.latest_only:
             self._last[type(command)] = command
         self._commands.put(command)
+
+    def report(self, report: Report) -> None:
+        """Send a report up, from any thread."""
+        self._reports.append(report)
 
     def reports(self) -> list[Report]:
         """Reports since the last call, oldest first."""

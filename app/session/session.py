@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, Qt, QTimer
 
 from app.model import edits
 from app.model.document import NOTHING_TO_START_FROM, Document, ImageReference
+from app.model.language import tr
 from app.model.naming import describe
 from app.model.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.samples import sample_at
@@ -17,12 +18,12 @@ from app.model.situation import Situation, can_step
 from app.model.status import RunStatus
 from app.session.announcements import Announcements
 from app.session.commands import (
+    Adopt,
     Command,
     Discard,
     Export,
     Go,
     Halt,
-    Open,
     SetOverlays,
     SetPace,
     SetParameters,
@@ -33,9 +34,11 @@ from app.session.commands import (
 from app.session.core import Core
 from app.session.editor import Editor
 from app.session.messages import Opened
+from app.session.opening import Opener
 from app.session.pacer import Pacer
 from app.session.progress import Progress
 from app.session.runner import Runner
+from app.session.tasks import Tasks
 
 FRAME = 16
 """Time between looks at what the worker has sent up [ms]."""
@@ -55,7 +58,10 @@ class Session(Announcements):
     def __init__(self, core: Core | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._editor = Editor()
+        core = core or Core()
         self._runner = Runner(core)
+        self.tasks = Tasks(self._runner.report, self._wake, self)
+        self._opener = Opener(core, self.tasks)
         self._progress = Progress(self, self._runner)
         self._numbered = 0
         self._generation = 0
@@ -97,7 +103,8 @@ class Session(Announcements):
         status = self._progress.status
         stale = status.started and self.document.recipe != self._recipe
         steered = status.phase == "finished" and status.steering != self.document.parameters.steering
-        return replace(status, stale=stale, steered=steered)
+        doing = next((task.name for task in self.tasks.current), "")
+        return replace(status, stale=stale, steered=steered, busy=doing or status.busy)
 
     @property
     def situation(self) -> Situation:
@@ -118,7 +125,7 @@ class Session(Announcements):
     @property
     def idle(self) -> bool:
         """Whether nothing is going on and everything that was sent up has been shown."""
-        return self._runner.idle
+        return self._runner.idle and self.tasks.idle
 
     # Editing
 
@@ -183,14 +190,14 @@ class Session(Announcements):
             File to open when that one turns out to be unusable.
         """
         path = Path(path)
-        self._progress.busy("opening", f"Opening {path.name}…")
         sample = sample_at(path)
         parameters = sample.parameters if sample else self.document.parameters
-        self.post(Open(self._next_generation(), path, parameters, otherwise))
+        self._opener.open(path, parameters, otherwise)
 
     def export(self, path: str | Path) -> None:
         """Write the contours found so far; the suffix tells the format."""
-        self.post(Export(Path(path)))
+        path = Path(path)
+        self.post(Export(path, self.tasks.begin(tr("Writing {name}…").format(name=path.name))))
 
     # Running
 
@@ -244,25 +251,25 @@ class Session(Announcements):
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
         self._progress.busy("preparing", "Preparing (longer the very first time)…")
-        self.post(WarmUp())
+        self._opener.afterwards(lambda: self.post(WarmUp()))
 
     def post(self, command: Command) -> None:
         """Send a command to the worker."""
         self._runner.post(command)
-        if not self._timer.isActive():
-            self._frames.begin()
-            self._timer.start()
+        self._wake()
 
     def close(self) -> None:
         """Stop everything and wait for the worker to end."""
         self._timer.stop()
+        self.tasks.close()
         self._runner.close()
 
     # What the worker has sent up leads to
 
     def accept(self, opened: Opened) -> None:
         """Take over an image that has been opened."""
-        self._generation = self._image_generation = opened.generation
+        self._generation = self._image_generation = self._next_generation()
+        self.post(Adopt(self._generation, opened))
         self.image_changed.emit(opened.image, opened.shades)
         self._progress.forget()
         self._change(lambda: self._editor.begin(_document(opened)))
@@ -304,10 +311,16 @@ class Session(Announcements):
             self.document_changed.emit(self.document)
             self.status_changed.emit()
 
+    def _wake(self) -> None:
+        if not self._timer.isActive():
+            self._frames.begin()
+            self._timer.start()
+
     def _frame(self) -> None:
         self._frames.stepped()
+        self.tasks.look()
         self._progress.look()
-        if self._runner.idle:
+        if self.idle:
             self._timer.stop()
 
 

@@ -10,6 +10,7 @@ from app.views.parts.helping import HelpingPart
 from app.views.parts.looks import LooksPart
 from app.views.parts.parameters import ParametersPart
 from app.views.parts.running import RunningPart
+from app.views.parts.tasks import TasksPart
 from app.views.parts.viewing import ViewingPart
 
 PARTS: tuple[type[Part], ...] = (
@@ -17,6 +18,7 @@ PARTS: tuple[type[Part], ...] = (
     EditingPart,
     DrawingPart,
     RunningPart,
+    TasksPart,
     ParametersPart,
     ViewingPart,
     LooksPart,

@@ -1,0 +1,294 @@
+"""Long work says how far it is and how long it takes yet, and is given up at once."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PySide6.QtCore import QObject, Qt
+
+from app.model.time_left import SURE_AFTER, in_words, seconds_left
+from app.session.commands import Command
+from app.session.core import Core
+from app.session.messages import Report, Trouble
+from app.session.session import Session
+from app.session.tasks import Cancelled, Task, Tasks
+from app.session.workshop import Workshop
+from app.views.application import make_application
+from app.views.main_window import MainWindow
+from app.views.parts.tasks import TasksPart
+from app.views.task_bar import SHOWN_AFTER, TaskBar
+from cpm_core import Image, load_image
+
+PATIENCE = 20_000
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@given(st.floats(SURE_AFTER, 1e5), st.floats(0.02, 1.0))
+def test_what_goes_on_as_it_has_gone_so_far_ends_when_it_was_said_to(elapsed: float, fraction: float) -> None:
+    left = seconds_left(elapsed, fraction)
+    assert left is not None
+    assert elapsed / (elapsed + left) == pytest.approx(fraction)
+
+
+@given(st.floats(0.0, 1e6))
+def test_a_time_that_is_left_is_said_in_words_within_a_quarter(seconds: float) -> None:
+    said = in_words(seconds)
+    assert said.endswith("left")
+    number = next((float(word) for word in said.split() if word.isdigit()), None)
+    if number is None:
+        assert seconds < 10.0
+    else:
+        unit = {"s": 1.0, "min": 60.0, "h": 3600.0}[said.split()[-2]]
+        assert number * unit == pytest.approx(seconds, rel=0.5)
+
+
+def test_nothing_is_said_where_nobody_can_know() -> None:
+    assert seconds_left(10.0, None) is None
+    assert seconds_left(0.5, 0.5) is None
+    assert seconds_left(10.0, 0.0) is None
+    assert in_words(None) == ""
+
+
+def test_a_task_tells_the_time_left_from_its_own_pace() -> None:
+    clock = Clock()
+    task = Task("Counting", clock=clock)
+    clock.now = 30.0
+    assert task.seconds_left is None
+    task.advance(0.25)
+    assert task.seconds_left == pytest.approx(90.0)
+
+
+def test_who_advances_a_task_that_has_been_given_up_is_led_out_of_it() -> None:
+    task = Task("Counting")
+    task.advance(0.1)
+    task.cancel()
+    with pytest.raises(Cancelled):
+        task.advance(0.2)
+    assert task.over
+
+
+def test_what_cannot_be_given_up_or_is_done_stays_as_it_is() -> None:
+    steady, done = Task("Steady", cancellable=False), Task("Done")
+    done.end()
+    for task in (steady, done):
+        task.cancel()
+        assert not task.cancelled
+    assert (steady.over, done.over) == (False, True)
+
+
+@pytest.fixture
+def reports() -> list[Report]:
+    return []
+
+
+@pytest.fixture
+def tasks(qapp: QObject, reports: list[Report]) -> Iterator[Tasks]:
+    made = Tasks(reports.append, lambda: None)
+    yield made
+    made.close()
+
+
+def settled(tasks: Tasks) -> bool:
+    tasks.look()
+    return tasks.idle
+
+
+def test_what_a_task_returns_is_reported_and_what_goes_wrong_is_told(qtbot, tasks, reports) -> None:
+    def fall(task: Task) -> Report:
+        raise ValueError("the disk is full")
+
+    tasks.start("Good", lambda task: Trouble("News."), "being good")
+    qtbot.waitUntil(lambda: settled(tasks), timeout=PATIENCE)
+    tasks.start("Bad", fall, "being bad")
+    qtbot.waitUntil(lambda: settled(tasks), timeout=PATIENCE)
+    assert reports == [Trouble("News."), Trouble("The disk is full.")]
+
+
+def test_nothing_comes_of_a_task_that_was_given_up_whether_it_notices_or_not(qtbot, tasks, reports) -> None:
+    gate = threading.Event()
+
+    def deaf(task: Task) -> Report:
+        assert gate.wait(20)
+        return Trouble("Too late.")
+
+    def listening(task: Task) -> Report:
+        assert gate.wait(20)
+        task.advance(0.5)
+        return Trouble("Too late.")
+
+    for work in (deaf, listening):
+        task = tasks.start("Work", work, "working")
+        assert tasks.current[-1] is task
+        task.cancel()
+        assert task not in tasks.current
+    assert not tasks.idle
+    gate.set()
+    qtbot.waitUntil(lambda: settled(tasks), timeout=PATIENCE)
+    assert reports == []
+
+
+def test_closing_gives_everything_up_and_leaves_no_thread(tasks, reports) -> None:
+    began = threading.Event()
+
+    def endless(task: Task) -> Report:
+        began.set()
+        while True:
+            task.advance(0.5)
+
+    tasks.start("Endless", endless, "going on")
+    assert began.wait(20)
+    tasks.close()
+    assert (tasks.idle, reports) == (True, [])
+
+
+@dataclass(frozen=True)
+class Wait(Command):
+    """Holds the worker until it is let."""
+
+    gate: threading.Event
+
+    def obey(self, shop: Workshop) -> None:
+        assert self.gate.wait(20)
+
+
+class Gated:
+    """Reads images, but those called slow only when it is let."""
+
+    def __init__(self) -> None:
+        self.gate = threading.Event()
+
+    def __call__(self, path: Path) -> Image:
+        if path.name.startswith("slow"):
+            assert self.gate.wait(20)
+        return load_image(path)
+
+
+@pytest.fixture
+def reader() -> Gated:
+    return Gated()
+
+
+@pytest.fixture
+def session(qapp: QObject, compiled_loops: None, reader: Gated) -> Iterator[Session]:
+    made = Session(Core(load_image=reader))
+    made.set_pace(None)
+    yield made
+    reader.gate.set()
+    made.close()
+
+
+@pytest.fixture
+def slow_file(tmp_path: Path) -> Path:
+    path = tmp_path / "slow.npy"
+    np.save(path, np.eye(40))
+    return path
+
+
+def test_an_image_that_takes_long_is_given_up_by_a_click_and_the_one_before_runs_on(
+    ready, hand, slow_file, reader, qtbot
+) -> None:
+    session, bar = ready.session, ready.part(TasksPart).bar
+    session.set_pace(30.0)
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: session.status.step >= 1)
+    session.open(slow_file)
+    hand.wait(lambda: bar.isVisible())
+    assert bar.text.startswith("Opening slow.npy…")
+    assert session.resolved.state == "Opening slow.npy…"
+    step = session.status.step
+    hand.wait(lambda: session.status.step > step or session.status.phase == "finished")
+    qtbot.mouseClick(bar._button, Qt.MouseButton.LeftButton)
+    assert not bar.isVisible()
+    assert "Opening" not in session.resolved.state
+    reader.gate.set()
+    session.pause()
+    hand.wait(lambda: session.idle)
+    assert session.document.image.name == "disc.npy"
+    assert session.document.shapes
+    assert session.status.step > 0
+
+
+def test_an_image_is_given_up_by_a_key(ready, hand, slow_file, reader) -> None:
+    ready.session.open(slow_file)
+    assert ready.actions_by_name["cancel_task"].isEnabled()
+    hand.key(Qt.Key.Key_Period, Qt.KeyboardModifier.ControlModifier)
+    assert not ready.session.tasks.current
+    assert not ready.actions_by_name["cancel_task"].isEnabled()
+    reader.gate.set()
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.document.image.name == "disc.npy"
+
+
+def test_of_two_images_opened_in_a_row_the_later_one_is_open(window, hand, slow_file, reader, tmp_path) -> None:
+    np.save(tmp_path / "quick.npy", np.eye(24))
+    window.session.open(slow_file)
+    window.session.open(tmp_path / "quick.npy")
+    hand.wait(lambda: window.session.document.image.name == "quick.npy")
+    reader.gate.set()
+    hand.wait(lambda: window.session.idle)
+    assert window.session.document.image.name == "quick.npy"
+
+
+def test_an_export_that_was_given_up_writes_nothing(ready, hand, tmp_path) -> None:
+    session = ready.session
+    hand.key(Qt.Key.Key_Period)
+    hand.wait(lambda: session.status.step == 1 and session.idle)
+    gate = threading.Event()
+    session.post(Wait(gate))  # so that the export has not begun when it is given up
+    session.export(tmp_path / "a.csv")
+    for task in session.tasks.current:
+        task.cancel()
+    session.export(tmp_path / "b.csv")
+    gate.set()
+    hand.wait(lambda: session.idle)
+    assert (tmp_path / "b.csv").exists()
+    assert not (tmp_path / "a.csv").exists()
+
+
+def test_closing_while_an_image_is_being_opened_ends_at_once_and_well(
+    qtbot, session: Session, slow_file: Path, reader: Gated
+) -> None:
+    make_application()
+    window = MainWindow(session)
+    window.show()
+    session.open(slow_file)
+    reader.gate.set()
+    window.close()
+    assert session.document.image is None
+    window.deleteLater()
+
+
+def test_the_bar_shows_the_part_done_and_hides_what_is_over_soon(qtbot, tasks) -> None:
+    bar = TaskBar(tasks)
+    qtbot.addWidget(bar)
+    clock = Clock()
+
+    def shown(change: Callable[[], None]) -> str:
+        change()
+        tasks.changed.emit()
+        return bar.text
+
+    task = tasks.begin("Writing a.gif…")
+    task._clock, task._began = clock, 0.0
+    assert shown(lambda: setattr(clock, "now", 0.5 * SHOWN_AFTER)) == ""
+    assert shown(lambda: setattr(clock, "now", 30.0)) == "Writing a.gif…"
+    assert bar._bar.maximum() == 0
+    assert shown(lambda: task.advance(0.25)) == "Writing a.gif… about 2 min left"
+    assert bar._bar.value() / bar._bar.maximum() == pytest.approx(0.25)
+    assert shown(task.end) == ""
+    tasks.look()
