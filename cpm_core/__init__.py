@@ -57,8 +57,10 @@ from cpm_core.contour import Contour
 from cpm_core.contour_table import containment, measure
 from cpm_core.coulomb import coulomb_force
 from cpm_core.edge_map import edge_map
+from cpm_core.energies import Energies
 from cpm_core.engine import Engine
 from cpm_core.field.electric import electric_field
+from cpm_core.forces import Forces
 from cpm_core.formats import encoded, export, load_contours, load_image
 from cpm_core.image import Image
 from cpm_core.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
@@ -77,7 +79,9 @@ __all__ = [
     "Bridge",
     "Comparison",
     "Contour",
+    "Energies",
     "Engine",
+    "Forces",
     "Image",
     "Parameters",
     "Particles",

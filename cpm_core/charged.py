@@ -10,8 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from threading import local
 
-from cpm_core.charges import Charges, at_scale, box_of, changed, placed_force, radius_at
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.charges import Charges, at_scale, box_of, changed, placed_force, placed_potential, radius_at
 from cpm_core.level import Level
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -69,3 +74,24 @@ class ChargedLevels:
             kept = replace(kept, charges=charges)
         self._local.kept = kept
         return kept.charged
+
+
+def charged_force(level: Level, charges: Array, scale: int) -> Array:
+    """Lorentz force on the pixels of a level with that of charges, shapes (K, 3) and (2, H, W)."""
+    force = level.lorentz.astype(float)
+    if len(charges):
+        box = box_of(charges, radius_at(scale), level.shape)
+        force[:, slice(*box[:2]), slice(*box[2:])] += np.moveaxis(placed_force(charges, radius_at(scale), box), -1, 0)
+    return force
+
+
+def charged_potential(level: Level, charges: Array) -> Array:
+    """Potential on the pixels of the image with that of charges, shapes (K, 3) and (H, W); see `Engine.potential`."""
+    potential = level.potential.copy()
+    for number in range(len(charges)):
+        charge = charges[number : number + 1]
+        top, bottom, left, right = box_of(charge, radius_at(0), level.shape)
+        places = np.mgrid[top:bottom, left:right].reshape(2, -1).T
+        placed = placed_potential(charge, radius_at(0), places).reshape(bottom - top, right - left)
+        potential[top:bottom, left:right] += level.steepest * placed
+    return potential

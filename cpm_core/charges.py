@@ -22,12 +22,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import between
 from cpm_core.kernels import compiled, inlined
 from cpm_core.multiscale import to_scale
 
 Array = NDArray[np.float64]
-Single = NDArray[np.float32]
 Box = tuple[int, int, int, int]
 """First row, the one behind the last, first column, the one behind the last."""
 
@@ -124,9 +122,8 @@ def within_reach(
 ) -> NDArray[np.bool_]:
     """Which of positions, shape (N, 2) [px of a scale], one of the charges at least is felt at."""
     near = np.zeros(len(positions), np.bool_)
-    for row, col, _ in at_scale(charges, scale, shape):
-        squared = (positions[:, 0] - row) ** 2 + (positions[:, 1] - col) ** 2
-        near |= squared < (_RADII * radius_at(scale)) ** 2
+    if charges:
+        _reach(at_scale(charges, scale, shape), _RADII * radius_at(scale), positions, near)
     return near
 
 
@@ -164,34 +161,8 @@ def placed_force(charges: Array, radius: float, box: Box) -> Array:
     return force
 
 
-def placed_force_at(charges: Array, radius: float, positions: Array, felt: Single) -> Array:
-    """Force of charges on particles, as it is felt: between the four pixels around each.
-
-    Parameters
-    ----------
-    charges : ndarray, shape (K, 3)
-        Row, column and strength of each [px of the scale].
-    radius : float
-        `RADIUS` in px of the scale.
-    positions : ndarray, shape (N, 2)
-        Particles [px of the scale].
-    felt : ndarray, shape (H, W, C)
-        What is felt on the pixels; only its shape counts.
-
-    Returns
-    -------
-    ndarray, shape (N, 2)
-        In units of the Lorentz force away from edges.
-    """
-    force = np.zeros((len(positions), 2))
-    if len(charges):
-        corner = np.empty((2, 2, 2))
-        _force_between(charges, radius, np.ascontiguousarray(positions, dtype=float), felt, corner, force)
-    return force
-
-
 def placed_potential(charges: Array, radius: float, points: Array) -> Array:
-    """Potential of charges, of which the force is the slope: px of the image, by units of the Lorentz force.
+    """Potential of charges, of which the force is the slope.
 
     Parameters
     ----------
@@ -199,20 +170,37 @@ def placed_potential(charges: Array, radius: float, points: Array) -> Array:
         Row, column and strength of each [px of the scale].
     radius : float
         `RADIUS` in px of the scale.
-    points : ndarray, shape (..., 2)
+    points : ndarray, shape (N, 2)
         Where [px of the scale].
 
     Returns
     -------
-    ndarray, shape (...)
-        Below 0 where particles are attracted. What is cut from a sum of forces does not show.
+    ndarray, shape (N,)
+        Below 0 where particles are attracted [px of the scale, by units of the Lorentz force]. What is cut from a sum
+        of forces does not show.
     """
-    potential = np.zeros(points.shape[:-1])
-    for row, col, strength in charges:
-        squared = ((points[..., 0] - row) ** 2 + (points[..., 1] - col) ** 2) / radius**2
-        left = np.maximum(1.0 - squared**1.5 / _RADII**3, 0.0)
-        potential -= _NORM * strength * RADIUS * left**3 / (1.0 + squared**2) ** 0.25
+    potential = np.zeros(len(points))
+    if len(charges):
+        _add_potentials(charges, radius, np.ascontiguousarray(points, dtype=float), potential)
     return potential
+
+
+@compiled
+def _reach(charges: Array, reach: float, positions: Array, near: NDArray[np.bool_]) -> None:
+    for k in range(len(charges)):
+        for i in range(len(positions)):
+            squared = (positions[i, 0] - charges[k, 0]) ** 2 + (positions[i, 1] - charges[k, 1]) ** 2
+            near[i] |= squared < reach**2
+
+
+@compiled
+def _add_potentials(charges: Array, radius: float, points: Array, potential: Array) -> None:
+    for k in range(len(charges)):
+        for i in range(len(points)):
+            squared = ((points[i, 0] - charges[k, 0]) ** 2 + (points[i, 1] - charges[k, 1]) ** 2) / radius**2
+            if squared < _RADII**2:
+                left = 1.0 - squared * np.sqrt(squared) / _RADII**3
+                potential[i] -= _NORM * charges[k, 2] * radius * left**3 / np.sqrt(np.sqrt(1.0 + squared**2))
 
 
 @inlined
@@ -244,24 +232,3 @@ def _add_forces(charges: Array, radius: float, top: int, left: int, force: Array
             if squared > MOST**2:
                 force[row, col, 0] *= MOST / np.sqrt(squared)
                 force[row, col, 1] *= MOST / np.sqrt(squared)
-
-
-@compiled
-def _force_between(charges: Array, radius: float, positions: Array, felt: Single, corner: Array, force: Array) -> None:
-    reach = _RADII * radius + 2.0
-    near = np.empty((len(charges), 3))
-    for i in range(len(positions)):
-        y, x = positions[i, 0], positions[i, 1]
-        many = 0
-        for k in range(len(charges)):
-            near[many, 0], near[many, 1], near[many, 2] = charges[k, 0], charges[k, 1], charges[k, 2]
-            many += (charges[k, 0] - y) ** 2 + (charges[k, 1] - x) ** 2 < reach**2
-        if many == 0:
-            continue
-        row, col, down, right = between(felt, y, x)
-        corner[:] = 0.0
-        _add_forces(near[:many], radius, row, col, corner)
-        for axis in range(2):
-            upper = corner[0, 0, axis] * (1.0 - right) + corner[0, 1, axis] * right
-            lower = corner[1, 0, axis] * (1.0 - right) + corner[1, 1, axis] * right
-            force[i, axis] = upper * (1.0 - down) + lower * down

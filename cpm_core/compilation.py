@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core import kernel_cache
+from cpm_core.charges import PlacedCharge
 from cpm_core.engine import Engine
 from cpm_core.initialization import circle
 from cpm_core.noise import clean
@@ -32,6 +33,7 @@ _ROW, _COL = np.indices((32, 32))
 _DISK = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
 _REGIONS = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=(((5.3, 2.2), (6.1, 28.4)),))
 _PARAMETERS = Parameters(scales=2)
+_CHARGES = (PlacedCharge((4.0, 4.0), 1.0),)
 _STEPS = 12
 
 _LOOK_EVERY = 0.05
@@ -56,23 +58,27 @@ def warm_up(unwanted: Callable[[], bool] = lambda: False) -> None:
         return
     engine, state = step_once()
     engine.result(state, _PARAMETERS)
+    engine.energies(state, _PARAMETERS, _CHARGES)
     clean(_DISK)
 
 
 def step_once() -> tuple[Engine, State]:
-    """Run the loops of a step."""
+    """Run the loops of a step, with placed charges too, and those that tell its forces."""
     engine = Engine(_DISK, _PARAMETERS, _REGIONS)
     state = engine.start(circle((15.5, 15.5), 5.0))
     for _ in range(_STEPS):
         state = engine.step(state, _PARAMETERS)
+    engine.forces(engine.step(state, _PARAMETERS, _CHARGES), _PARAMETERS, _CHARGES)
     return engine, state
 
 
 def reconstruct_once() -> None:
-    """Run the loops of the reconstruction, and those that clean an image."""
+    """Run the loops of the reconstruction and of the energies, and those that clean an image."""
     clean(_DISK)
     engine = Engine(_DISK, _PARAMETERS, _REGIONS)
-    engine.result(engine.start(circle((15.5, 15.5), 9.0)), _PARAMETERS)
+    state = engine.start(circle((15.5, 15.5), 9.0))
+    engine.result(state, _PARAMETERS)
+    engine.energies(state, _PARAMETERS, _CHARGES)
 
 
 def end_with_the_caller() -> None:

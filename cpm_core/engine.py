@@ -15,10 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from cpm_core import steering
 from cpm_core.bridge import Bridge
-from cpm_core.charged import ChargedLevels
-from cpm_core.charges import PlacedCharge, at_scale, box_of, in_order, placed_force, radius_at
+from cpm_core.charged import ChargedLevels, charged_force, charged_potential
+from cpm_core.charges import PlacedCharge, at_scale, in_order
 from cpm_core.course import entered, judged
 from cpm_core.dynamics import FADED
+from cpm_core.energies import Energies, energies
+from cpm_core.forces import Forces, forces
 from cpm_core.ground import unvisited
 from cpm_core.image import Image
 from cpm_core.level import Level
@@ -131,13 +133,7 @@ class Engine:
 
         Without any the vectors have at most unit length. The charges are in px of the image, whatever the scale.
         """
-        level = self.level(parameters, scale)
-        force = level.lorentz.astype(float)
-        if charges:
-            placed, radius = at_scale(in_order(charges), scale, self.image.shape), radius_at(scale)
-            box = box_of(placed, radius, level.shape)
-            force[:, slice(*box[:2]), slice(*box[2:])] += np.moveaxis(placed_force(placed, radius, box), -1, 0)
-        return force
+        return charged_force(self.level(parameters, scale), at_scale(in_order(charges), scale, self.image.shape), scale)
 
     def start(self, seeds: ArrayLike) -> State:
         """First state of a run.
@@ -184,18 +180,64 @@ class Engine:
         """
         if state.stop_reason:
             return state
-        if state.steering != parameters.steering or state.regions != self.regions:
-            state = replace(steering.heated(steering.within(state, self.regions)), steering=parameters.steering)
-        placed = in_order(charges)
-        if state.charges != placed:
-            state = steering.woken(state, placed)
-        level = self._charged.of(self.level(parameters, state.scale), state.scale, placed)
+        state = self._taken_up(state, parameters, charges)
+        level = self._charged.of(self.level(parameters, state.scale), state.scale, state.charges)
         idle = idle_steps_of(state, level, parameters)
         cold = not (idle < FADED).any()
         state, moved = displaced(state, idle, level, parameters)
         if len(state.particles):
             state = self._populate(state, moved, cold, level, parameters)
         return judged(state, level, self.regions)
+
+    def forces(
+        self,
+        state: State,
+        parameters: Parameters,
+        charges: Sequence[PlacedCharge] = (),
+        index: ArrayLike | None = None,
+    ) -> Forces:
+        """Forces on the particles of a state: those with which a step from it begins.
+
+        Parameters
+        ----------
+        state : State
+            A state of a run on this image, at rest or not.
+        parameters : Parameters
+            Of the step.
+        charges : sequence of PlacedCharge, optional
+            Of the step.
+        index : array_like of int, optional
+            Which of the particles are asked about, in the order of `state.position`; by default all of them.
+
+        Returns
+        -------
+        Forces
+            As exactly as a step reckons them: pairs in single precision (2e-4 of a force of unit size), and what comes
+            from afar by a mesh, which serves for four steps (`coulomb.far_force` tells what that leaves out). A step
+            carries the force on by its change in the last two steps, eq. (15), and integrates the damping exactly;
+            friction also takes the speed along the edge at once. None of this is a force.
+        """
+        state = self._taken_up(state, parameters, charges)
+        level = self.level(parameters, state.scale)
+        charged = self._charged.of(level, state.scale, state.charges)
+        idle = idle_steps_of(state, charged, parameters)
+        which = np.arange(state.count) if index is None else index
+        return forces(state, level, charged, idle, parameters, which)
+
+    def energies(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Energies:
+        """Kinetic and potential energy of the particles of a state; `cpm_core.energies` tells in which measure.
+
+        The potential of the fixed charges is made when it is first asked for at a scale, and kept as long as the field.
+        """
+        return energies(replace(state, charges=in_order(charges)), self.level(parameters, state.scale), parameters)
+
+    def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
+        """Potential on the pixels of the image, shape (H, W) [grey levels], lowest where particles are drawn to.
+
+        That of the fixed charges, eq. (7), and that of placed ones, whose unit of force counts as the steepest slope of
+        the former. The former is made when it is first asked for, and kept as long as the field.
+        """
+        return charged_potential(self.level(parameters), at_scale(in_order(charges), 0, self.image.shape))
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
         """Put more particles into a run.
@@ -284,3 +326,10 @@ class Engine:
     def _populate(self, state: State, moved: Moved, cold: bool, level: Level, parameters: Parameters) -> State:
         """Population of a step, by itself for the experiments that do without."""
         return populated(state, moved, cold, level, parameters)
+
+    def _taken_up(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
+        """A state as a step takes it up, under other parameters, regions or charges than its last one or the same."""
+        if state.steering != parameters.steering or state.regions != self.regions:
+            state = replace(steering.heated(steering.within(state, self.regions)), steering=parameters.steering)
+        placed = in_order(charges)
+        return state if state.charges == placed else steering.woken(state, placed)

@@ -84,14 +84,18 @@ def renewed(ground: Ground, step: int) -> Ground:
     return Ground(*(np.where(cells == _NEVER, _NEVER, step).astype(np.int32) for cells in ground))
 
 
-def with_news(ground: Ground, place: Array, reach: float, step: int) -> Ground:
-    """Ground as if there were news in all cells within reach of a place, shape (2,) [px], at the step now."""
-    away = [
-        np.maximum(np.abs(_CELL * (np.arange(n) + 0.5) - 0.5 - x) - 0.5 * _CELL, 0.0)
-        for n, x in zip(ground.news.shape, place, strict=True)
-    ]
-    near = away[0][:, None] ** 2 + away[1] ** 2 < reach**2
-    return Ground(ground.found, np.where(near, step, ground.news).astype(np.int32))
+def with_news(ground: Ground, places: Array, reach: float, step: int) -> Ground:
+    """Ground as if there were news in all cells within reach of places, shape (K, 2) [px], at the step now."""
+    news = ground.news.copy()
+    for place in places:
+        parts, away = [], []
+        for along, x in zip(news.shape, place, strict=True):
+            first, last = (min(max(int((x + sign * reach + 0.5) / _CELL), 0), along - 1) for sign in (-1, 1))
+            parts.append(slice(first, last + 1))
+            middle = _CELL * (np.arange(first, last + 1) + 0.5) - 0.5
+            away.append(np.maximum(np.abs(middle - x) - 0.5 * _CELL, 0.0))
+        news[tuple(parts)][away[0][:, None] ** 2 + away[1] ** 2 < reach**2] = step
+    return Ground(ground.found, news)
 
 
 def idle_at(ground: Ground, positions: Array, step: int, elsewhere: int) -> NDArray[np.int64]:

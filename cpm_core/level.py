@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,7 @@ from cpm_core.contrast import region_contrast
 from cpm_core.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.interpolation import interpolate
+from cpm_core.field.potential import convolved_potential
 from cpm_core.frame import inside_frame, within
 from cpm_core.regions import Regions
 from cpm_core.running_maximum import running_maximum
@@ -120,6 +121,25 @@ class Level:
     def spline(self) -> Array:
         """Cubic spline coefficients of the edge map, continued by `SPLINE_MARGIN` pixels beyond the border."""
         return np.pad(scipy.ndimage.spline_filter(self.edge_map, order=3, mode="nearest"), SPLINE_MARGIN, mode="edge")
+
+    @cached_property
+    def potential(self) -> Array:
+        """Potential of the fixed charges, shape (H, W) [grey levels]."""
+        return convolved_potential(self.charges)
+
+    @cached_property
+    def steepest(self) -> float:
+        """Steepest slope of the potential [grey levels / px]; 1 where it is flat."""
+        slope = float(magnitude(gradient(self.potential, 0.0)).max())
+        return slope if slope > 0.0 else 1.0
+
+    def behind(self, walls: Walls) -> Level:
+        """The same level with other walls; what has been derived of it is taken over."""
+        other = replace(self, walls=walls)
+        for name in ("spline", "potential", "steepest"):
+            if name in self.__dict__:
+                other.__dict__[name] = self.__dict__[name]
+        return other
 
     @property
     def shape(self) -> tuple[int, ...]:

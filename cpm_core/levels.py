@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from copy import copy
-from dataclasses import replace
 from threading import Lock
 
 import numpy as np
@@ -66,7 +65,7 @@ class Levels:
             kept, former, other._told = self._kept, self._former, self._told.copy()
             walls = {scale: other._walls(scale) for scale, *_ in [*kept, *former]}
             kept, former = (
-                OrderedDict((key, replace(level, walls=walls[key[0]])) for key, level in levels.items())
+                OrderedDict((key, level.behind(walls[key[0]])) for key, level in levels.items())
                 for levels in (kept, former)
             )
         same = _interest(regions) == _interest(self._regions)

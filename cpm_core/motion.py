@@ -6,6 +6,7 @@ is passed over until there is new ground near it or other parameters set the run
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import NamedTuple
@@ -13,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.coulomb.far_force import NOTHING_FAR, FarForce, far_at, far_force, nodes
+from cpm_core.coulomb.far_force import FAR_EVERY, NOTHING_FAR, FarForce, far_at, far_force, nodes
 from cpm_core.dynamics import (
     FADED,
     LATEST,
@@ -29,7 +30,7 @@ from cpm_core.kernels import compiled
 from cpm_core.level import GATE, Level
 from cpm_core.neighbors import Cells, build_cells, cell_of, cells_around, row_of_cells
 from cpm_core.parameters import Parameters
-from cpm_core.particles import MEMORY, Particles
+from cpm_core.particles import MEMORY, Particles, State
 from cpm_core.standing import seat, seats
 from cpm_core.threads import share
 
@@ -39,9 +40,6 @@ Bits = NDArray[np.int32]
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 Four = tuple[float, float, float, float]
-
-FAR_EVERY = 4
-"""Steps for which a far force serves: meanwhile particles move by a small part of its reach."""
 
 _REACH = 2.0
 """Reach of the pairs where there is a mesh for the others, in d_min + d_max."""
@@ -57,6 +55,9 @@ _PAIRS_A_NODE = 40
 
 _WORTH_A_THREAD = 400
 """Particles from which on a second thread makes the step faster."""
+
+_FEW = 8
+"""Particles up to which it is faster to ask about each of them than about all."""
 
 _LANES = 16
 """Numbers that are worked on at once: lists are filled up to a multiple of it."""
@@ -135,6 +136,13 @@ def far_force_for(particles: Particles, idle: Index, level: Level, parameters: P
     return far_force(particles.position, level.shape, reach)
 
 
+def far_force_of(state: State, idle: Index, level: Level, parameters: Parameters) -> FarForce:
+    """Far force of the step after a state: the one that serves, or a new one when its time has come."""
+    if state.step_of_scale % FAR_EVERY == 0 or state.far is None:
+        return far_force_for(state.particles, idle, level, parameters)
+    return state.far
+
+
 def move(particles: Particles, idle: Index, far: FarForce, level: Level, parameters: Parameters) -> Moved:
     """One time step of all particles.
 
@@ -156,9 +164,80 @@ def move(particles: Particles, idle: Index, far: FarForce, level: Level, paramet
     Moved
         After the step.
     """
-    height, width = level.shape
+    cells = _cells(particles, far, level.shape)
+    moved, work = _prepared(particles, cells, idle, far, level.felt, level.floor, parameters)
+    share(work, len(particles), _WORTH_A_THREAD)
+    return moved
+
+
+def undamped_force(
+    particles: Particles,
+    index: Index,
+    idle: Index,
+    far: FarForce,
+    felt: Single,
+    shape: tuple[int, ...],
+    parameters: Parameters,
+) -> Array:
+    """Force of eq. (12) on some of the particles but for the damping, with what friction leaves of it.
+
+    Parameters
+    ----------
+    particles : Particles
+        All of them.
+    index : ndarray of int64, shape (M,)
+        Which are asked about.
+    idle : ndarray of int64, shape (N,)
+        Steps since there was new ground around each.
+    far : FarForce
+        Far part of the Coulomb force.
+    felt : ndarray of float32, shape (H, W, 5)
+        What is felt on the pixels; see `Level`.
+    shape : tuple of int
+        Shape of the image at the scale.
+    parameters : Parameters
+        Weights, and what the Coulomb force is normalised by.
+
+    Returns
+    -------
+    ndarray, shape (M, 2)
+        The force; of particles that are asleep that of their last step.
+    """
+    cells = _cells(particles, far, shape)
+    moved, work = _prepared(particles, cells, idle, far, felt, np.inf, parameters)
+    if len(index) > _FEW:
+        share(work, len(particles), _WORTH_A_THREAD)
+    else:
+        rank = np.empty(len(particles), np.int64)
+        rank[cells.order] = np.arange(len(particles))
+        for k in rank[index].tolist():
+            work(k, k + 1)
+    return moved.particles.force.take(index, axis=0)[:, 0]
+
+
+def is_asleep(particles: Particles, idle: Index) -> Mask:
+    """Which particles are passed over in the next step, shape (N,)."""
+    slow = np.einsum("ni,ni->n", particles.velocity, particles.velocity) < _ASLEEP**2
+    return np.asarray(slow & (idle >= FADED) & ~particles.young)
+
+
+def _cells(particles: Particles, far: FarForce, shape: tuple[int, ...]) -> Cells:
+    """Particles on an image of this shape, sorted by the reach of their pairs."""
+    height, width = shape
     size = far.reach if np.isfinite(far.reach) else float(max(height, width) + 1)
-    cells = build_cells(particles.position, height, width, size)
+    return build_cells(particles.position, height, width, size)
+
+
+def _prepared(
+    particles: Particles,
+    cells: Cells,
+    idle: Index,
+    far: FarForce,
+    felt: Single,
+    floor: float,
+    parameters: Parameters,
+) -> tuple[Moved, Callable[[int, int], object]]:
+    """Where a step will be found, and what carries it out for some of the sorted particles."""
     law = _Law(
         w1=parameters.w1,
         w2=parameters.w2,
@@ -178,9 +257,8 @@ def move(particles: Particles, idle: Index, far: FarForce, level: Level, paramet
     before = (particles.velocity, particles.force, particles.distance)
     strength, seated = np.empty(len(particles)), np.empty(len(particles), np.bool_)
     to = (after.position, after.velocity, after.force, after.distance, motion, strength, seated)
-    work = partial(_move, cells, level.felt, idle, far, damped, law, before, to, level.floor)
-    share(work, len(particles), _WORTH_A_THREAD)
-    return Moved(after, motion, strength, seated)
+    work = partial(_move, cells, felt, idle, far, damped, law, before, to, floor)
+    return Moved(after, motion, strength, seated), work
 
 
 @lru_cache(maxsize=8)

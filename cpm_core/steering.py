@@ -57,9 +57,9 @@ def woken(state: State, charges: Charges) -> State:
     State
         The others sleep on.
     """
-    ground, step = state.ground, state.step_of_scale
-    for row, col, _ in at_scale(changed(state.charges, charges), state.scale, state.shape):
-        ground = with_news(ground, np.array([row, col]), REACH * 0.5**state.scale, step)
+    step, others = state.step_of_scale, changed(state.charges, charges)
+    places = at_scale(others, state.scale, state.shape)[:, :2]
+    ground = with_news(state.ground, places, REACH * 0.5**state.scale, step)
     served = state.far is not None and len(state.far.force) > 0  # else everybody may have been asleep
     far = state.far if served else None
     return replace(state, charges=charges, ground=ground, annealed=1.0, heated=step, quiet=0, far=far)

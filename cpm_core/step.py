@@ -12,7 +12,7 @@ from cpm_core.equilibrium import IDLE_STEPS, STILL, epsilon, is_idle
 from cpm_core.ground import explore, idle_at
 from cpm_core.insertion import insertion, search_range
 from cpm_core.level import Level
-from cpm_core.motion import FAR_EVERY, Moved, far_force_for, move
+from cpm_core.motion import Moved, far_force_of, move
 from cpm_core.neighbors import build_cells
 from cpm_core.parameters import Parameters
 from cpm_core.particles import State
@@ -32,9 +32,7 @@ _LATE_EVERY, _COLD_EVERY = 2, 4
 def displaced(state: State, idle: Index, level: Level, parameters: Parameters) -> tuple[State, Moved]:
     """Force and motion, and removal of what leaves the image."""
     particles, step = state.particles, state.step_of_scale
-    far = state.far
-    if step % FAR_EVERY == 0 or far is None:
-        far = far_force_for(particles, idle, level, parameters)
+    far = far_force_of(state, idle, level, parameters)
     moved = move(particles, idle, far, level, parameters)
     held = level.walls.held(particles, moved.particles)
     if held is not moved.particles:

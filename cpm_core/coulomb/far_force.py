@@ -26,6 +26,9 @@ from cpm_core.kernels import compiled
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]
 
+FAR_EVERY = 4
+"""Steps for which a far force serves: meanwhile particles move by a small part of its reach."""
+
 _PITCH = 0.5
 """Pitch of the mesh, in reaches."""
 

@@ -50,6 +50,23 @@ def _interpolate(flat: Array, shape: NDArray[np.int64], positions: Array, out: A
                     out[i, c] += weight * flat[c, index]
 
 
+def interpolate_felt(felt: Single, positions: Array) -> Array:
+    """Lorentz force at positions, shape (N, 2), by what is felt on the pixels, shape (H, W, C): its first components.
+
+    As a step does it, and without a look at other pixels than those around the positions.
+    """
+    out = np.empty((len(positions), 2))
+    _interpolate_felt(felt, np.ascontiguousarray(positions, dtype=float), out)
+    return out
+
+
+@compiled
+def _interpolate_felt(felt: Single, positions: Array, out: Array) -> None:
+    for i in range(len(positions)):
+        place = between(felt, positions[i, 0], positions[i, 1])
+        out[i, 0], out[i, 1] = component(felt, 0, place), component(felt, 1, place)
+
+
 @compiled
 def between(felt: Single, y: float, x: float) -> tuple[int, int, float, float]:
     """Pixel before a place in an image, shape (H, W, ...), and how far beyond it the place lies, along both axes."""
