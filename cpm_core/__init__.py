@@ -35,8 +35,11 @@ The model on one page
 10. **Placed charges** attract or repel the particles around them, as strongly as the edges or up to four times so;
     their force is added to the Lorentz force (`charges`). They, the parameters, regions and barriers may be changed at
     any step, and particles added or erased (`steering`): what has come to rest and is concerned is set going again.
+11. What a step adds up can be looked at: the **forces** on each particle, by name (`forces`), the **potential** of the
+    charges, and the kinetic and potential **energy**, which the damping takes out of a run until it is at rest
+    (`energies`).
 
-`Engine` composes 1 to 7, 9 and 10, step by step; `segment` is all of it in one call. What is known about each contour,
+`Engine` composes 1 to 7 and 9 to 11, step by step; `segment` is all of it in one call. What is known about each contour,
 and which lies in which, is a row of `measure`'s table (`contour_table`). Where the **truth** is known, as a mask or as
 contours, `compare` tells how well they agree with it and where they do not (`truth`, `comparison`).
 

@@ -93,5 +93,5 @@ def charged_potential(level: Level, charges: Array) -> Array:
         top, bottom, left, right = box_of(charge, radius_at(0), level.shape)
         places = np.mgrid[top:bottom, left:right].reshape(2, -1).T
         placed = placed_potential(charge, radius_at(0), places).reshape(bottom - top, right - left)
-        potential[top:bottom, left:right] += level.steepest * placed
+        potential[top:bottom, left:right] += level.slope * placed
     return potential

@@ -3,8 +3,9 @@
 The forces of the model are normalised and have no potential of their own. Its energy is reckoned by the potentials that
 they come from, in their measure:
 
-- The Lorentz force has unit size away from edges: the potential of the fixed charges counts in units of its steepest
-  slope, so that it pulls with w2 there. That of placed charges is exact, but for the cut of their sum.
+- The Lorentz force has unit size away from edges, however steep the potential of the fixed charges is there: it counts
+  in units of its mean slope, so that it pulls with w2 on average. That of placed charges is exact, but for the cut of
+  their sum.
 - The Coulomb force of two particles ``d_min`` apart is half of w1: a pair counts as ``0.5 w1 d_min^2 (1/r - 1/R)``, up
   to the distance ``R = d_min + d_max`` to which particles have neighbours. Farther ones make little difference, since
   the force on a particle is scaled by the distance to its neighbours.
@@ -68,7 +69,7 @@ def energies(state: State, level: Level, parameters: Parameters) -> Energies:
     height, width = level.shape
     reach = parameters.d_min + parameters.d_max
     pairs = _near_pairs(build_cells(particles.position, height, width, reach), reach)
-    fixed = interpolate(level.potential[None], particles.position).sum() / level.steepest
+    fixed = interpolate(level.potential[None], particles.position).sum() / level.slope
     charges = at_scale(state.charges, state.scale, state.shape)
     placed = placed_potential(charges, radius_at(state.scale), particles.position).sum()
     mutual = _PAIR * parameters.w1 * parameters.d_min**2 * pairs

@@ -170,7 +170,8 @@ class Engine:
             Obeyed at once, `scales` from the next start on. Other values than in the last step set particles that have
             come to rest going again.
         charges : sequence of PlacedCharge, optional
-            Obeyed at once. One that comes, goes or is moved sets those particles going again that it is or was felt by.
+            Obeyed at once. One that comes, goes or is moved sets those particles going again that it is or was felt by;
+            a run that has ended goes on for it once it is `State.resumed`.
 
         Returns
         -------
@@ -234,8 +235,8 @@ class Engine:
     def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Potential on the pixels of the image, shape (H, W) [grey levels], lowest where particles are drawn to.
 
-        That of the fixed charges, eq. (7), and that of placed ones, whose unit of force counts as the steepest slope of
-        the former. The former is made when it is first asked for, and kept as long as the field.
+        That of the fixed charges, eq. (7), and that of placed ones, whose unit of force counts as the mean slope of the
+        former. The former is made when it is first asked for, and kept as long as the field.
         """
         return charged_potential(self.level(parameters), at_scale(in_order(charges), 0, self.image.shape))
 

@@ -128,15 +128,15 @@ class Level:
         return convolved_potential(self.charges)
 
     @cached_property
-    def steepest(self) -> float:
-        """Steepest slope of the potential [grey levels / px]; 1 where it is flat."""
-        slope = float(magnitude(gradient(self.potential, 0.0)).max())
+    def slope(self) -> float:
+        """Mean slope of the potential [grey levels / px]; 1 where it is flat."""
+        slope = float(magnitude(gradient(self.potential, 0.0)).mean())
         return slope if slope > 0.0 else 1.0
 
     def behind(self, walls: Walls) -> Level:
         """The same level with other walls; what has been derived of it is taken over."""
         other = replace(self, walls=walls)
-        for name in ("spline", "potential", "steepest"):
+        for name in ("spline", "potential", "slope"):
             if name in self.__dict__:
                 other.__dict__[name] = self.__dict__[name]
         return other

@@ -7,15 +7,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.charges import within_reach
+from cpm_core.charges import at_scale, placed_force, radius_at, within_reach
 from cpm_core.dynamics import FADED, LATEST
 from cpm_core.enclosure import LAUNCHES, launch_places
 from cpm_core.ground import idle_at
-from cpm_core.level import Level
+from cpm_core.level import GATE, Level
 from cpm_core.parameters import Parameters
 from cpm_core.particles import State
 from cpm_core.standing import seats
 
+Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 _UNDER_WAY, _PATIENCE = 0.3, 2
@@ -89,11 +90,13 @@ def _drawn(state: State) -> NDArray[np.bool_]:
 def launched(state: State, level: Level) -> State | None:
     """Go on with particles beside enclosed boundaries that nobody has reached; None when nothing is missing.
 
-    Nor are any launched where some have been erased.
+    Nor are any launched where some have been erased, or where a placed charge lets nobody sit.
     """
     if state.launches == LAUNCHES or state.erased:
         return None
     places = launch_places(level, settled(state, level).particles.position)
+    if state.charges:
+        places = places[~_is_cleared(state, level, places)]
     if not len(places):
         return None
     state = without_stragglers(state, level)  # else they would be set going again, and to no purpose
@@ -108,6 +111,13 @@ def launched(state: State, level: Level) -> State | None:
         idle=0,
         quiet=0,
     )
+
+
+def _is_cleared(state: State, level: Level, places: Array) -> NDArray[np.bool_]:
+    """At which pixels, shape (N, 2), the placed charges are stronger than an edge."""
+    charges, radius = at_scale(state.charges, state.scale, state.shape), radius_at(state.scale)
+    force = placed_force(charges, radius, (0, level.shape[0], 0, level.shape[1]))
+    return np.asarray((force[tuple(places.astype(int).T)] ** 2).sum(axis=1) > GATE**2)
 
 
 def without_stragglers(state: State, level: Level) -> State:
