@@ -41,7 +41,9 @@ The model on one page
 
 `Engine` composes 1 to 7 and 9 to 11, step by step; `segment` is all of it in one call. What is known about each contour,
 and which lies in which, is a row of `measure`'s table (`contour_table`). Where the **truth** is known, as a mask or as
-contours, `compare` tells how well they agree with it and where they do not (`truth`, `comparison`).
+contours, `compare` tells how well they agree with it and where they do not (`truth`, `comparison`). Files of all of
+this are the business of `formats`: `export` writes contours by suffix, `encoded` makes the same without a file,
+`load_contours` reads them back; `write_animation` and `strip` show a run that was drawn frame by frame.
 
 Between the contours lies the **skeleton**: the middle line of an object with the distance to its boundary, from which
 the object can be rebuilt (`skeleton`, `medial_axis`). It needs no start.
@@ -65,6 +67,8 @@ from cpm_core.engine import Engine
 from cpm_core.field.electric import electric_field
 from cpm_core.forces import Forces
 from cpm_core.formats import encoded, export, load_contours, load_image
+from cpm_core.formats.animation import write_animation
+from cpm_core.formats.snapshot_strip import strip
 from cpm_core.image import Image
 from cpm_core.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
@@ -111,6 +115,8 @@ __all__ = [
     "reconstruct_curve",
     "segment",
     "skeleton",
+    "strip",
     "stroke",
     "uniform_grid",
+    "write_animation",
 ]

@@ -33,7 +33,7 @@ from cpm_core.formats import (
     svg,
     tiff,
 )
-from cpm_core.formats.atomic import write_together
+from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.contour_files import CONTOURS_READABLE, load_contours
 from cpm_core.formats.decoded import Decoded, UnreadableError
 from cpm_core.formats.points_csv import load_points
@@ -232,15 +232,10 @@ def check_export(path: str | os.PathLike[str]) -> None:
         When the suffix is not known, the folder does not exist or must not be written to, or the path is a folder.
     """
     file = Path(path)
-    if file.is_dir():
-        raise ValueError(f"{file} is a folder: name a file in it.")
-    if not suffix_of(file):
+    if not suffix_of(file) and not file.is_dir():
         named = f'ends in "{file.suffix}"' if file.suffix and file.suffix not in WRITABLE else "has no suffix"
         raise ValueError(f"{file.name} {named}, which says no format that can be written: choose one of {_known()}.")
-    if not file.parent.is_dir():
-        raise ValueError(f"{file} cannot be written: there is no folder {file.parent}.")
-    if not os.access(file.parent, os.W_OK):
-        raise ValueError(f"{file} cannot be written: you have no permission to write into {file.parent}.")
+    check_place(file)
 
 
 def _known() -> str:

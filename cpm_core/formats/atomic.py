@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 
@@ -39,3 +39,52 @@ def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
         for draft, _ in moves:
             with contextlib.suppress(OSError):
                 draft.unlink()
+
+
+@contextlib.contextmanager
+def draft_of(path: Path) -> Iterator[Path]:
+    """Name a file beside its place for something too long to be made in memory.
+
+    Parameters
+    ----------
+    path : Path
+        Where to. A file that exists is replaced; through a link, the file that it points to.
+
+    Yields
+    ------
+    Path
+        The file to write. Once the block has ended well it takes its place; otherwise it is removed.
+
+    Raises
+    ------
+    ValueError
+        When it cannot be written.
+    """
+    target = path.resolve()
+    draft = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        yield draft
+        with draft.open("rb+") as stream:
+            os.fsync(stream.fileno())
+        draft.replace(target)
+    except OSError as error:
+        raise ValueError(f"{target} cannot be written: {error.strerror or error}.") from error
+    finally:
+        with contextlib.suppress(OSError):
+            draft.unlink()
+
+
+def check_place(file: Path) -> None:
+    """Tell beforehand whether a file could be written at its place.
+
+    Raises
+    ------
+    ValueError
+        When the place is a folder, or its folder does not exist or must not be written to.
+    """
+    if file.is_dir():
+        raise ValueError(f"{file} is a folder: name a file in it.")
+    if not file.parent.is_dir():
+        raise ValueError(f"{file} cannot be written: there is no folder {file.parent}.")
+    if not os.access(file.parent, os.W_OK):
+        raise ValueError(f"{file} cannot be written: you have no permission to write into {file.parent}.")

@@ -1,0 +1,124 @@
+"""Snapshot strip: moments of a run side by side, as a figure of a publication shows them."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import PIL.ImageDraw
+import PIL.ImageFont
+from numpy.typing import NDArray
+
+from cpm_core.formats.atomic import check_place, write_together
+
+Frame = NDArray[np.uint8]
+
+_MOST_COLUMNS = 4
+_TEXT_SHARE, _LEAST_TEXT = 0.05, 11.0
+"""Height of the letters of a caption: so much of a frame's height, and so much at least [px]."""
+
+_PAPER, _INK = (255, 255, 255), (0, 0, 0)
+
+
+def strip(
+    frames: Sequence[Frame],
+    captions: Sequence[str] = (),
+    columns: int | None = None,
+    gap: int = 8,
+    text_size: float | None = None,
+) -> Frame:
+    """Compose frames into one picture, row by row, each with its caption below.
+
+    Parameters
+    ----------
+    frames : sequence of ndarray of uint8, shape (H, W, 3)
+        Red, green and blue, all of one size.
+    captions : sequence of str
+        One for each frame, or none at all. One that is wider than its frame is cut short.
+    columns : int, optional
+        Frames in a row; up to four unless given.
+    gap : int
+        White space between frames and around all of them [px].
+    text_size : float, optional
+        Height of the letters [px]; a twentieth of the height of a frame unless given.
+
+    Returns
+    -------
+    ndarray of uint8, shape (rows, columns, 3)
+        The picture, on white.
+
+    Raises
+    ------
+    ValueError
+        When there is no frame, frames differ in size or are no frames, or captions are not as many.
+    """
+    if not frames:
+        raise ValueError("A strip needs at least one frame: take a snapshot first.")
+    for frame in frames:
+        if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or frame.shape != frames[0].shape:
+            raise ValueError(
+                f"A frame holds {frame.dtype} of shape {frame.shape}, but all must hold uint8 of one shape "
+                f"(rows, columns, 3); the first has {frames[0].shape}."
+            )
+    if len(captions) not in (0, len(frames)):
+        raise ValueError(f"There are {len(captions)} captions for {len(frames)} frames: give one for each, or none.")
+    if columns is not None and columns < 1:
+        raise ValueError(f"columns is {columns} but must be at least 1.")
+    if gap < 0:
+        raise ValueError(f"gap is {gap} px but must be 0 or more.")
+    height, width = frames[0].shape[:2]
+    across = min(columns or _MOST_COLUMNS, len(frames))
+    down = -(-len(frames) // across)
+    font = PIL.ImageFont.load_default(text_size or max(_TEXT_SHARE * height, _LEAST_TEXT))
+    above, below = font.getmetrics() if isinstance(font, PIL.ImageFont.FreeTypeFont) else (11, 3)
+    line = above + below + max(2, below // 2) if captions else 0
+    size = (across * (width + gap) + gap, down * (height + line + gap) + gap)
+    sheet = PIL.Image.new("RGB", size, _PAPER)
+    pen = PIL.ImageDraw.Draw(sheet)
+    for number, frame in enumerate(frames):
+        left = gap + number % across * (width + gap)
+        top = gap + number // across * (height + line + gap)
+        sheet.paste(PIL.Image.fromarray(np.ascontiguousarray(frame)), (left, top))
+        if captions:
+            text = _shortened(captions[number], font, width)
+            start = left + 0.5 * (width - font.getlength(text))
+            pen.text((start, top + height + line - above - below), text, fill=_INK, font=font)
+    return np.array(sheet)
+
+
+def write_picture(pixels: Frame, path: str | os.PathLike[str]) -> None:
+    """Write a strip, or any other picture, as PNG.
+
+    Parameters
+    ----------
+    pixels : ndarray of uint8, shape (H, W, 3)
+        Red, green and blue.
+    path : path-like
+        File to write, with the suffix ``.png``.
+
+    Raises
+    ------
+    ValueError
+        When the suffix is another one or the file cannot be written.
+    """
+    file = Path(path)
+    if file.suffix.lower() != ".png":
+        raise ValueError(f"{file.name} must end in .png, for a picture is written as PNG.")
+    check_place(file)
+    stream = io.BytesIO()
+    PIL.Image.fromarray(np.ascontiguousarray(pixels)).save(stream, format="PNG")
+    write_together([(file, stream.getvalue())])
+
+
+def _shortened(text: str, font: PIL.ImageFont.FreeTypeFont | PIL.ImageFont.ImageFont, width: int) -> str:
+    """A caption in one line, cut short where it is wider than its frame."""
+    line = " ".join(text.split())
+    if font.getlength(line) <= width:
+        return line
+    while line and font.getlength(f"{line.rstrip()}…") > width:
+        line = line[:-1]
+    return f"{line.rstrip()}…" if line else ""
