@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import os
+import string
+import unicodedata
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,10 +18,21 @@ from numpy.typing import NDArray
 from cpm_core.formats.atomic import check_place, write_together
 
 Frame = NDArray[np.uint8]
+Font = PIL.ImageFont.FreeTypeFont | PIL.ImageFont.ImageFont
 
 _MOST_COLUMNS = 4
 _TEXT_SHARE, _LEAST_TEXT = 0.05, 11.0
 """Height of the letters of a caption: so much of a frame's height, and so much at least [px]."""
+
+_COMMON = ("DejaVuSans.ttf", "segoeui.ttf", "Arial Unicode.ttf", "arial.ttf", "LiberationSans-Regular.ttf")
+"""Fonts of Linux, Windows and macOS with Greek and accented letters."""
+
+_UNKNOWN = "\uffff"
+"""A letter that no font has."""
+
+_PLAIN = {"µ": "u", "×": "x", "−": "-", "⁻": "-", "≤": "<=", "≥": ">=", "≈": "~", "·": ".", "…": "..."}
+_PLAIN |= {"ß": "ss", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L"}
+"""What stands for signs that a font lacks."""
 
 _PAPER, _INK = (255, 255, 255), (0, 0, 0)
 
@@ -38,7 +51,8 @@ def strip(
     frames : sequence of ndarray of uint8, shape (H, W, 3)
         Red, green and blue, all of one size.
     captions : sequence of str
-        One for each frame, or none at all. One that is wider than its frame is cut short.
+        One for each frame, or none at all. Letters that Pillow's own font lacks are drawn in a common one of the system
+        where there is any, else spelt out: β becomes beta, µm um. A caption wider than its frame is cut short.
     columns : int, optional
         Frames in a row; up to four unless given.
     gap : int
@@ -73,7 +87,7 @@ def strip(
     height, width = frames[0].shape[:2]
     across = min(columns or _MOST_COLUMNS, len(frames))
     down = -(-len(frames) // across)
-    font = PIL.ImageFont.load_default(text_size or max(_TEXT_SHARE * height, _LEAST_TEXT))
+    font = _font("".join(captions), text_size or max(_TEXT_SHARE * height, _LEAST_TEXT))
     above, below = font.getmetrics() if isinstance(font, PIL.ImageFont.FreeTypeFont) else (11, 3)
     line = above + below + max(2, below // 2) if captions else 0
     size = (across * (width + gap) + gap, down * (height + line + gap) + gap)
@@ -84,7 +98,7 @@ def strip(
         top = gap + number // across * (height + line + gap)
         sheet.paste(PIL.Image.fromarray(np.ascontiguousarray(frame)), (left, top))
         if captions:
-            text = _shortened(captions[number], font, width)
+            text = _shortened(_spelt(captions[number], font), font, width)
             start = left + 0.5 * (width - font.getlength(text))
             pen.text((start, top + height + line - above - below), text, fill=_INK, font=font)
     return np.array(sheet)
@@ -114,7 +128,56 @@ def write_picture(pixels: Frame, path: str | os.PathLike[str]) -> None:
     write_together([(file, stream.getvalue())])
 
 
-def _shortened(text: str, font: PIL.ImageFont.FreeTypeFont | PIL.ImageFont.ImageFont, width: int) -> str:
+def _font(text: str, size: float) -> Font:
+    """Pillow's own font, or the first common one that has all letters of a text if that has not."""
+    own = PIL.ImageFont.load_default(size)
+    if not _lacking(text, own):
+        return own
+    for name in _COMMON:
+        try:
+            font = PIL.ImageFont.truetype(name, size)
+        except OSError:
+            continue
+        if not _lacking(text, font):
+            return font
+    return own
+
+
+def _lacking(text: str, font: Font) -> set[str]:
+    """Letters of a text that a font does not have."""
+    nothing = _drawn(_UNKNOWN, font)
+    return {letter for letter in set(text) - set(string.whitespace) if _drawn(letter, font) == nothing}
+
+
+def _spelt(text: str, font: Font) -> str:
+    """A caption in letters that the font has."""
+    lacking = _lacking(text, font)
+    return "".join(_plain(letter) if letter in lacking else letter for letter in text)
+
+
+def _drawn(letter: str, font: Font) -> bytes:
+    """What the font draws of a letter; of each that it lacks, the same."""
+    try:
+        return bytes(font.getmask(letter))
+    except UnicodeError:  # the font of a Pillow without FreeType is one of western letters
+        return b""
+
+
+def _plain(letter: str) -> str:
+    """A letter of another font in plain ones: names of Greek letters, digits of indices; else a question mark."""
+    if letter in _PLAIN:
+        return _PLAIN[letter]
+    kind, _, name = unicodedata.name(letter, "").rpartition(" LETTER ")
+    if kind.startswith("GREEK"):
+        return name.split()[0].lower() if "SMALL" in kind else name.split()[0].capitalize()
+    if unicodedata.category(letter) == "Pd":
+        return "-"
+    parts = unicodedata.normalize("NFKD", letter)
+    base = "".join(part for part in parts if not unicodedata.combining(part))
+    return base if base.isascii() else "?"
+
+
+def _shortened(text: str, font: Font, width: int) -> str:
     """A caption in one line, cut short where it is wider than its frame."""
     line = " ".join(text.split())
     if font.getlength(line) <= width:

@@ -1,9 +1,13 @@
 """Snapshot strips: frames in rows with captions below them."""
 
+from pathlib import Path
+
+import matplotlib
 import numpy as np
 import PIL.Image
 import pytest
 
+from cpm_core.formats import snapshot_strip
 from cpm_core.formats.snapshot_strip import strip, write_picture
 
 
@@ -29,7 +33,7 @@ def test_up_to_four_stand_in_a_row(count, across):
 
 
 def test_captions_stand_below_their_frames_in_the_middle():
-    sheet = strip([frame(200), frame(200)], ["step 40", "β = 0.8"], gap=10)
+    sheet = strip([frame(200), frame(200)], ["step 40", "at rest"], gap=10)
     plain = strip([frame(200), frame(200)], gap=10)
     line = sheet.shape[0] - plain.shape[0]
     assert line > 10
@@ -48,6 +52,38 @@ def test_a_caption_wider_than_its_frame_is_cut_short():
     assert (beside[:, :10] == 255).all()
     assert (beside[:, 90:] == 255).all()
     assert beside[:, 10:90].min() < 128
+
+
+@pytest.mark.parametrize(
+    ("text", "spelt"),
+    [
+        ("β = 0.8", "beta = 0.8"),
+        ("Δt – 1", "Deltat - 1"),
+        ("w₁", "w1"),
+        ("5 − 3", "5 - 3"),
+        ("日", "?"),
+        ("2 µm", "2 um"),
+        ("Größe 3²", "Grosse 32"),
+        ("Łódź", "Lodz"),
+        ("≤ 10⁻³", "<= 10-3"),
+    ],
+)
+def test_letters_that_no_font_has_are_spelt_out(monkeypatch, text, spelt):
+    monkeypatch.setattr(snapshot_strip, "_COMMON", ("no-such-font.ttf",))
+    wide = frame(200, (60, 300))
+    assert np.array_equal(strip([wide], [text]), strip([wide], [spelt]))
+
+
+def test_letters_of_other_fonts_are_drawn_where_there_is_one(monkeypatch):
+    other = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
+    wide = frame(200, (60, 300))
+    monkeypatch.setattr(snapshot_strip, "_COMMON", ("no-such-font.ttf", str(other)))
+    drawn = strip([wide], ["β = 0.8 µm"])
+    plain = strip([wide], ["beta = 0.8 um"])
+    monkeypatch.setattr(snapshot_strip, "_COMMON", ())
+    assert np.array_equal(strip([wide], ["beta = 0.8 um"]), plain)
+    assert np.array_equal(strip([wide], ["β = 0.8 µm"]), plain)
+    assert drawn.shape != plain.shape or not np.array_equal(drawn, plain)
 
 
 def test_letters_grow_with_the_frame_or_as_told():
