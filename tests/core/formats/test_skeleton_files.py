@@ -1,6 +1,7 @@
 """Skeletons in files: what is read back is the skeleton, radii and all."""
 
 import csv
+import json
 import re
 import xml.etree.ElementTree as ET
 
@@ -103,3 +104,16 @@ def test_a_picture_without_a_skeleton_is_refused_and_the_others_are_empty(tmp_pa
     export(NOTHING, *(tmp_path / f"a{suffix}" for suffix in empty))
     assert (tmp_path / "a.csv").read_text(encoding="utf-8").count("\n") == 1
     assert {suffix_of(path) for path in tmp_path.iterdir()} == empty
+
+
+def test_every_format_of_contours_takes_branches_as_well(tmp_path):
+    export(SKELETON, *(tmp_path / f"a{suffix}" for suffix in WRITABLE if suffix != ".roi"))
+    masks = [load_image(tmp_path / name).values for name in ("a.png", "a.tif")]
+    assert np.array_equal(masks[0], masks[1])
+    content = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    assert "run" not in content
+    for entry, contour, radii in zip(content["contours"], SKELETON.contours, RADII, strict=True):
+        assert entry["radii"] == radii.tolist()
+        np.testing.assert_allclose(entry["points"], contour.points)
+    kinds = [feature["geometry"]["type"] for feature in json.loads((tmp_path / "a.geojson").read_bytes())["features"]]
+    assert kinds == ["LineString", "LineString", "Polygon", "Point"]
