@@ -207,7 +207,7 @@ def test_an_image_that_takes_long_is_given_up_by_a_click_and_the_one_before_runs
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.status.step >= 1)
     session.open(slow_file)
-    hand.wait(lambda: bar.isVisible())
+    hand.wait(bar.isVisible)
     assert bar.text.startswith("Opening slow.npy…")
     assert session.resolved.state == "Opening slow.npy…"
     step = session.status.step
