@@ -78,6 +78,11 @@ class Contour:
         path = self.path
         return float(np.linalg.norm(path[1:] - path[:-1], axis=1).sum())
 
+    @cached_property
+    def box(self) -> NDArray[np.float64]:
+        """Lowest and highest row and column, shape (2, 2) [px]."""
+        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
+
     @property
     def area(self) -> float:
         """Enclosed area [px²]; 0 for an open curve."""

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.language import tr
+from cpm_core.curation import Mark
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.regions import Regions
 from cpm_core.shapes import Barrier, Limit, Region, Shape, Start
@@ -52,11 +53,14 @@ class Document:
         The initialization, and the regions of interest and barriers that limit it, in the order drawn.
     parameters : Parameters
         Parameters of the model.
+    marks : tuple of Mark
+        What has been said about contours.
     """
 
     image: ImageReference | None = None
     shapes: tuple[Shape, ...] = ()
     parameters: Parameters = field(default_factory=Parameters)
+    marks: tuple[Mark, ...] = ()
 
     @property
     def starts(self) -> tuple[Start, ...]:

@@ -16,6 +16,7 @@ from app.session.messages import Exported, Failed, Opened, Report, Sowing, Troub
 from app.session.tasks import Task
 from app.session.trouble import sentence
 from app.session.workshop import Workshop
+from cpm_core.curation import Mark, apply
 from cpm_core.parameters import Parameters
 from cpm_core.sowing import NOWHERE
 
@@ -163,17 +164,18 @@ class Sow(Command):
 
 @dataclass(frozen=True, slots=True)
 class Export(Command):
-    """Reconstruct and write to a file whose suffix tells the format, unless it is given up before."""
+    """Reconstruct and write what has not been rejected to a file whose suffix tells the format, unless given up."""
 
     path: Path
     task: Task
+    marks: tuple[Mark, ...] = ()
 
     def obey(self, shop: Workshop) -> None:
         """Write it."""
         try:
             result = None if self.task.cancelled else shop.run.result()
             if result is not None and not self.task.cancelled:
-                shop.core.export(result, self.path)
+                shop.core.export(apply(result, self.marks), self.path)
                 shop.report(Exported(self.path))
         finally:
             self.task.end()

@@ -197,7 +197,8 @@ class Session(Announcements):
     def export(self, path: str | Path) -> None:
         """Write the contours found so far; the suffix tells the format."""
         path = Path(path)
-        self.post(Export(path, self.tasks.begin(tr("Writing {name}…").format(name=path.name))))
+        task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
+        self.post(Export(path, task, self.document.marks))
 
     # Running
 

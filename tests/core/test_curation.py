@@ -1,0 +1,166 @@
+"""Curation: a mark finds its contour again after every reconstruction, and what is rejected is not in the result."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cpm_core import Parameters, circle, segment
+from cpm_core.bridge import Bridge
+from cpm_core.contour import Contour
+from cpm_core.curation import REACH, Mark, anchor, apply, attached, curated, distances, middle, passing
+from cpm_core.result import Result
+
+
+def ring(row: float, col: float, radius: float, count: int = 60, turn: float = 0.0) -> Contour:
+    angle = turn + np.arange(count) * 2 * np.pi / count
+    return Contour(np.column_stack([row + radius * np.sin(angle), col + radius * np.cos(angle)]), True, 5.0)
+
+
+def line(*points: tuple[float, float]) -> Contour:
+    return Contour(np.array(points, dtype=float), False, 3.0)
+
+
+def result_of(*contours: Contour, bridges: tuple[Bridge, ...] = ()) -> Result:
+    return Result(np.empty((0, 2)), contours, None, 1, True, "", (200, 200), (1.0, 1.0), None, "", bridges)
+
+
+def grid_of_rings() -> list[Contour]:
+    return [ring(30 + 40 * row, 30 + 40 * col, 8.0 + row + 3 * col) for row in range(3) for col in range(3)]
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.permutations(range(9)),
+    st.floats(0, 2 * np.pi),
+    st.floats(-0.7, 0.7),
+    st.floats(-0.7, 0.7),
+    st.lists(st.sampled_from(range(9)), unique=True),
+)
+def test_marks_find_their_contours_though_those_have_moved_turned_and_changed_places(order, turn, down, right, chosen):
+    first = grid_of_rings()
+    marks = [Mark(anchor(first, index), "rejected", f"ring {index}") for index in chosen]
+    again = [ring(30 + 40 * (i // 3) + down, 30 + 40 * (i % 3) + right, 8.0 + i // 3 + 3 * (i % 3), 47, turn)
+             for i in order]  # fmt: skip
+    for one in curated(again, marks):
+        index = order[one.index]
+        assert (one.mark.name if one.mark else "") == (f"ring {index}" if index in chosen else "")
+        assert one.contour.name == (f"ring {index}" if index in chosen else "")
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.floats(0, 60), st.floats(0, 60)), max_size=12), st.integers(0, 5))
+def test_one_mark_one_contour_and_nothing_out_of_reach(anchors, count):
+    contours = [ring(10 + 9 * index, 20 + 4 * index, 6.0) for index in range(count)]
+    found = attached(contours, anchors)
+    taken = [index for index in found if index is not None]
+    assert len(taken) == len(set(taken))
+    for place, index in zip(anchors, found, strict=True):
+        brute = [np.hypot(*(finely(contour) - place).T).min() for contour in contours]
+        if index is not None:
+            assert brute[index] <= REACH + 0.02
+        else:  # whatever is near belongs to a nearer anchor
+            for other, away in enumerate(brute):
+                assert away > REACH - 0.02 or other in taken
+
+
+def finely(contour: Contour) -> np.ndarray:
+    """Many places along a contour."""
+    share = np.linspace(0, 1, 200)[:, None, None]
+    path = contour.path
+    return (path[:-1] * (1 - share) + path[1:] * share).reshape(-1, 2)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0, 60), st.floats(0, 60))
+def test_the_distance_to_a_contour_is_that_to_its_nearest_place(row, col):
+    for contour in (ring(30, 30, 11.0, 7), line((5, 5), (40, 12), (41, 50))):
+        brute = np.hypot(*(finely(contour) - (row, col)).T).min()
+        assert distances(np.array([[row, col]]), contour)[0] == pytest.approx(brute, abs=0.2)
+        assert distances(np.array([[row, col]]), contour)[0] <= brute + 1e-9
+
+
+def test_a_contour_that_splits_leaves_its_mark_with_the_piece_at_the_anchor() -> None:
+    whole = line((10, 10), (10, 110))
+    mark = Mark(anchor([whole], 0), "kept", "vein")
+    left, right = line((10, 10), (10, 40)), line((10, 44), (10, 110))
+    assert [one.contour.name for one in curated([left, right], [mark])] == ["", "vein"]
+    assert [one.contour.name for one in curated([left], [mark])] == [""]
+
+
+def test_of_two_marks_on_what_has_become_one_contour_the_nearer_one_counts_and_both_come_back() -> None:
+    marks = [Mark((10.4, 20.0), name="left"), Mark((10.1, 80.0), name="right")]
+    assert [one.contour.name for one in curated([line((10, 0), (10, 100))], marks)] == ["right"]
+    apart = [line((10, 60), (10, 100)), line((10, 0), (10, 40))]
+    assert [one.contour.name for one in curated(apart, marks)] == ["right", "left"]
+
+
+def test_an_anchor_keeps_away_from_what_could_be_taken_for_its_contour() -> None:
+    shared = [(20.0, 0.0), (20.0, 40.0)]
+    contours = [line(*shared, (20, 60)), line((21, 0), (21, 45))]
+    row, col = anchor(contours, 0)
+    assert (row, col > 50) == (20.0, True)
+    assert attached(contours, [(row, col)]) == [0]
+
+
+def test_the_middle_of_a_contour_lies_half_the_way_along_it() -> None:
+    assert middle(line((0, 0), (0, 10), (30, 10))) == (10.0, 10.0)
+
+
+def test_what_passes_near_comes_nearest_first() -> None:
+    contours = [line((0, 0), (0, 50)), line((3, 0), (3, 50)), line((30, 0), (30, 50))]
+    assert [index for index, _ in passing(contours, (2.0, 20.0), 5.0)] == [1, 0]
+
+
+def test_the_result_that_is_written_lacks_what_is_rejected_and_has_names_and_colours() -> None:
+    one, two, three = ring(30, 30, 10), ring(30, 90, 12), ring(90, 90, 14)
+    marks = (Mark((30.0, 40.0), "rejected"), Mark((30.0, 102.0), "kept", "left ventricle", "#D55E00"))
+    written = apply(result_of(one, two, three), marks)
+    assert [(c.name, c.colour) for c in written.contours] == [("left ventricle", "#D55E00"), ("", "")]
+    np.testing.assert_array_equal(written.contours[0].points, two.points)
+    result = result_of(one)
+    assert apply(result, ()) is result
+
+
+def test_a_bridge_goes_with_its_contour() -> None:
+    bridges = tuple(Bridge(np.array([[20.0, c - 1.0], [20.0, c], [20.0, c + 1.0]]), 2.0, 1.0) for c in (30.0, 90.0))
+    written = apply(result_of(ring(30, 30, 10), ring(30, 90, 10), bridges=bridges), [Mark((30.0, 40.0), "rejected")])
+    assert written.bridges == bridges[1:]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"anchor": (float("nan"), 0.0)}, "finite"),
+        ({"anchor": (0.0, 0.0), "verdict": "perhaps"}, "perhaps"),
+        ({"anchor": (0.0, 0.0), "colour": "red"}, "#rrggbb"),
+    ],
+)
+def test_a_mark_that_makes_no_sense_is_refused(wrong, said) -> None:
+    with pytest.raises(ValueError, match=said):
+        Mark(**wrong)
+
+
+def test_a_mark_that_says_nothing_is_told_from_one_that_does() -> None:
+    assert Mark((1.0, 2.0)).says_nothing
+    assert not any(replace(Mark((1.0, 2.0)), **said).says_nothing for said in ({"name": "a"}, {"verdict": "kept"}))
+
+
+def test_marks_survive_a_run_from_another_start() -> None:
+    row, col = np.indices((80, 120))
+    values = np.where(np.hypot(row - 40, col - 32) < 18, 200.0, 20.0) + np.where(
+        np.hypot(row - 40, col - 86) < 22, 150.0, 0.0
+    )
+    starts = [
+        np.concatenate([circle((40, 32), radius=r, spacing=2.0), circle((40, 86), radius=r, spacing=2.0)])
+        for r in (8.0, 13.0)
+    ]
+    first, second = (segment(values, seeds, Parameters(scales=1)) for seeds in starts)
+    marks = [
+        Mark(anchor(first.contours, i), name=f"{c.points[:, 1].mean() > 60}") for i, c in enumerate(first.contours)
+    ]
+    assert len(first.contours) == len(second.contours) == 2
+    for one in curated(second.contours, marks):
+        assert one.contour.name == f"{one.contour.points[:, 1].mean() > 60}"
