@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from numpy.typing import ArrayLike
 
+from cpm_core.charges import PlacedCharge
 from cpm_core.engine import Engine
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
@@ -21,6 +22,7 @@ def segment(
     max_steps: int | None = None,
     progress: Callable[[State], object] | None = None,
     regions: Regions | None = None,
+    charges: Sequence[PlacedCharge] = (),
 ) -> Result:
     """Find the contours of the objects in an image.
 
@@ -41,6 +43,8 @@ def segment(
         Called with every `State`.
     regions : Regions, optional
         Regions of interest, which particles stay in, and barriers, which they do not cross.
+    charges : sequence of PlacedCharge
+        Charges that attract or repel particles, beside those of the edges.
 
     Returns
     -------
@@ -58,7 +62,7 @@ def segment(
     engine = Engine(values, chosen, regions)
     state = engine.start(seeds)
     while not state.stop_reason:
-        state = engine.step(state, chosen)
+        state = engine.step(state, chosen, charges)
         if progress is not None:
             progress(state)
         if max_steps is not None and state.step >= max_steps and not state.stop_reason:

@@ -1,0 +1,317 @@
+"""Session files: what is saved comes back, and what is damaged is told in one sentence."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import re
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cpm_core.formats.plain import LARGEST
+from cpm_core.formats.session_file import (
+    ImageFile,
+    SessionFile,
+    decode,
+    encode,
+    find_image,
+    fingerprint,
+    load_session,
+    save_session,
+)
+from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.shapes import SHAPES, Circle, Region
+
+numbers = st.floats(-LARGEST, LARGEST, allow_nan=False)
+ranges = {"radius": st.floats(0.5, 1e5), "spacing": st.floats(0.5, 1e5), "fraction": st.floats(0.0, 1.0)}
+ranges["strength"] = st.floats(-10.0, 10.0)
+
+
+def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
+    """Values of a field of a shape, whatever shapes there are."""
+    if name == "radii":
+        return st.tuples(ranges["radius"], ranges["radius"])
+    if name in ranges:
+        return ranges[name]
+    if get_origin(hint) is tuple:
+        items = get_args(hint)
+        if items[-1] is Ellipsis:
+            return st.lists(values(items[0], ""), min_size=3, max_size=6).map(tuple)
+        return st.tuples(*(values(item, "") for item in items))
+    if get_origin(hint) is Literal:
+        return st.sampled_from(get_args(hint))
+    assert hint is float, hint
+    return numbers
+
+
+def any_of(kind: type) -> st.SearchStrategy[Any]:
+    hints = get_type_hints(kind)
+    return st.builds(kind, **{field.name: values(hints[field.name], field.name) for field in fields(kind)})
+
+
+shapes = st.one_of(*(any_of(kind) for kind in SHAPES.values()))
+
+
+@st.composite
+def parameters(draw: st.DrawFn) -> Parameters:
+    """Any that are allowed."""
+    free = [info for info in PARAMETERS.values() if info.name not in ("w1", "w2", "scales", "smoothing")]
+    drawn = {info.name: draw(st.floats(info.low, info.high)) for info in free}
+    w2 = draw(st.floats(0.01, 100.0))
+    smoothing = draw(st.one_of(st.just("auto"), st.floats(0.0, 20.0)))
+    w1 = w2 * draw(st.floats(0.0, 0.99))
+    return Parameters(**drawn, w1=w1, w2=w2, smoothing=smoothing, scales=draw(st.integers(1, 8)))
+
+
+plain = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3),
+    max_leaves=8,
+)
+mappings = st.dictionaries(st.text(), plain, max_size=4)
+sessions = st.builds(
+    SessionFile,
+    image=st.sampled_from([None, ImageFile("a.png", 64 * "a", (4, 5), ("/b/a.png",)), ImageFile("/b/ü.png")]),
+    shapes=st.lists(shapes, max_size=5).map(tuple),
+    parameters=parameters(),
+    marks=st.lists(mappings, max_size=3).map(tuple),
+    mode=st.text(),
+    view=mappings,
+    extra=st.dictionaries(st.text().map(lambda text: f"x-{text}"), plain, max_size=3),
+)
+
+
+@given(sessions)
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_what_is_written_is_read_again_exactly(session: SessionFile) -> None:
+    assert decode(encode(session, Path("/folder")), "a.cpm") == session
+
+
+def test_every_shape_and_every_parameter_is_kept() -> None:
+    assert {field.name for field in fields(Parameters)} == set(PARAMETERS)
+    text = encode(SessionFile(), Path("/folder")).decode()
+    assert all(f'"{name}"' in text for name in PARAMETERS)
+    assert all(dataclasses.is_dataclass(kind) for kind in SHAPES.values())
+
+
+def test_it_is_read_by_people_one_line_for_each_shape() -> None:
+    drawn = (Circle((1.0, 2.0), 3.0), Region(((0.0, 0.0), (0.0, 9.0), (9.0, 0.0))))
+    lines = encode(SessionFile(shapes=drawn), Path("/folder")).decode().splitlines()
+    assert lines[1] == '  "cpm-session": 1,'
+    assert '    {"shape": "circle", "center": [1.0, 2.0], "radius": 3.0},' in lines
+    assert sum('"shape"' in line for line in lines) == 2
+
+
+@pytest.fixture
+def image_file(tmp_path: Path) -> Path:
+    path = tmp_path / "images" / "ü hand.png"
+    path.parent.mkdir()
+    path.write_bytes(b"not looked into")
+    return path
+
+
+def reference(path: Path) -> ImageFile:
+    return ImageFile(str(path), fingerprint(path), (10, 20))
+
+
+def test_the_image_is_found_when_folder_and_session_have_moved_together(image_file: Path, tmp_path: Path) -> None:
+    save_session(SessionFile(reference(image_file)), tmp_path / "a.cpm")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (tmp_path / "images").rename(elsewhere / "images")
+    (tmp_path / "a.cpm").rename(elsewhere / "a.cpm")
+    session = load_session(elsewhere / "a.cpm")
+    assert session.image is not None
+    assert find_image(session.image, elsewhere) == (elsewhere / "images" / "ü hand.png", ())
+
+
+def test_the_image_is_found_when_only_the_session_has_moved_and_when_it_was_put_beside(
+    image_file: Path, tmp_path: Path
+) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    save_session(SessionFile(reference(image_file)), tmp_path / "a.cpm")
+    (tmp_path / "a.cpm").rename(elsewhere / "a.cpm")
+    session = load_session(elsewhere / "a.cpm")
+    assert session.image is not None
+    assert find_image(session.image, elsewhere)[0] == image_file
+    image_file.rename(elsewhere / image_file.name)
+    assert find_image(session.image, elsewhere)[0] == elsewhere / image_file.name
+
+
+def test_a_missing_image_is_told_with_every_place_that_was_looked_at(image_file: Path, tmp_path: Path) -> None:
+    save_session(SessionFile(reference(image_file)), tmp_path / "a.cpm")
+    image_file.unlink()
+    session = load_session(tmp_path / "a.cpm")
+    assert session.image is not None
+    with pytest.raises(ValueError, match="was not found at") as caught:
+        find_image(session.image, tmp_path)
+    assert str(image_file) in str(caught.value)
+    assert str(tmp_path / image_file.name) in str(caught.value)
+
+
+def test_a_changed_image_is_used_with_a_warning(image_file: Path, tmp_path: Path) -> None:
+    save_session(SessionFile(reference(image_file)), tmp_path / "a.cpm")
+    image_file.write_bytes(b"another picture")
+    session = load_session(tmp_path / "a.cpm")
+    assert session.image is not None
+    path, (note,) = find_image(session.image, tmp_path)
+    assert path == image_file
+    assert "has changed since" in note
+
+
+def test_unknown_parameters_are_told_and_missing_ones_have_their_defaults() -> None:
+    session = decode(b'{"cpm-session": 1, "parameters": {"beta": 0.5, "viscosity": 3}}', "a.cpm")
+    assert session.parameters == Parameters(beta=0.5)
+    assert "viscosity" in session.notes[0]
+
+
+def test_what_a_later_version_adds_is_kept_when_the_file_is_written_again(tmp_path: Path) -> None:
+    session = decode(b'{"cpm-session": 1, "weather": {"sun": true}}', "a.cpm")
+    save_session(replace(session, mode="shape"), tmp_path / "a.cpm")
+    assert json.loads((tmp_path / "a.cpm").read_text())["weather"] == {"sun": True}
+
+
+def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.cpm"
+    save_session(SessionFile(), path)
+    before = path.read_bytes()
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(ValueError, match="No space left"):
+        save_session(SessionFile(parameters=PRESETS["noisy"]), path)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "no session file"),
+        (b"\xff\xfe\x00", "no session file"),
+        (b"[1, 2]", "does not say cpm-session"),
+        (b'{"cpm-session": 2}', "version 2"),
+        (b'{"cpm-session": true}', "version True"),
+        (b'{"cpm-session": 1,', "line 1"),
+        (b'{"cpm-session": 1, "shapes": {}}', "must be a list"),
+        (b'{"cpm-session": 1, "shapes": [7]}', "shape 1 is 7"),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "blob"}]}', '"blob" but must be one of circle'),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "radius": 2}]}', "has no center"),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, 2], "radius": 0}]}', "from 0.5"),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, 2, 3], "radius": 2}]}', "list of 2"),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, "2"], "radius": 2}]}', '"2" but must be'),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, 1e7], "radius": 2}]}', "10000000.0"),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, 2], "radius": 2, "x": 1}]}', '"x"'),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "region", "points": [[1, 2]]}]}', "at least 3"),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "everywhere", "kind": "edge"}]}', '"edge" but must be one of'),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, NaN], "radius": 2}]}', "damaged"),
+        (b'{"cpm-session": 1, "parameters": {"beta": -Infinity}}', "damaged"),
+        (b'{"cpm-session": 1, "parameters": {"beta": 1e999}}', "damaged"),
+        (b'{"cpm-session": 1, "parameters": {"beta": 7}}', "beta is 7"),
+        (b'{"cpm-session": 1, "parameters": {"beta": true}}', "beta is True"),
+        (b'{"cpm-session": 1, "parameters": {"beta": "auto"}}', "beta is 'auto'"),
+        (b'{"cpm-session": 1, "parameters": {"scales": 2.5}}', "scales is 2.5"),
+        (b'{"cpm-session": 1, "image": {"path": ""}}', "must name a file"),
+        (b'{"cpm-session": 1, "image": {"path": "a", "sha256": "xyz"}}', "hexadecimal"),
+        (b'{"cpm-session": 1, "image": {"path": "a", "shape": [0, 3]}}', "rows and columns"),
+        (b'{"cpm-session": 1, "view": 3}', "view is 3"),
+        (b'{"cpm-session": 1, "marks": [3]}', "mark 1 is 3"),
+        (b'{"cpm-session": 1, "mode": 3}', "mode is 3"),
+        (b'{"cpm-session": 1, "view": ' + 500 * b"[" + 500 * b"]" + b"}", "too deeply"),
+        (100_000 * b"[", "no session file"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_sentence(content: bytes, said: str) -> None:
+    with pytest.raises(ValueError, match=r"^a\.cpm") as caught:
+        decode(content, "a.cpm")
+    sentence = str(caught.value)
+    assert said in sentence
+    assert sentence.endswith(".")
+    assert "\n" not in sentence
+    assert len(sentence) < 300
+
+
+def test_files_that_are_none_are_told(tmp_path: Path) -> None:
+    for path, said in ((tmp_path / "no.cpm", "does not exist"), (tmp_path, "is a folder")):
+        with pytest.raises(ValueError, match=said):
+            load_session(path)
+
+
+CORNERS = ((1.0, 2.0), (3.0, 4.0), (5.0, 1.0))
+
+sound = encode(
+    SessionFile(
+        ImageFile("a.png", 64 * "0", (4, 4)),
+        (
+            Circle((1.0, 2.0), 3.0),
+            *(SHAPES[name](((1.0, 2.0), (3.0, 4.0), (5.0, 1.0))) for name in ("stroke", "region")),
+        ),
+        marks=({"anchor": [1.0, 2.0], "verdict": "kept"},),
+        view={"layers": {"image": {"shown": True}}},
+    ),
+    Path("/folder"),
+)
+
+
+@given(st.lists(st.tuples(st.integers(0, len(sound) - 1), st.binary(max_size=3), st.integers(0, 9)), max_size=4))
+@settings(max_examples=400, deadline=None)
+def test_any_damage_is_told_or_does_not_matter(damages: list[tuple[int, bytes, int]]) -> None:
+    content = sound
+    for place, put, cut in damages:
+        content = content[:place] + put + content[place + cut :]
+    _is_sound_or_told(content)
+
+
+tokens = st.sampled_from(
+    [
+        '"x"',
+        "1e308",
+        "-1e308",
+        "123456789012345678901234567890",
+        "null",
+        "[]",
+        "{}",
+        "true",
+        '"\\ud800"',
+        '"\\u0000"',
+        "-0.0",
+    ]
+)
+
+
+@given(st.integers(0, 60), tokens)
+@settings(max_examples=300, deadline=None)
+def test_any_value_in_place_of_another_is_told_or_does_not_matter(which: int, token: str) -> None:
+    found = list(_values.finditer(sound.decode()))
+    match = found[which % len(found)]
+    text = sound.decode()
+    _is_sound_or_told((text[: match.start()] + token + text[match.end() :]).encode())
+
+
+_values = re.compile(r'(?<=[:\[,] )(-?[\d.]+|"[^"]*"|true)')
+
+
+def _is_sound_or_told(content: bytes) -> None:
+    try:
+        session = decode(content, "a.cpm")
+    except ValueError as error:
+        assert str(error).startswith("a.cpm")
+        assert str(error).endswith(".")
+        assert "\n" not in str(error)
+        return
+    again = decode(encode(session, Path("/folder")), "a.cpm")
+    assert replace(again, notes=()) == replace(session, notes=())
+    for shape in session.shapes:
+        assert all(math.isfinite(number) for row in shape.outline for number in row)
+    if session.image is not None:
+        with pytest.raises(ValueError, match="was not found"):
+            find_image(session.image, Path("/nowhere"))
