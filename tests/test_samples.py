@@ -9,10 +9,20 @@ import PIL.Image
 import pytest
 
 import cpm_core as cpm
+from app.model.document import Document
+from app.model.samples import sample_called, samples
+from cpm_core.shapes import SHAPES, Circle, Everywhere, Stroke
+from cpm_core.sowing import Sower
 
 SAMPLES = Path(__file__).parent.parent / "assets" / "samples"
 LISTED = json.loads((SAMPLES / "samples.json").read_text(encoding="utf-8"))
-OBJECTS = {"u_shape.png": 1, "cells.png": 16, "rings.png": 5, "noisy.png": 2}
+OBJECTS = {"u_shape.png": 1, "cells.png": 16, "rings.png": 5, "noisy.png": 2, "nuclei.png": 13}
+OPEN_ENDED = {
+    # place (row, col) beside which a contour must run, and one that must stay far from all of them
+    "artery.png": (((40, 124), (150, 132), (265, 82), (84, 205), (120, 290)), ((50, 50), (200, 280), (250, 150))),
+    "hand.png": (((35, 173), (128, 26), (56, 260), (116, 328), (300, 253)), ((60, 60), (60, 350), (330, 60))),
+}
+"""Samples whose objects leave the image, so that their contours are open."""
 
 
 @pytest.fixture(scope="module")
@@ -27,14 +37,16 @@ def redrawn(tmp_path_factory):
 
 
 def test_every_sample_file_is_listed():
-    assert {entry["file"] for entry in LISTED} == {path.name for path in SAMPLES.glob("*.png")} == set(OBJECTS)
+    assert (
+        {entry["file"] for entry in LISTED} == {path.name for path in SAMPLES.glob("*.png")} == {*OBJECTS, *OPEN_ENDED}
+    )
 
 
 def test_the_list_is_what_the_script_writes(redrawn):
     assert json.loads((redrawn / "samples.json").read_text(encoding="utf-8")) == LISTED
 
 
-@pytest.mark.parametrize("file", OBJECTS)
+@pytest.mark.parametrize("file", [*OBJECTS, *OPEN_ENDED])
 def test_the_images_are_what_the_script_draws(redrawn, file):
     kept, drawn = (np.asarray(PIL.Image.open(folder / file), dtype=int) for folder in (SAMPLES, redrawn))
     assert kept.shape == drawn.shape
@@ -43,10 +55,31 @@ def test_the_images_are_what_the_script_draws(redrawn, file):
     assert np.mean(kept != drawn) < 1e-3
 
 
-@pytest.mark.parametrize("entry", LISTED, ids=lambda entry: entry["file"])
-def test_the_start_of_a_sample_lies_in_the_image_and_finds_its_objects(entry):
-    image = cpm.load_image(SAMPLES / entry["file"])
-    seeds = np.concatenate([cpm.circle((row, col), radius) for row, col, radius in entry["circles"]])
+def run(file):
+    """What the sample of this name gives when it is run as it is opened."""
+    sample = sample_called(file)
+    image = cpm.load_image(sample.path)
+    document = Document(shapes=sample.shapes, parameters=sample.parameters)
+    seeds = document.seeds(Sower(image).sow(document.sowable, sample.parameters.smoothing, document.regions))
     assert np.all((seeds >= 0) & (seeds <= np.array(image.shape) - 1))
-    result = cpm.segment(image, seeds, cpm.PRESETS[entry["preset"]])
-    assert sum(contour.closed for contour in result.contours) == OBJECTS[entry["file"]]
+    return cpm.segment(image, seeds, sample.parameters)
+
+
+@pytest.mark.parametrize("file", OBJECTS)
+def test_the_start_of_a_sample_lies_in_the_image_and_finds_its_objects(file):
+    assert sum(contour.closed for contour in run(file).contours) == OBJECTS[file]
+
+
+@pytest.mark.parametrize("file", OPEN_ENDED)
+def test_the_start_of_a_sample_finds_every_limb_and_nothing_beside_it(file):
+    found = np.concatenate([contour.path for contour in run(file).contours])
+    beside, far = OPEN_ENDED[file]
+    for place in beside:
+        assert np.hypot(*(found - place).T).min() < 12, place
+    for place in far:
+        assert np.hypot(*(found - place).T).min() > 15, place
+
+
+def test_shapes_of_every_kind_can_be_listed():
+    assert {entry["shape"] for sample in LISTED for entry in sample["shapes"]} <= set(SHAPES)
+    assert {type(shape) for sample in samples() for shape in sample.shapes} >= {Circle, Stroke, Everywhere}

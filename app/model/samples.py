@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from app.model.assets import asset
+from app.model.language import tr
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.shapes import Circle, Shape
+from cpm_core.shapes import SHAPES, Shape
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +44,11 @@ def samples() -> tuple[Sample, ...]:
     listed = json.loads(asset("samples/samples.json").read_text(encoding="utf-8"))
     return tuple(
         Sample(
-            title=entry["title"],
-            about=entry["about"],
+            title=tr(entry["title"]),
+            about=tr(entry["about"]),
             path=asset(f"samples/{entry['file']}"),
-            shapes=tuple(Circle((float(row), float(col)), float(radius)) for row, col, radius in entry["circles"]),
-            parameters=PRESETS[entry["preset"]],
+            shapes=tuple(_shape(drawn) for drawn in entry["shapes"]),
+            parameters=replace(PRESETS[entry["preset"]], **entry.get("parameters", {})),
         )
         for entry in listed
     )
@@ -54,3 +57,21 @@ def samples() -> tuple[Sample, ...]:
 def sample_at(path: Path) -> Sample | None:
     """The sample with this file, or None when it is an image of the user's own."""
     return next((sample for sample in samples() if sample.path == path.resolve()), None)
+
+
+def sample_called(file: str) -> Sample | None:
+    """The sample whose file has this name, or None."""
+    return next((sample for sample in samples() if sample.path.name == file), None)
+
+
+def _shape(drawn: Mapping[str, Any]) -> Shape:
+    """The shape that an entry describes by the name of its kind and its fields."""
+    fields = {name: _frozen(value) for name, value in drawn.items() if name != "shape"}
+    return SHAPES[drawn["shape"]](**fields)
+
+
+def _frozen(value: object) -> object:
+    """A value with tuples for lists and floats for whole numbers."""
+    if isinstance(value, list):
+        return tuple(_frozen(inner) for inner in value)
+    return float(value) if isinstance(value, int) else value

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,9 @@ from numpy.typing import NDArray
 Grid = NDArray[np.float64]
 Shape = Callable[[Grid, Grid], NDArray[np.bool_]]
 Circle = tuple[float, float, float]
+Line = list[tuple[float, float]]
+Drawn = dict[str, object]
+"""A shape as ``samples.json`` keeps it: the name of its kind, and its fields."""
 
 SIDE = 256
 OVERSAMPLING = 8
@@ -76,7 +80,31 @@ def noise(seed: int, side: int = SIDE) -> Grid:
     return np.random.RandomState(seed).standard_normal((side, side))
 
 
-def u_shape() -> tuple[Grid, list[Circle]]:
+def circles(*wanted: Circle) -> list[Drawn]:
+    """Circles (row, col, radius) to start from."""
+    return [{"shape": "circle", "center": [row, col], "radius": radius} for row, col, radius in wanted]
+
+
+def curve(corners: Line, count: int = 160) -> Grid:
+    """Points on a smooth line through corners: a Catmull-Rom spline, (row, col) each."""
+    given = np.array([corners[0], *corners, corners[-1]], dtype=np.float64)
+    places = np.linspace(0, len(corners) - 1, count, endpoint=False)
+    whole = places.astype(int)
+    t = (places - whole)[:, np.newaxis]
+    a, b, c, d = (given[whole + shift] for shift in range(4))
+    return 0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - a - 3 * c + d) * t**3)
+
+
+def tube(points: Grid, radii: Grid, side: int) -> Grid:
+    """Length of the way that a ray from the viewer takes within a tube of round section, at every pixel [px]."""
+    row, col = np.indices((side, side), dtype=np.float64)
+    depth = np.zeros((side, side))
+    for (r, c), radius in zip(points, radii, strict=True):
+        depth = np.maximum(depth, radius**2 - (row - r) ** 2 - (col - c) ** 2)
+    return 2 * np.sqrt(depth)
+
+
+def u_shape() -> tuple[Grid, list[Drawn]]:
     """A thick white U, open at the top, on black."""
 
     def inside(row: Grid, col: Grid) -> NDArray[np.bool_]:
@@ -84,10 +112,10 @@ def u_shape() -> tuple[Grid, list[Circle]]:
         inner = rectangle(0, 98, 132, 158)(row, col) | disk((132, 128), 30)(row, col)
         return outer & ~inner
 
-    return 255 * coverage(inside), [(100, 73, 38)]
+    return 255 * coverage(inside), circles((100, 73, 38))
 
 
-def rings() -> tuple[Grid, list[Circle]]:
+def rings() -> tuple[Grid, list[Drawn]]:
     """Objects in objects, each of another grey level."""
     values = np.full((SIDE, SIDE), 25.0)
     for shape, level in (
@@ -99,16 +127,16 @@ def rings() -> tuple[Grid, list[Circle]]:
     ):
         share = coverage(shape)
         values = values * (1 - share) + level * share
-    return values, [(120, 128, 80)]
+    return values, circles((120, 128, 80))
 
 
-def noisy() -> tuple[Grid, list[Circle]]:
+def noisy() -> tuple[Grid, list[Drawn]]:
     """An ellipse with a hole under heavy noise."""
     inside = coverage(ellipse((128, 128), 78, 100)) - coverage(ellipse((120, 140), 30, 38))
-    return 80 + 95 * inside + 30 * noise(20), [(128, 70, 44)]
+    return 80 + 95 * inside + 30 * noise(20), circles((128, 70, 44))
 
 
-def cells() -> tuple[Grid, list[Circle]]:
+def cells() -> tuple[Grid, list[Drawn]]:
     """Bright cells that do not touch, a little out of focus, on a background that is brighter to one side."""
     random = np.random.RandomState(7)
     side, wanted, gap, margin, reach = 320, 16, 12.0, 24.0, 32
@@ -127,7 +155,84 @@ def cells() -> tuple[Grid, list[Circle]]:
     down, right = np.mgrid[:side, :side] / side
     background = 28 + 34 * down + 18 * np.sin(2.2 * right)
     values = blur(light[reach:-reach, reach:-reach], 1.3) + background + 4 * noise(5, side)
-    return values, [(round(row), round(col), round(0.8 * radius)) for row, col, radius in placed]
+    return values, circles(*((round(row), round(col), round(0.8 * radius)) for row, col, radius in placed))
+
+
+def artery() -> tuple[Grid, list[Drawn]]:
+    """A branching artery filled with contrast medium, narrowed at one place, as an X-ray angiogram shows it: dark."""
+    side = 320
+    trunk = curve([(-20, 92), (40, 112), (100, 118), (160, 146), (220, 190), (275, 214), (345, 226)], 260)
+    along = np.linspace(0, 1, len(trunk))
+    width = 12.5 - 3.5 * along - 5.2 * np.exp(-(((along - 0.68) / 0.03) ** 2))
+    first = curve([(160, 146), (178, 120), (205, 96), (245, 82), (290, 62), (345, 52)], 200)
+    second = curve([(100, 118), (98, 160), (82, 205), (86, 250), (66, 345)], 200)
+    third = curve([(86, 250), (112, 274), (140, 288), (170, 345)], 140)
+    depth = np.maximum(tube(trunk, width, side), tube(first, np.linspace(8.5, 5.5, len(first)), side))
+    depth = np.maximum(depth, tube(second, np.linspace(8.0, 5.0, len(second)), side))
+    depth = np.maximum(depth, tube(third, np.linspace(5.0, 4.0, len(third)), side))
+    row, col = np.indices((side, side)) / side
+    ribs = sum(np.exp(-(((row - 0.55 * col**2 - shift) / 0.06) ** 2)) for shift in (-0.1, 0.25, 0.6, 0.95))
+    tissue = 186 + 26 * np.sin(2.6 * col + 0.4) - 22 * row - 9 * blur(ribs, 6.0) + 6 * blur(noise(31, side), 7.0) * 12
+    values = tissue * np.exp(-0.052 * blur(depth, 0.8)) + 4.5 * blur(noise(32, side), 0.6)
+    line = [(round(float(r), 1), round(float(c), 1)) for r, c in trunk[(along > 0.14) & (along < 0.26)][::6]]
+    return values, [{"shape": "stroke", "points": line}]
+
+
+def nuclei() -> tuple[Grid, list[Drawn]]:
+    """Stained nuclei in a fluorescence microscope: uneven within and among each other, and two pairs that touch."""
+    random = np.random.RandomState(12)
+    side, reach, wanted, gap = 320, 40, 15, 9.0
+    pairs = [((96.0, 92.0), 17.0), ((96.0, 126.0), 16.0), ((214.0, 206.0), 18.0), ((238.0, 230.0), 16.5)]
+    placed = list(pairs)
+    while len(placed) < wanted:
+        center, radius = tuple(random.uniform(30, side - 30, 2)), random.uniform(13, 19)
+        if all(np.hypot(*np.subtract(center, other)) > 1.25 * (radius + size) + gap for other, size in placed):
+            placed.append((center, radius))
+    light = np.zeros((side + 2 * reach, side + 2 * reach))
+    grain = blur(random.standard_normal(light.shape), 2.5) * 8
+    for (row, col), radius in placed:
+        dents, turns, level = random.uniform(0.02, 0.09, 2), random.uniform(0, 2 * np.pi, 2), random.uniform(85, 165)
+        top, left = int(row), int(col)
+        here = (slice(top, top + 2 * reach), slice(left, left + 2 * reach))
+        share = coverage(cell((row - top + reach, col - left + reach), radius, dents, turns), 2 * reach)
+        light[here] = np.maximum(light[here], share * level * (1 + 0.11 * grain[here]))
+    down, right = np.mgrid[:side, :side] / side
+    haze = blur(light, 14.0)[reach:-reach, reach:-reach]
+    values = blur(light[reach:-reach, reach:-reach], 1.4) + 0.16 * haze + 16 + 14 * right + 9 * down
+    return values + np.sqrt(values) * 0.35 * noise(6, side), [{"shape": "everywhere", "kind": "centers"}]
+
+
+def hand() -> tuple[Grid, list[Drawn]]:
+    """A hand as a radiograph shows it: soft tissue, and in it the brighter bones of fingers and palm."""
+    side = 384
+    fingers = (
+        ([(352, 172), (270, 118), (218, 92), (168, 60), (128, 38)], (17.0, 14.0, 12.0)),
+        ([(352, 180), (232, 152), (158, 134), (102, 124), (60, 118)], (16.0, 13.0, 10.5)),
+        ([(352, 192), (226, 190), (142, 186), (80, 184), (30, 183)], (16.0, 13.0, 10.5)),
+        ([(352, 204), (234, 226), (160, 236), (104, 244), (56, 250)], (16.0, 12.5, 10.0)),
+        ([(352, 214), (250, 260), (194, 284), (152, 302), (116, 317)], (15.0, 11.5, 9.5)),
+    )
+    tissue = tube(curve([(430, 196), (390, 194), (350, 194)], 90), np.full(90, 44.0), side)
+    tissue = np.maximum(tissue, tube(curve([(335, 194), (300, 196), (262, 200)], 90), np.linspace(56, 62, 90), side))
+    bones = np.zeros((side, side))
+    for corners, (root, middle, tip) in fingers:
+        points = curve([(float(r), float(c)) for r, c in corners])
+        t = np.linspace(0, 1, len(points))
+        tissue = np.maximum(tissue, tube(points, np.interp(t, [0, 0.3, 0.6, 1], [26, root + 5, middle + 2, tip]), side))
+        for first, second in pairwise(corners):
+            start, end = np.array(first, dtype=float), np.array(second, dtype=float)
+            step = (end - start) / np.hypot(*(end - start))
+            shaft = np.linspace(start + 9 * step, end - (5 if second == corners[-1] else 2) * step, 80)
+            waist = np.interp(np.linspace(-1, 1, 80) ** 2, [0, 1], [0.30, 0.47]) * np.interp(
+                np.linspace(0, 1, 80), [0, 1], [1.0, 0.9]
+            )
+            width = waist * (root if first == corners[0] else middle if first == corners[1] else tip)
+            bones = np.maximum(bones, tube(shaft, width, side))
+    for center, radius in (((360, 170), 9.0), ((366, 190), 10.0), ((362, 212), 9.0)):
+        bones = np.maximum(bones, tube(np.array([center], dtype=float), np.array([radius]), side))
+    flesh = np.sqrt(np.minimum(tissue, 40) / 60)
+    values = 18 + 105 * blur(flesh, 1.2) + 62 * blur(np.sqrt(bones / 14), 1.0) + 5 * blur(noise(41, side), 5.0) * 6
+    return values + 2.5 * noise(42, side), circles((285, 200, 30))
 
 
 SAMPLES = (
@@ -141,17 +246,41 @@ SAMPLES = (
         "noisy",
         "An ellipse with a hole under heavy noise; smoothing is chosen from the noise.",
     ),
+    (
+        "artery.png",
+        "An artery",
+        artery,
+        "shape",
+        "An angiogram of an artery that is narrowed at one place; a short stroke in it finds all branches.",
+    ),
+    (
+        "nuclei.png",
+        "Nuclei",
+        nuclei,
+        "automatic",
+        "Stained nuclei, some of which touch; particles start at their centres and nothing need be drawn.",
+    ),
+    (
+        "hand.png",
+        "A hand",
+        hand,
+        "shape",
+        "A radiograph of a hand; a circle in the palm finds its outline.",
+    ),
 )
+CHANGED = {"hand.png": {"smoothing": 1.5, "sure_edge": 0.25, "min_length": 25.0}}
+"""What is set otherwise than in the preset, by file."""
 
 
 def write(folder: Path) -> None:
     """Write every image and ``samples.json``, the list of them, into `folder`."""
     entries = []
     for file, title, draw, preset, about in SAMPLES:
-        values, circles = draw()
+        values, shapes = draw()
         grey = np.clip(np.rint(values), 0, 255).astype(np.uint8)
         PIL.Image.fromarray(grey).save(folder / file, optimize=True)
-        entries.append({"title": title, "file": file, "about": about, "preset": preset, "circles": circles})
+        entry = {"title": title, "file": file, "about": about, "preset": preset, "shapes": shapes}
+        entries.append(entry | ({"parameters": CHANGED[file]} if file in CHANGED else {}))
     lines = ",\n".join("  " + json.dumps(entry) for entry in entries)
     (folder / "samples.json").write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
