@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+from app.model.language import tr
+from app.model.wording import WORDS, Wording, rich
 from cpm_core.parameters import PARAMETERS, ParameterInfo, Parameters
 
 RATIO = "ratio"
@@ -61,30 +63,53 @@ class Control:
     whole: bool = False
 
     @property
-    def label(self) -> str:
-        """Title and symbol, as they stand beside the slider."""
-        return f"{self.title}  {self.symbol}"
+    def intuitive(self) -> str:
+        """What it does, in a few plain words."""
+        return WORDS[self.name].plain
+
+    @property
+    def formula(self) -> str:
+        """Where it stands in the model, as rich text."""
+        return WORDS[self.name].formula
+
+    @property
+    def rich_symbol(self) -> str:
+        """Its symbol as rich text."""
+        return rich(self.symbol)
+
+    def label(self, wording: Wording) -> str:
+        """What stands beside the slider, as rich text: plain words and the symbol, or the symbol and its name."""
+        if wording == "intuitive":
+            return f"{self.intuitive} &nbsp;<span style='font-weight: normal'>{self.rich_symbol}</span>"
+        return f"{self.rich_symbol} &nbsp;{self.title}"
+
+    @property
+    def span(self) -> str:
+        """Values that may be typed, with their unit, and what is taken unless told otherwise."""
+        unit = f" {self.unit}" if self.unit else ""
+        default = self.default if isinstance(self.default, str) else f"{self.default:.3g}"
+        if self.high >= 1e6:
+            return tr("{low} or more, default {default}").format(low=f"{self.low:g}{unit}", default=default)
+        return tr("{low} to {high}, default {default}").format(
+            low=f"{self.low:g}", high=f"{self.high:g}{unit}", default=default
+        )
 
     @property
     def in_grey_levels(self) -> bool:
         """Whether its values mean something only beside the grey levels of an image."""
-        return self.unit.startswith("grey")
+        return PARAMETERS[self.name].unit.startswith("grey") if self.name in PARAMETERS else False
 
     @property
     def facts(self) -> str:
-        """Symbol, place, range and default in one line."""
-        unit = f" {self.unit}" if self.unit else ""
-        default = self.default if isinstance(self.default, str) else f"{self.default:.3g}"
-        top = "" if self.high >= 1e6 else f" to {self.high:g}"
-        span = f"{self.low:g}{top}{unit}" if top else f"{self.low:g}{unit} or more"
-        return " · ".join(part for part in (self.symbol, self.equation, span, f"default {default}") if part)
+        """Symbol, place in the published model, range and default in one line."""
+        return " · ".join(part for part in (self.symbol, self.equation, self.span) if part)
 
 
 _ACTS = {
-    "contours": "Acts at once, on particles at rest too.",
-    "nothing": "Acts at the next step.",
-    "field": "Acts at the next step, with edge map and field built anew.",
-    "run": "Acts from the next start on.",
+    "contours": tr("Acts at once, on particles at rest too."),
+    "nothing": tr("Acts at the next step."),
+    "field": tr("Acts at the next step, with edge map and field built anew."),
+    "run": tr("Acts from the next start on."),
 }
 
 
@@ -145,17 +170,17 @@ def _from_core(name: str) -> Control:
     return Control(
         name=name,
         symbol=info.symbol,
-        unit=info.unit,
-        title=info.title,
+        unit=tr(info.unit) if info.unit else "",
+        title=tr(info.title),
         low=info.low,
         high=info.high,
         slider_low=info.slider_low,
         slider_high=info.slider_high,
         step=info.step,
         default=info.default,
-        meaning=info.meaning,
-        more=info.more,
-        equation=info.equation,
+        meaning=tr(info.meaning),
+        more=tr(info.more),
+        equation=tr(info.equation) if info.equation else "",
         advanced=info.advanced,
         acts=_ACTS["contours" if _chooses_contours(info) else info.invalidates],
         automatic=name == "smoothing",
@@ -179,16 +204,16 @@ def _ratio() -> Control:
         name=RATIO,
         symbol="w₁/w₂",
         unit="",
-        title="Repulsion to attraction",
+        title=tr("Repulsion to attraction"),
         low=LOWEST_RATIO,
         high=HIGHEST_RATIO,
         slider_low=LOWEST_RATIO,
         slider_high=HIGHEST_RATIO,
         step=0.01,
         default=standard.w1 / standard.w2,
-        meaning="Repulsion between particles as a fraction of the attraction by edges.",
-        more=coulomb.more,
-        equation=coulomb.equation,
+        meaning=tr("Repulsion between particles as a fraction of the attraction by edges."),
+        more=tr(coulomb.more),
+        equation=tr(coulomb.equation),
         advanced=False,
         acts=_ACTS[coulomb.invalidates],
     )

@@ -66,7 +66,7 @@ def sample_called(file: str) -> Sample | None:
 
 def _shape(drawn: Mapping[str, Any]) -> Shape:
     """The shape that an entry describes by the name of its kind and its fields."""
-    fields = {name: _frozen(value) for name, value in drawn.items() if name != "shape"}
+    fields: dict[str, Any] = {name: _frozen(value) for name, value in drawn.items() if name != "shape"}
     return SHAPES[drawn["shape"]](**fields)
 
 

@@ -9,7 +9,10 @@ from PySide6.QtGui import QEnterEvent, QWheelEvent
 from PySide6.QtWidgets import QCheckBox, QDoubleSpinBox, QGridLayout, QLabel, QToolButton, QWidget
 
 from app.model.controls import Control, slider_range
+from app.model.language import tr
+from app.model.wording import FIRST_WORDING, Wording
 from app.views.icons import icon
+from app.views.panels.explanation import tip
 from app.views.panels.marked_slider import MarkedSlider
 from app.views.theme import Theme
 
@@ -41,10 +44,10 @@ class ParameterRow(QWidget):
         super().__init__()
         self.control = control
         numeric = control.default if isinstance(control.default, float | int) else None
-        self._label = QLabel(control.label)
+        self._label = QLabel()
         self.number = Number()
         self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step, numeric)
-        self._automatic = QCheckBox("auto") if control.automatic else None
+        self._automatic = QCheckBox(tr("auto")) if control.automatic else None
         self._restore = QToolButton()
         self._set_up()
         self._lay_out()
@@ -78,6 +81,13 @@ class ParameterRow(QWidget):
         same = value == default if isinstance(value, str) or isinstance(default, str) else abs(value - default) < _SAME
         self._restore.setEnabled(not same)
 
+    def use_wording(self, wording: Wording) -> None:
+        """Be labelled in plain words, or by symbol and name."""
+        self._label.setText(self.control.label(wording))
+        named = self.control.intuitive if wording == "intuitive" else self.control.title
+        for field in (self.number, self.slider):
+            field.setAccessibleName(named)
+
     def use_theme(self, theme: Theme) -> None:
         """Tint the button."""
         self._restore.setIcon(icon("restore", theme.accent, faded=theme.line))
@@ -106,21 +116,20 @@ class ParameterRow(QWidget):
         self.number.setFixedWidth(112)
         self._restore.setObjectName("restore")
         self._restore.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self._restore.setAccessibleName(f"{control.title}: back to the default")
+        self._restore.setAccessibleName(tr("{parameter}: back to the default").format(parameter=control.title))
         default = control.default if isinstance(control.default, str) else f"{control.default:.4g}"
-        self._restore.setToolTip(f"Back to the default, {default} (also by a double click on the slider)")
+        back = tr("Back to the default, {default} (also by a double click on the slider).")
+        self._restore.setToolTip(back.format(default=default))
         self._label.setBuddy(self.number)
-        lines = (f"<b>{control.title}</b> {control.facts}", control.meaning, control.more, control.acts)
-        tip = "".join(f"<p>{line}</p>" for line in lines)
         for widget in (self._label, self.number, self.slider):
-            widget.setToolTip(tip)
+            widget.setToolTip(tip(control))
+        self.use_wording(FIRST_WORDING)
         for field in (self.number, self.slider):
-            field.setAccessibleName(control.title)
             field.setAccessibleDescription(f"{control.facts}. {control.meaning} {control.more}")
             field.installEventFilter(self)
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            self._automatic.setToolTip("Choose the smoothing from the noise of the image.")
+            self._automatic.setToolTip(tr("Choose the smoothing from the noise of the image."))
             self._automatic.installEventFilter(self)
 
     def _lay_out(self) -> None:

@@ -1,33 +1,44 @@
-"""The panel of parameters: presets, the three live ones, and the others tucked away."""
+"""The panel of parameters: presets, the three live ones, the others tucked away, and what the one looked at does."""
 
 from __future__ import annotations
 
 from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtWidgets import QComboBox, QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from app.model import edits
 from app.model.controls import Control, controls, value_of
 from app.model.document import Document
+from app.model.language import tr
+from app.model.wording import Wording
 from app.session.session import Session
+from app.views.panels.explanation import Explanation
 from app.views.panels.parameter_row import ParameterRow
+from app.views.panels.preset_gallery import PresetGallery
 from app.views.panels.section import Section
 from app.views.theme import Theme
-from cpm_core.parameters import PRESETS
 
-_PRESET_TITLES = {"shape": "Shape recovery", "automatic": "Automatic segmentation", "noisy": "Noisy image"}
-_OWN = "Own settings"
-_EXPLANATION_LINES = 4
+_ROOMY = 470
+"""Height from which everything is said of the parameter that is looked at [px]."""
 
 
 class ParametersPanel(QWidget):
-    """Shows the parameters of the document and edits them through the session."""
+    """Shows the parameters of the document and edits them through the session.
 
-    def __init__(self, session: Session) -> None:
+    Parameters
+    ----------
+    session : Session
+        Whose document it shows.
+    gallery : PresetGallery
+        The presets.
+    """
+
+    def __init__(self, session: Session, gallery: PresetGallery) -> None:
         super().__init__()
         self._session = session
         self.rows = {control.name: ParameterRow(control) for control in controls()}
-        self.presets = self._make_presets()
-        self._explanation = QLabel()
+        self.gallery = gallery
+        self.explanation = Explanation()
         self.advanced = self._lay_out()
         for row in self.rows.values():
             row.changed.connect(self._change)
@@ -42,24 +53,28 @@ class ParametersPanel(QWidget):
         contrast = document.image.contrast if document.image else 0.0
         for name, row in self.rows.items():
             row.show_value(value_of(document.parameters, name), contrast)
-        names = list(PRESETS)
-        same = [name for name in names if PRESETS[name] == document.parameters]
-        self.presets.setCurrentIndex(names.index(same[0]) if same else -1)
+        if self.explanation.control is not None:
+            self._explain(self.explanation.control)
+
+    def use_wording(self, wording: Wording) -> None:
+        """Label everything in plain words, or by symbol and name."""
+        for row in self.rows.values():
+            row.use_wording(wording)
+        self.explanation.use_wording(wording)
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the buttons."""
         for row in self.rows.values():
             row.use_theme(theme)
 
-    def _make_presets(self) -> QComboBox:
-        presets = QComboBox()
-        presets.setPlaceholderText(_OWN)
-        presets.setAccessibleName("Preset")
-        presets.setToolTip("Settings that have proved good for a kind of task.")
-        for name in PRESETS:
-            presets.addItem(_PRESET_TITLES.get(name, name.capitalize()), name)
-        presets.activated.connect(self._use_preset)
-        return presets
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Say as much as there is room for."""
+        super().resizeEvent(event)
+        self.explanation.set_brief(self.height() < _ROOMY)
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for the presets, one row and the explanation; the rest scrolls."""
+        return QSize(super().minimumSizeHint().width(), 190)
 
     def _lay_out(self) -> Section:
         advanced = QWidget()
@@ -72,7 +87,7 @@ class ParametersPanel(QWidget):
         column.setSpacing(2)
         for row in self.rows.values():
             (rows if row.control.advanced else column).addWidget(row)
-        section = Section("Advanced", advanced, unfolded=False)
+        section = Section(tr("Advanced"), advanced, unfolded=False)
         column.addWidget(section)
         column.addStretch(1)
         area = QScrollArea()
@@ -88,45 +103,30 @@ class ParametersPanel(QWidget):
             lambda unfolded: QTimer.singleShot(0, area, lambda: self._bring_into_sight(area, section, unfolded))
         )
         head = QHBoxLayout()
-        heading = QLabel("Parameters")
+        heading = QLabel(tr("Preset"))
         heading.setObjectName("heading")
+        heading.setBuddy(self.gallery)
         head.addWidget(heading)
-        head.addStretch(1)
-        head.addWidget(self.presets)
-        self._explanation.setObjectName("explanation")
-        self._explanation.setWordWrap(True)
-        self._explanation.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self._explanation.setFixedHeight(_EXPLANATION_LINES * self._explanation.fontMetrics().lineSpacing() + 8)
-        self._explanation.setContentsMargins(0, 4, 0, 0)
+        head.addWidget(self.gallery, 1)
         layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setContentsMargins(12, 8, 6, 6)
         layout.setSpacing(4)
         layout.addLayout(head)
         layout.addWidget(area, 1)
-        layout.addWidget(self._explanation)
+        layout.addWidget(self.explanation)
         return section
-
-    def minimumSizeHint(self) -> QSize:
-        """Room for the presets, one row and the explanation; the rest scrolls."""
-        return QSize(super().minimumSizeHint().width(), 190)
 
     @staticmethod
     def _bring_into_sight(area: QScrollArea, section: Section, unfolded: bool) -> None:
         area.verticalScrollBar().setValue(section.y() if unfolded else 0)
 
     def _change(self, name: str, value: float | str) -> None:
-        title = self.rows[name].control.title.lower()
-        self._session.edit(
-            f"change of {title}", lambda document: edits.set_parameter(document, name, value), f"parameter {name}"
-        )
+        told = tr("change of {parameter}").format(parameter=self.rows[name].control.title.lower())
+        self._session.edit(told, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
         # A value that was refused must not stay on show.
         self.show_document(self._session.document)
 
-    def _use_preset(self, index: int) -> None:
-        name = self.presets.itemData(index)
-        self._session.edit(
-            f"preset “{self.presets.itemText(index)}”", lambda document: edits.use_preset(document, name)
-        )
-
     def _explain(self, control: Control) -> None:
-        self._explanation.setText(f"<b>{control.symbol}</b>{control.facts[len(control.symbol) :]}<br>{control.more}")
+        document = self._session.document
+        contrast = document.image.contrast if document.image else 0.0
+        self.explanation.explain(control, value_of(document.parameters, control.name), contrast)

@@ -1,0 +1,115 @@
+"""Every parameter is named, explained and drawn; the drawing follows its value and rests when nobody looks."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import Qt
+
+from app.model.controls import controls
+from app.model.wording import WORDS, rich
+from app.views.panels.drawings import DRAWINGS
+from app.views.panels.parameter_drawing import ParameterDrawing
+from cpm_core.parameters import PARAMETERS
+
+CONTROLS = {control.name: control for control in controls()}
+
+
+def test_every_control_has_words_and_a_drawing_and_nothing_else_has() -> None:
+    assert set(WORDS) == set(DRAWINGS) == set(CONTROLS) == {*PARAMETERS, "ratio"} - {"w1"}
+
+
+def test_no_two_controls_are_called_the_same() -> None:
+    for names in ([words.plain for words in WORDS.values()], [control.title for control in CONTROLS.values()]):
+        assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("name", CONTROLS)
+def test_a_drawing_changes_with_the_value_and_with_time(qtbot, name) -> None:
+    drawing, control = ParameterDrawing(), CONTROLS[name]
+    qtbot.addWidget(drawing)
+    span = control.slider_high - control.slider_low
+    pictures = []
+    for share in (0.02, 0.35, 0.98):
+        value = control.slider_low + share * span
+        drawing.show_control(name, round(value) if control.whole else value)
+        pictures.append(drawing.picture(0.8))
+    assert all(one != other for index, one in enumerate(pictures) for other in pictures[:index]), name
+    assert drawing.picture(0.1) != drawing.picture(0.8)
+
+
+@pytest.mark.parametrize("name", CONTROLS)
+def test_a_drawing_bears_every_value_that_may_be_typed(qtbot, name) -> None:
+    drawing, control = ParameterDrawing(), CONTROLS[name]
+    qtbot.addWidget(drawing)
+    for value in (control.low, control.high, "auto"):
+        drawing.show_control(name, value)
+        for moment in (0.0, 0.5, 1.0):
+            assert not drawing.picture(moment).isNull()
+
+
+def test_a_drawing_moves_only_while_it_is_seen_and_motion_is_wanted(window, hand) -> None:
+    drawing = window.panels["parameters"].explanation.drawing
+    hand.wait(lambda: drawing.moving)
+    window.actions_by_name["motion"].trigger()
+    assert not drawing.moving
+    assert window.preferences.get("motion", True) is False
+    window.actions_by_name["motion"].trigger()
+    assert drawing.moving
+    window.docks["layers"].raise_()
+    hand.wait(lambda: not drawing.moving)
+
+
+@pytest.mark.parametrize("size", [(1000, 700), (1500, 1000)])
+def test_the_explanation_follows_focus_and_fits_its_place(window, hand, size) -> None:
+    window.resize(*size)
+    panel = window.panels["parameters"]
+    panel.advanced.fold.click()
+    hand.wait(lambda: (window.width(), window.height()) == size)
+    for wording in ("formula", "intuitive"):
+        window.actions_by_name[f"wording_{wording}"].trigger()
+        for name, row in panel.rows.items():
+            row.slider.setFocus(Qt.FocusReason.TabFocusReason)
+            hand.wait(lambda row=row: panel.explanation.control is row.control)
+            said = panel.explanation.head.text() + panel.explanation.body.text()
+            assert row.control.more in said
+            assert row.control.rich_symbol in said
+            for label in (panel.explanation.head, panel.explanation.body):
+                assert label.isHidden() or label.heightForWidth(label.width()) <= label.height(), name
+
+
+def test_all_is_said_where_there_is_room(window, hand) -> None:
+    window.resize(1500, 1100)
+    explanation = window.panels["parameters"].explanation
+    hand.wait(explanation.body.isVisible)
+    control = explanation.control
+    said = explanation.head.text() + explanation.body.text()
+    for part in (control.intuitive, control.title, control.span, control.meaning, control.formula, control.acts):
+        assert part in said
+
+
+def test_the_drawing_follows_the_slider(window, hand) -> None:
+    panel = window.panels["parameters"]
+    row = panel.rows["annealing"]
+    row.explained.emit(row.control)
+    before = panel.explanation.drawing.picture(0.8)
+    row.slider.setFocus()
+    hand.qtbot.keyClick(row.slider, Qt.Key.Key_Home)
+    assert window.session.document.parameters.annealing == pytest.approx(0.9)
+    assert panel.explanation.drawing.picture(0.8) != before
+
+
+def test_words_and_formulas_are_switched_from_the_menu_and_kept(window, hand) -> None:
+    row = window.panels["parameters"].rows["beta"]
+    assert "Calm" in row._label.text()
+    window.actions_by_name["wording_formula"].trigger()
+    assert "Calm" not in row._label.text()
+    assert row._label.text().startswith("<i>β</i>")
+    assert row.slider.accessibleName() == "Damping"
+    assert window.preferences.get("parameters/wording", "") == "formula"
+    window.actions_by_name["wording_intuitive"].trigger()
+    assert "Calm" in row._label.text()
+
+
+def test_symbols_are_set_with_what_stands_lower() -> None:
+    assert rich("d_max,0") == "<i>d</i><sub>max,0</sub>"
+    assert rich("β") == "<i>β</i>"
