@@ -25,11 +25,33 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Trace:
-    """The run so far, for plots: arrays of equal length, one entry a step."""
+    """The run so far, for plots: arrays of equal length, one entry a step.
+
+    Attributes
+    ----------
+    step : ndarray, shape (K,)
+        Number of the step.
+    epsilon : ndarray, shape (K,)
+        Eq. (23) [px of the scale]; NaN while it is not known.
+    count, born, deleted : ndarray, shape (K,)
+        Particles, and how many of them came and went in the step.
+    kinetic, potential : ndarray, shape (K,)
+        Energies of all particles; NaN where they were not worked out.
+    scale : ndarray, shape (K,)
+        Level of the image pyramid.
+    numbered : ndarray, shape (K,)
+        Identity that the next particle was to have.
+    """
 
     step: Array
     epsilon: Array
     count: Array
+    born: Array
+    deleted: Array
+    kinetic: Array
+    potential: Array
+    scale: Array
+    numbered: Array
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model import shades
+from app.model.iso_lines import iso_lines
 from cpm_core.engine import Engine
 from cpm_core.parameters import Parameters
 
@@ -19,6 +20,9 @@ OVERLAYS: Mapping[str, Callable[[Engine, Parameters], NDArray[np.generic]]] = Ma
     {
         "edge_map": lambda engine, parameters: shades.of_edge_map(engine.edge_map(parameters)),
         "field": lambda engine, parameters: engine.field(parameters),
+        "potential": lambda engine, parameters: shades.of_potential(engine.potential(parameters)),
+        "iso_lines": lambda engine, parameters: iso_lines(engine.potential(parameters)),
     }
 )
-"""Shades of the edge map, shape (H, W); direction in which edges pull, shape (2, H, W)."""
+"""Shades of the edge map and of the potential, shape (H, W); direction in which edges pull, shape (2, H, W); lines of
+equal potential, shape (M, 2), with a row of NaN behind each."""

@@ -67,6 +67,21 @@ class Run:
         """Whether steps are to be taken."""
         return self._remaining > 0
 
+    @property
+    def engine(self) -> Engine | None:
+        """The engine of the image, None while there is none."""
+        return self._engine
+
+    @property
+    def state(self) -> State | None:
+        """The particles as they are now, None where none have been started."""
+        return self._state
+
+    @property
+    def parameters(self) -> Parameters:
+        """Those of the next step."""
+        return self._parameters
+
     def use(self, generation: int, engine: Engine, parameters: Parameters) -> None:
         """Change to another image, with the engine that has been built for it."""
         self.discard(generation)
@@ -137,7 +152,7 @@ class Run:
         self._state = self._engine.step(self._state, self._parameters)
         self._remaining = 0.0 if self._state.stop_reason else self._remaining - 1
         self.pacer.stepped()
-        self._recorder.record(self._state.step, self._state.epsilon, self._state.count)
+        self._recorder.record(self._state)
         self._send()
 
     def result(self) -> Result:

@@ -2,28 +2,40 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 
 from app.session.messages import Array, Trace
+from cpm_core.particles import State
 
 _FIRST_CAPACITY = 1024
+_UNKNOWN = (float("nan"), float("nan"))
 
 
 class Recorder:
     """Grows by one entry a step; what it has given out is never written again."""
 
     def __init__(self) -> None:
-        self._rows: Array = np.empty((3, _FIRST_CAPACITY))
+        self._rows: Array = np.empty((len(fields(Trace)), _FIRST_CAPACITY))
         self._length = 0
 
-    def record(self, step: int, epsilon: float, count: int) -> None:
-        """Add one step."""
+    def record(self, state: State, energies: tuple[float, float] = _UNKNOWN) -> None:
+        """Add one step, with the kinetic and the potential energy of its particles."""
         if self._length == self._rows.shape[1]:
             self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
-        self._rows[:, self._length] = step, epsilon, count
+        self._rows[:, self._length] = (
+            state.step,
+            state.epsilon,
+            state.count,
+            state.born,
+            state.deleted,
+            *energies,
+            state.scale,
+            state.next_identity,
+        )
         self._length += 1
 
     def trace(self) -> Trace:
         """The record so far, without copying it."""
-        step, epsilon, count = self._rows[:, : self._length]
-        return Trace(step, epsilon, count)
+        return Trace(*self._rows[:, : self._length])

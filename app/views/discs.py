@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pyqtgraph as pg
@@ -22,6 +23,8 @@ _SMALLEST = 2.4
 _SPAN = 2.4
 """Diameter of a disc [px of the image], a little more than the spacing of the particles."""
 
+Marks = NDArray[np.uint8]
+
 NO_POSITIONS: Array = np.empty((0, 2))
 
 _RIM = 16.0
@@ -29,9 +32,9 @@ _RIM = 16.0
 
 
 class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
-    """Discs of one colour, as large as the image is enlarged, within bounds: they never cover what they lie on.
+    """Discs of one colour or of a palette, as large as the image is enlarged, within bounds: they hide next to nothing.
 
-    All are stamps of one picture in a single call of the painter, which a scatter plot of pyqtgraph does as well, but
+    All are stamps of one picture, in which the colours stand side by side, in a single call of the painter, which a scatter plot of pyqtgraph does as well, but
     only after some milliseconds of book-keeping for symbols that differ.
 
     Parameters
@@ -46,13 +49,15 @@ class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
 
     def __init__(self, colour: str, diameter: float, z: float) -> None:
         super().__init__()
-        self._colour = colour
+        self._own = (colour,)
+        self._colours: Sequence[str] = self._own
         self._diameter = diameter
         self._room = QRectF()
         self._position = np.empty((0, 2))
+        self._marks: Marks | None = None
         self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)
         self._stamp = QPixmap()
-        self._stamped = (0.0, 0.0)
+        self._stamped: tuple[object, ...] = ()
         self.setZValue(z)
 
     @property
@@ -65,10 +70,14 @@ class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
         self.prepareGeometryChange()
         self._room = image_rectangle(shape).adjusted(-rim, -rim, rim, rim)
 
-    def show(self, position: Array) -> None:
-        """Show discs at (row, col), shape (N, 2)."""
+    def use_palette(self, colours: Sequence[str] = ()) -> None:
+        """Draw in these colours, by default in the one of its own; the discs are to be shown anew."""
+        self._colours = tuple(colours) or self._own
+
+    def show(self, position: Array, colour: Marks | None = None) -> None:
+        """Show discs at (row, col), shape (N, 2), each in the colour of the palette with the number given, shape (N,)."""
         if len(position) or len(self._position):
-            self._position = position
+            self._position, self._marks = position, colour
             self.update()
 
     def boundingRect(self) -> QRectF:
@@ -87,17 +96,19 @@ class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
         x, y = to_xy(self._position)
         x, y = origin.x() + x * transform.m11(), origin.y() + y * transform.m22()
         # The painter takes as long for a stamp that is not seen as for one that is.
-        reach = stamp.width() / ratio
+        side = stamp.height()
+        reach = side / ratio
         seen = (x > -reach) & (x < device.width() + reach) & (y > -reach) & (y < device.height() + reach)
+        marks = self._marks
         if not seen.all():
-            x, y = x[seen], y[seen]
+            x, y, marks = x[seen], y[seen], marks if marks is None else marks[seen]
         self._stamps.resize(len(x))
         table = self._stamps.ndarray()
         table[:, 0] = x
         table[:, 1] = y
-        table[:, 2:4] = 0.0
-        table[:, 4] = stamp.width()
-        table[:, 5] = stamp.height()
+        table[:, 2] = 0.0 if marks is None else marks * float(side)
+        table[:, 3] = 0.0
+        table[:, 4:6] = side
         table[:, 6:8] = 1.0 / ratio
         table[:, 8] = 0.0
         table[:, 9] = 1.0
@@ -107,19 +118,20 @@ class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
         painter.restore()
 
     def _stamp_for(self, ratio: float, zoom: float) -> QPixmap:
-        """The picture of one disc for a screen with `ratio` pixels to a point and an image enlarged by `zoom`."""
+        """The discs of all colours for a screen with `ratio` pixels to a point and an image enlarged by `zoom`."""
         diameter = round(ratio * min(self._diameter, max(_SMALLEST, _SPAN * zoom)), 1)
-        if self._stamped != (diameter, ratio):
-            self._stamped = (diameter, ratio)
+        if self._stamped != (diameter, ratio, self._colours):
+            self._stamped = (diameter, ratio, self._colours)
             side = math.ceil(diameter + 2.0 * ratio)
-            self._stamp = QPixmap(side, side)
+            self._stamp = QPixmap(side * len(self._colours), side)
             self._stamp.fill(Qt.GlobalColor.transparent)
             painter = QPainter(self._stamp)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             # A rim sets large discs off from each other; around small ones it would be all that is seen.
             strength = round(190 * min(1.0, max(0.0, (diameter / ratio - _SMALLEST) / 3.0)))
             painter.setPen(QPen(QColor(0, 0, 0, strength), 0.9 * ratio) if strength else Qt.PenStyle.NoPen)
-            painter.setBrush(QColor(self._colour))
-            painter.drawEllipse(QPointF(side / 2, side / 2), diameter / 2, diameter / 2)
+            for index, colour in enumerate(self._colours):
+                painter.setBrush(QColor(colour))
+                painter.drawEllipse(QPointF((index + 0.5) * side, side / 2), diameter / 2, diameter / 2)
             painter.end()
         return self._stamp

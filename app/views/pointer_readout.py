@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtWidgets import QLabel
 
 from app.model.language import tr
+from app.model.lengths import length_text
 from app.session.session import Session
 from app.views.canvas import Canvas
 from cpm_core.image import Image
@@ -12,7 +13,7 @@ from cpm_core.paths import Position
 
 
 class PointerReadout(QLabel):
-    """Row, column and grey value.
+    """Row, column and grey value; with the size of a pixel known, the place in its unit as well.
 
     Parameters
     ----------
@@ -37,7 +38,16 @@ class PointerReadout(QLabel):
             row, col = round(position[0]), round(position[1])
             rows, cols = self._image.shape
             if 0 <= row < rows and 0 <= col < cols:
-                text = tr("row {row}, col {col}:  {value:g}").format(
-                    row=row, col=col, value=self._image.values[row, col]
-                )
+                text = self._text(self._image, row, col)
         self.setText(text)
+
+    @staticmethod
+    def _text(image: Image, row: int, col: int) -> str:
+        value = image.values[row, col]
+        if image.unit is None:
+            return tr("row {row}, col {col}:  {value:g}").format(row=row, col=col, value=value)
+        down, right = (
+            length_text(place, size, image.unit) for place, size in zip((row, col), image.spacing, strict=True)
+        )
+        words = tr("row {row}, col {col}  ({down}, {right}):  {value:g}")
+        return words.format(row=row, col=col, down=down, right=right, value=value)

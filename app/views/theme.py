@@ -23,6 +23,7 @@ BARRIER = "#f0533a"
 DIMMED = "#88101216"
 HALO = "#101216"
 FIELD = "#ff9ad5"
+TRAIL = "#7fd0ff"
 
 
 @dataclass(frozen=True, slots=True)

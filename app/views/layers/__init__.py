@@ -11,17 +11,25 @@ from app.views.layers.contours import ContourLayer
 from app.views.layers.drawing import DrawingLayer
 from app.views.layers.edge_map import EdgeMapLayer
 from app.views.layers.field import FieldLayer
+from app.views.layers.forces import ForceLayer
 from app.views.layers.image import ImageLayer
 from app.views.layers.layer import Layer
 from app.views.layers.particles import ParticleLayer
+from app.views.layers.potential import PotentialLayer
+from app.views.layers.scale_bar import ScaleBarLayer
+from app.views.layers.trails import TrailLayer
 
 LAYERS: tuple[type[Layer], ...] = (
     ParticleLayer,
+    TrailLayer,
+    ForceLayer,
     ContourLayer,
     DrawingLayer,
     EdgeMapLayer,
+    PotentialLayer,
     FieldLayer,
     ImageLayer,
+    ScaleBarLayer,
 )
 """All layers in the order in which panel and menu list them; where they lie in the pile they know themselves."""
 
@@ -51,6 +59,13 @@ class Layers:
         """The particles."""
         layer = self._layers["particles"]
         assert isinstance(layer, ParticleLayer)
+        return layer
+
+    @property
+    def forces(self) -> ForceLayer:
+        """The forces on the particle under the pointer."""
+        layer = self._layers["forces"]
+        assert isinstance(layer, ForceLayer)
         return layer
 
     @property

@@ -8,9 +8,15 @@ import pyqtgraph as pg
 from app.model.language import tr
 from app.session.messages import Overlays
 from app.session.session import Session
+from app.views import colour_maps
 from app.views.coordinates import image_rectangle
 from app.views.layers.layer import Layer
+from app.views.layers.options import Choice
 from app.views.pens import cached
+
+_MAPS = ("inferno", "magma", "plasma", "viridis", "cividis", colour_maps.GREY)
+_MOST = 235
+"""Opacity of the strongest edges, of 255."""
 
 
 class EdgeMapLayer(Layer):
@@ -22,6 +28,15 @@ class EdgeMapLayer(Layer):
     shortcut = "Ctrl+4"
     initially = False
     colours = ("#f98c0a",)
+    options = (
+        Choice(
+            "map",
+            tr("Colours"),
+            {name: colour_maps.MAPS[name] for name in _MAPS},
+            "inferno",
+            tr("Colours from weak to strong edges."),
+        ),
+    )
 
     def __init__(self, view: pg.ViewBox, session: Session) -> None:
         super().__init__(view, session)
@@ -30,9 +45,7 @@ class EdgeMapLayer(Layer):
         self._item.setVisible(False)
         cached(self._item)
         self.add(self._item)
-        table = pg.colormap.get("inferno").getLookupTable(nPts=256, alpha=True)
-        table[:, 3] = np.linspace(0, 235, 256).astype(np.uint8)
-        self._item.setLookupTable(table)
+        self.follow_choice("map")
         session.overlays_changed.connect(self._show)
         session.image_changed.connect(lambda *_: self._item.setVisible(False))
 
@@ -42,6 +55,11 @@ class EdgeMapLayer(Layer):
         if not self.shown:
             # hidden, not cleared: what is cached of an item would stay on screen when its extent vanishes
             self._item.setVisible(False)
+
+    def follow_choice(self, name: str) -> None:
+        """Change the colours."""
+        opaque = np.linspace(0, _MOST, 256).astype(np.uint8)
+        self._item.setLookupTable(np.column_stack([colour_maps.table(self.word("map")), opaque]))
 
     def _show(self, overlays: Overlays) -> None:
         shades = overlays.arrays.get("edge_map")

@@ -18,8 +18,10 @@ class ViewingPart(Part):
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk)
-        self._panel = LayersPanel(desk.stage.canvas.layers)
-        for layer in desk.stage.canvas.layers:
+        layers = desk.stage.canvas.layers
+        self._panel = LayersPanel(layers)
+        desk.stage.canvas.pointed.connect(layers.forces.point_at)
+        for layer in layers:
             layer.changed.connect(desk.session.status_changed)
 
     def entries(self) -> Sequence[Entry]:

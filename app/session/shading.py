@@ -1,0 +1,62 @@
+"""Shades of an image for another window of grey values, made on the worker thread where that takes longer than a frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.model import shades
+from app.model.shades import Shades, Window
+from app.session.commands import Command
+from app.session.messages import Report
+from app.session.workshop import Workshop
+from cpm_core.image import Image
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class WindowFound(Report):
+    """The range of an image without so many per cent of its pixels at either end."""
+
+    image: Image
+    percent: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shaded(Report):
+    """An image as it looks in a window of grey values."""
+
+    image: Image
+    window: Window
+    shades: Shades
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FindWindow(Command):
+    """Find the range of an image without so many per cent of its pixels at either end."""
+
+    image: Image
+    percent: float
+
+    latest_only = True
+    doing = "looking for the range of grey values"
+
+    def obey(self, shop: Workshop) -> None:
+        """Find it."""
+        low, high = shades.window_without(self.image.values, self.percent)
+        shop.report(WindowFound(self.image, self.percent, low, high))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shade(Command):
+    """Make the shades of an image in a window."""
+
+    image: Image
+    window: Window
+
+    latest_only = True
+    doing = "changing the levels"
+
+    def obey(self, shop: Workshop) -> None:
+        """Make them."""
+        shop.report(Shaded(self.image, self.window, shades.windowed(self.image.values, self.window)))

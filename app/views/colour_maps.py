@@ -1,0 +1,53 @@
+"""Colour maps that colour-blind people can read: brighter always means more."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QIcon, QImage, QPixmap
+
+from app.model.language import tr
+
+Table = NDArray[np.uint8]
+
+GREY, INVERTED = "grey", "inverted"
+
+MAPS: dict[str, str] = {
+    GREY: tr("Grey"),
+    INVERTED: tr("Grey, inverted"),
+    "viridis": tr("Viridis"),
+    "cividis": tr("Cividis"),
+    "magma": tr("Magma"),
+    "inferno": tr("Inferno"),
+    "plasma": tr("Plasma"),
+}
+"""Names and titles."""
+
+
+@lru_cache(maxsize=32)
+def table(name: str, entries: int = 256) -> Table:
+    """Colours of a map from least to most, shape (entries, 3), not to be written to."""
+    if name in (GREY, INVERTED):
+        ramp = np.rint(np.linspace(0.0, 255.0, entries)).astype(np.uint8)
+        colours = np.repeat((ramp if name == GREY else ramp[::-1])[:, None], 3, axis=1)
+    else:
+        colours = np.asarray(pg.colormap.get(name).getLookupTable(nPts=entries, alpha=False), dtype=np.uint8)
+    colours.flags.writeable = False
+    return colours
+
+
+def strip(name: str, width: int, height: int) -> QPixmap:
+    """A map as a strip from least, left, to most, right [px]."""
+    row = np.ascontiguousarray(table(name)[None, :, :])
+    image = QImage(row.tobytes(), row.shape[1], 1, 3 * row.shape[1], QImage.Format.Format_RGB888)
+    ways = (Qt.AspectRatioMode.IgnoreAspectRatio, Qt.TransformationMode.SmoothTransformation)
+    return QPixmap.fromImage(image.scaled(width, height, *ways))
+
+
+def icon(name: str) -> QIcon:
+    """A map for a list to choose from."""
+    return QIcon(strip(name, 36, 12))

@@ -1,0 +1,61 @@
+"""The legend of the colours of particles, in the lower right corner of the canvas."""
+
+from __future__ import annotations
+
+import pyqtgraph as pg
+from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
+from PySide6.QtGui import QColor, QPainter
+
+from app.views import colour_maps
+from app.views.pinned import INK, MARGIN, Pinned
+
+_WIDTH, _STRIP, _PAD = 150.0, 8.0, 8.0
+
+
+class ColourLegend(Pinned):
+    """A title, a strip of colours, and the values at its ends.
+
+    Parameters
+    ----------
+    view : pg.ViewBox
+        In whose corner it lies.
+    """
+
+    def __init__(self, view: pg.ViewBox) -> None:
+        super().__init__()
+        self._view = view
+        self._words = ("", "", "")
+        self._map = colour_maps.GREY
+        view.sigResized.connect(self._place)
+
+    @property
+    def words(self) -> tuple[str, str, str]:
+        """Title, least and most, as shown."""
+        return self._words
+
+    def show_range(self, title: str, low: float, high: float, map_name: str) -> None:
+        """Show a range; nothing is done when it is what is shown."""
+        words = (title, f"{low:g}", f"{high:g}")
+        if (words, map_name) != (self._words, self._map):
+            self._words, self._map = words, map_name
+            self.resize(QSizeF(_WIDTH, 2 * self.metrics().height() + _STRIP + 2 * _PAD))
+            self._place()
+
+    def draw(self, painter: QPainter) -> None:
+        """Draw it."""
+        line = self.metrics().height()
+        inner = self.boundingRect().adjusted(_PAD, 0.5 * _PAD, -_PAD, -0.5 * _PAD)
+        title, low, high = self._words
+        painter.setPen(QColor(INK))
+        painter.drawText(QRectF(inner.left(), inner.top(), inner.width(), line), Qt.AlignmentFlag.AlignHCenter, title)
+        strip = QRectF(inner.left(), inner.top() + line + 2.0, inner.width(), _STRIP)
+        pixels = colour_maps.strip(self._map, 2 * round(strip.width()), 2 * round(strip.height()))
+        painter.drawPixmap(strip, pixels, QRectF(pixels.rect()))
+        below = QRectF(inner.left(), strip.bottom() + 1.0, inner.width(), line)
+        painter.drawText(below, Qt.AlignmentFlag.AlignLeft, low)
+        painter.drawText(below, Qt.AlignmentFlag.AlignRight, high)
+
+    def _place(self, *_: object) -> None:
+        room = self._view.boundingRect()
+        corner = room.bottomRight() - QPointF(self.size.width() + MARGIN, self.size.height() + MARGIN)
+        self.put(corner)

@@ -1,0 +1,204 @@
+"""The levels of an image: a histogram with two handles, and the same two values to be typed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QPolygonF
+from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+
+from app.model.language import tr
+
+Array = NDArray[np.float64]
+
+_BINS = 128
+_MOST = 100_000
+"""Pixels that are counted at most: more would not change what is seen."""
+
+_NARROW, _AROUND = 0.1, 2.0
+"""Part of the whole range under which a window is shown enlarged, and how much is then shown beside it, in windows."""
+
+_HANDLE = 5.0
+_HEIGHT = 64
+
+
+class Levels(QWidget):
+    """Histogram and fields.
+
+    Parameters
+    ----------
+    values : ndarray, shape (H, W)
+        Grey values of the image.
+    low, high : float
+        The window shown.
+    """
+
+    moved = Signal(float, float)
+    """The user has chosen another window."""
+
+    def __init__(self, values: Array, low: float, high: float) -> None:
+        super().__init__()
+        stride = max(1, math.isqrt(values.size // _MOST))
+        sample = values[::stride, ::stride].ravel()
+        ends = float(values.min()), float(values.max())
+        self.histogram = Histogram(sample, *ends)
+        whole = bool((sample == np.rint(sample)).all())
+        self.low = _field(tr("Black"), tr("Grey value shown black."), *ends, whole)
+        self.high = _field(tr("White"), tr("Grey value shown white."), *ends, whole)
+        row = QHBoxLayout()
+        row.setSpacing(6)
+        for title, field in ((tr("Black"), self.low), (tr("White"), self.high)):
+            label = QLabel(title)
+            label.setObjectName("dim")
+            row.addWidget(label)
+            row.addWidget(field, 1)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(4)
+        column.addWidget(self.histogram)
+        column.addLayout(row)
+        self.show_window(low, high)
+        self.histogram.moved.connect(self.moved)
+        self.low.valueChanged.connect(lambda value: self.moved.emit(value, max(value, self.high.value())))
+        self.high.valueChanged.connect(lambda value: self.moved.emit(min(value, self.low.value()), value))
+
+    def show_window(self, low: float, high: float) -> None:
+        """Show a window without telling anybody."""
+        self.histogram.show_window(low, high)
+        for field, value in ((self.low, low), (self.high, high)):
+            field.blockSignals(True)
+            field.setValue(value)
+            field.blockSignals(False)
+
+
+class Histogram(QWidget):
+    """How often which grey value occurs, on a logarithmic scale, and the window between two handles.
+
+    Parameters
+    ----------
+    sample : ndarray, shape (N,)
+        Grey values.
+    low, high : float
+        Least and largest of all.
+    """
+
+    moved = Signal(float, float)
+    """The user has moved a handle: the new window."""
+
+    def __init__(self, sample: Array, low: float, high: float) -> None:
+        super().__init__()
+        self._sample, self._ends = sample, (low, high)
+        self._window = (low, high)
+        self._axis = (0.0, 0.0)
+        self._heights: Array = np.zeros(_BINS)
+        self._held: int | None = None
+        self.setMinimumHeight(_HEIGHT)
+        self.setMouseTracking(True)
+        self.setToolTip(
+            tr("How often each grey value occurs. Drag the two lines: black to the left, white to the right.")
+        )
+        self._look(low, high)
+
+    def sizeHint(self) -> QSize:
+        """Wide and low."""
+        return QSize(240, _HEIGHT)
+
+    def show_window(self, low: float, high: float) -> None:
+        """Show a window; what is shown of the axis stays while a handle is held."""
+        self._window = (low, high)
+        if self._held is None:
+            self._look(low, high)
+        self.update()
+
+    def x_of(self, value: float) -> float:
+        """Where a grey value stands [px of the widget]."""
+        begin, end = self._axis
+        return _HANDLE + (value - begin) / (end - begin) * (self.width() - 2 * _HANDLE)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take hold of the nearer handle."""
+        event.accept()
+        x = event.position().x()
+        low, high = (self.x_of(value) for value in self._window)
+        self._held = 0 if abs(x - low) < abs(x - high) or (low == high and x < low) else 1
+        self._drag(x)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Lead it."""
+        event.accept()
+        self.setCursor(Qt.CursorShape.SizeHorCursor)
+        if self._held is not None:
+            self._drag(event.position().x())
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Let it go."""
+        event.accept()
+        self._held = None
+        self._look(*self._window)
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the counts, what lies outside the window, and the handles."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        role = QPalette.ColorRole
+        colour = self.palette().color
+        room = QRectF(self.rect()).adjusted(_HANDLE, 0.5, -_HANDLE, -0.5)
+        painter.fillRect(room, colour(role.Base))
+        x = room.left() + np.linspace(0.0, room.width(), _BINS)
+        y = room.bottom() - self._heights * (room.height() - 4.0)
+        outline = [QPointF(a, b) for a, b in zip(x, y, strict=True)]
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(colour(role.PlaceholderText))
+        painter.drawPolygon(QPolygonF([room.bottomLeft(), *outline, room.bottomRight()]))
+        low, high = (min(max(self.x_of(value), room.left()), room.right()) for value in self._window)
+        veil = colour(role.Window)
+        veil.setAlpha(170)
+        painter.fillRect(QRectF(room.left(), room.top(), low - room.left(), room.height()), veil)
+        painter.fillRect(QRectF(high, room.top(), room.right() - high, room.height()), veil)
+        painter.setPen(QPen(colour(role.Highlight), 2.0))
+        for at in (low, high):
+            painter.drawLine(QPointF(at, room.top()), QPointF(at, room.bottom()))
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(colour(role.Highlight))
+        for at in (low, high):
+            painter.drawRoundedRect(QRectF(at - 4.0, room.center().y() - 8.0, 8.0, 16.0), 2.0, 2.0)
+        painter.end()
+
+    def _drag(self, x: float) -> None:
+        begin, end = self._axis
+        value = begin + (x - _HANDLE) / max(self.width() - 2 * _HANDLE, 1.0) * (end - begin)
+        value = min(max(value, self._ends[0]), self._ends[1])
+        low, high = self._window
+        low, high = (min(value, high), high) if self._held == 0 else (low, max(value, low))
+        self._window = (low, high)
+        self.update()
+        self.moved.emit(low, high)
+
+    def _look(self, low: float, high: float) -> None:
+        """Show the whole range, or what lies around a narrow window."""
+        begin, end = self._ends
+        if high - low < _NARROW * (end - begin):
+            reach = _AROUND * max(high - low, 1e-3 * (end - begin))
+            begin, end = max(begin, low - reach), min(end, high + reach)
+        if begin == end:
+            end = begin + 1.0
+        if (begin, end) != self._axis:
+            self._axis = (begin, end)
+            counts = np.histogram(self._sample, _BINS, range=(begin, end))[0]
+            self._heights = np.log1p(counts) / max(float(np.log1p(counts.max())), 1e-9)
+
+
+def _field(title: str, tip: str, low: float, high: float, whole: bool) -> QDoubleSpinBox:
+    field = QDoubleSpinBox()
+    field.setAccessibleName(title)
+    field.setToolTip(tip)
+    span = max(high - low, 1e-12)
+    field.setDecimals(0 if whole else min(max(3 - math.floor(math.log10(span)), 0), 12))
+    field.setRange(low, high)
+    field.setSingleStep(max(1.0, round(span / 256.0)) if whole else 10.0 ** math.floor(math.log10(span / 50.0)))
+    field.setKeyboardTracking(False)
+    return field
