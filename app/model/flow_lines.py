@@ -91,11 +91,12 @@ def _grow(field: Array, seeds: Array, seen: Seen, spacing: float) -> tuple[Array
         free = (owner[row, col] == -1) | (owner[row, col] == who)
         row, col, who = row[free], col[free], who[free]
         owner[row, col] = who
-        return who[owner[row, col] == who]
+        return np.asarray(who[owner[row, col] == who])
 
     going = {way: claim(everyone, seeds) for way in (1, -1)}
     for step in range(_STEPS):
-        for way, who in going.items():
+        for way in (1, -1):
+            who = going[way]
             at = points[who, _STEPS + way * step]
             direction, strength = _direction(field, at)
             to = at + way * _STRIDE * spacing * direction

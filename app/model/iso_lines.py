@@ -35,5 +35,6 @@ def iso_lines(values: Array) -> Array:
     coarse = values[::stride, ::stride]
     levels = np.quantile(coarse, (np.arange(LINES) + 1.0) / (LINES + 1.0))
     gap = np.full((1, 2), np.nan)
-    pieces = [piece for level in np.unique(levels) for line in find_contours(coarse, level) for piece in (line, gap)]
-    return np.concatenate([np.empty((0, 2)), *pieces]) * stride
+    lines = [line for level in np.unique(levels) for line in find_contours(coarse, level)]  # type: ignore[no-untyped-call]
+    pieces = [piece for line in lines for piece in (line, gap)]
+    return np.asarray(np.concatenate([np.empty((0, 2)), *pieces]) * stride)

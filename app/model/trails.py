@@ -77,4 +77,4 @@ class Trails:
         known = self._identity[before] == identity if len(self._identity) else np.zeros(len(identity), bool)
         pairs = np.stack([self._position[before[known]], position[known]], axis=1)
         moved = np.abs(pairs[:, 1] - pairs[:, 0]).max(axis=1, initial=0.0) > _STILL
-        return pairs[moved]
+        return np.asarray(pairs[moved])

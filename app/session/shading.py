@@ -1,4 +1,4 @@
-"""Shades of an image for another window of grey values, made on the worker thread where that takes longer than a frame."""
+"""Shades of an image for another window of grey values, made on the worker thread where that takes long."""
 
 from __future__ import annotations
 

@@ -34,8 +34,8 @@ _RIM = 16.0
 class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
     """Discs of one colour or of a palette, as large as the image is enlarged, within bounds: they hide next to nothing.
 
-    All are stamps of one picture, in which the colours stand side by side, in a single call of the painter, which a scatter plot of pyqtgraph does as well, but
-    only after some milliseconds of book-keeping for symbols that differ.
+    All are stamps of one picture, in which the colours stand side by side, in a single call of the painter. A scatter
+    plot of pyqtgraph does the same, but only after some milliseconds of book-keeping for symbols that differ.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
         self._colours = tuple(colours) or self._own
 
     def show(self, position: Array, colour: Marks | None = None) -> None:
-        """Show discs at (row, col), shape (N, 2), each in the colour of the palette with the number given, shape (N,)."""
+        """Show discs at (row, col), shape (N, 2), each in the colour of the palette that its number says."""
         if len(position) or len(self._position):
             self._position, self._marks = position, colour
             self.update()

@@ -145,6 +145,9 @@ def _style_sheet(theme: Theme) -> str:
     QLabel#explanation {{ color: {theme.dim}; }}
     QToolButton#fold {{ border: none; color: {theme.dim}; font-weight: 600; padding: 2px 0; }}
     QToolButton#fold:focus {{ color: {theme.accent}; }}
+    QToolButton#chip {{ border: 1px solid {theme.line}; border-radius: 4px; padding: 1px 5px; color: {theme.dim}; }}
+    QToolButton#chip:checked {{ background: {theme.button}; color: {theme.text}; }}
+    QToolButton#chip:focus {{ border-color: {theme.accent}; }}
     QToolButton#restore {{ border: none; padding: 0; }}
     QToolButton#restore:focus {{ border: 1px solid {theme.accent}; border-radius: 3px; }}
     QFrame#trouble {{ background: {theme.trouble}; border: none; }}

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QHBoxLayout, QLabel, QSizePolicy, QWidget
 
+from app.views import colour_maps
 from app.views.layers.options import Amount, Choice, Option
 from app.views.panels.marked_slider import MarkedSlider
-from app.views import colour_maps
 
 if TYPE_CHECKING:
     from app.views.layers.layer import Layer
