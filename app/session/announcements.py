@@ -21,6 +21,8 @@ class Announcements(QObject):
     """Newer particles: Snapshot, or None when there are none."""
     contours_changed = Signal(object)
     """Newer contours: Result, or None when there are none."""
+    surveyed = Signal(object)
+    """What is known about newer contours: Survey, or None when there are none."""
     overlays_changed = Signal(object)
     """Newer edge map and field: Overlays."""
     sown_changed = Signal(object)
@@ -36,6 +38,7 @@ class Announcements(QObject):
 
     def show_contours(self, reconstruction: Reconstruction | None) -> None:
         """Pass contours on."""
+        self.surveyed.emit(reconstruction.survey if reconstruction else None)
         self.contours_changed.emit(reconstruction.result if reconstruction else None)
 
     def show_overlays(self, overlays: Overlays) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.shades import Shades
+from app.session.survey import Survey
 from cpm_core.engine import Engine
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
@@ -84,10 +85,11 @@ class Snapshot:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Reconstruction:
-    """Contours of a recent snapshot."""
+    """Contours of a recent snapshot, and what is known about them."""
 
     generation: int
     result: Result
+    survey: Survey
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from app.session.mailbox import Mailbox
 from app.session.messages import Reconstruction
+from app.session.survey import Surveyor
 from app.session.trouble import sentence
 from cpm_core.engine import Engine
 from cpm_core.parameters import Parameters
@@ -34,6 +35,7 @@ class Reconstructor:
     def __init__(self) -> None:
         self.results: Mailbox[Reconstruction] = Mailbox()
         self._changed = threading.Condition()
+        self._surveyor = Surveyor()
         self._request: Request | None = None
         self._working = False
         self._quit = False
@@ -87,7 +89,8 @@ class Reconstructor:
     def _reconstruct(self, request: Request) -> None:
         try:
             result = request.engine.result(request.state, request.parameters)
+            survey = self._surveyor.survey(result, thorough=request.last)
         except Exception as error:  # the thread's outermost frame: whatever happens must not end it
             sentence(error, "reconstructing contours")
             return
-        self.results.put(Reconstruction(request.generation, result))
+        self.results.put(Reconstruction(request.generation, result, survey))

@@ -32,6 +32,7 @@ from app.session.commands import (
     WarmUp,
 )
 from app.session.core import Core
+from app.session.curation import Curation
 from app.session.editor import Editor
 from app.session.messages import Opened
 from app.session.opening import Opener
@@ -63,6 +64,7 @@ class Session(Announcements):
         self.tasks = Tasks(self._runner.report, self._wake, self)
         self._opener = Opener(core, self.tasks)
         self._progress = Progress(self, self._runner)
+        self.curation = Curation(self)
         self._numbered = 0
         self._generation = 0
         self._image_generation = 0

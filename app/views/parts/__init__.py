@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.views.part import Part
+from app.views.parts.contours import ContoursPart
 from app.views.parts.drawing import DrawingPart
 from app.views.parts.editing import EditingPart
 from app.views.parts.files import FilesPart
@@ -20,6 +21,7 @@ PARTS: tuple[type[Part], ...] = (
     RunningPart,
     TasksPart,
     ParametersPart,
+    ContoursPart,
     ViewingPart,
     LooksPart,
     HelpingPart,

@@ -9,6 +9,7 @@ from app.model.language import tr
 from app.session.session import Session
 from app.views.layers.drawing import DrawingLayer
 from app.views.tools.circle import CircleTool
+from app.views.tools.contours import ContourTool
 from app.views.tools.path import BARRIER, REGION, STROKE, PathTool
 from app.views.tools.points import PointTool
 from app.views.tools.select import SelectTool
@@ -96,6 +97,15 @@ TOOLS: tuple[ToolEntry, ...] = (
         "B",
         tr("Drag, or click corners, where no particle is to cross."),
         lambda session, drawing, advised: PathTool(session, BARRIER, drawing, advised),
+    ),
+    ToolEntry(
+        "contours",
+        tr("C&ontour tool"),
+        tr("Contours"),
+        "V",
+        tr("Click a contour to select it; X rejects, K keeps, Enter names it."),
+        lambda session, drawing, advised: ContourTool(session),
+        gap=True,
     ),
 )
 """All tools, in the order shown: what selects, what starts and what limits stand together."""

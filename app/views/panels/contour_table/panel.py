@@ -1,0 +1,139 @@
+"""The panel of the contours: thresholds and buttons beside the table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from PySide6.QtCore import QSize
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
+
+from app.model import edits
+from app.model.document import Document
+from app.model.language import tr
+from app.session.session import Session
+from app.views.panels.contour_table.threshold import Threshold
+from app.views.panels.contour_table.view import ContourTable
+
+_NARROW = 640
+"""Width under which thresholds and buttons stand above the table instead of beside it [px]."""
+
+_BESIDE = 236
+
+
+class ContourPanel(QWidget):
+    """Shows the contours and what has been said about them.
+
+    Parameters
+    ----------
+    session : Session
+        What it follows and edits.
+    fill_colours : callable
+        Fills a menu with the colours that can be chosen.
+    """
+
+    def __init__(self, session: Session, fill_colours: Callable[[QMenu], None]) -> None:
+        super().__init__()
+        self._session = session
+        self._curation = session.curation
+        self.table = ContourTable(session.curation)
+        self.summary = QLabel()
+        self.summary.setWordWrap(True)
+        self.summary.setObjectName("dim")
+        self.thresholds = {
+            "min_strength": Threshold(
+                tr("Least strength"), tr("grey/px"), tr("Contours of weaker edges are left out; acts at once.")
+            ),
+            "min_length": Threshold(tr("Least length"), tr("px"), tr("Shorter contours are left out; acts at once.")),
+        }
+        self.buttons: dict[str, QToolButton] = {}
+        self._colours = QMenu(self)
+        self._colours.aboutToShow.connect(lambda: (self._colours.clear(), fill_colours(self._colours)))
+        self._beside = self._make_beside()
+        self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
+        self._layout.setContentsMargins(12, 8, 12, 8)
+        self._layout.setSpacing(12)
+        self._layout.addWidget(self._beside)
+        self._layout.addWidget(self.table, 1)
+        for name, threshold in self.thresholds.items():
+            threshold.moved_to.connect(partial(self._set, name))
+            threshold.settled.connect(session.seal)
+        session.curation.changed.connect(self._show)
+        session.curation.selection_changed.connect(self._enable)
+        session.document_changed.connect(self._use_document)
+        self._show()
+
+    def sizeHint(self) -> QSize:
+        """Wide and low."""
+        return QSize(900, 230)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Stand below each other where there is no room beside."""
+        narrow = event.size().width() < _NARROW
+        self._layout.setDirection(
+            QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight,
+        )
+        self._beside.setMaximumWidth(16_777_215 if narrow else _BESIDE)
+        super().resizeEvent(event)
+
+    def _make_beside(self) -> QWidget:
+        beside = QWidget()
+        column = QVBoxLayout(beside)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(6)
+        column.addWidget(self.summary)
+        for threshold in self.thresholds.values():
+            column.addWidget(threshold)
+        row = QGridLayout()
+        row.setSpacing(4)
+        names = (("keep", tr("✓ Keep")), ("reject", tr("✗ Reject")), ("name", tr("Name…")), ("colour", tr("Colour")))
+        for place, (name, text) in enumerate(names):
+            button = self.buttons[name] = QToolButton()
+            button.setText(text)
+            button.setSizePolicy(button.sizePolicy().Policy.Expanding, button.sizePolicy().Policy.Fixed)
+            row.addWidget(button, place // 2, place % 2)
+        self.buttons["colour"].setMenu(self._colours)
+        self.buttons["colour"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.buttons["colour"].setToolTip(tr("Give the selected contours a colour."))
+        column.addLayout(row)
+        column.addStretch(1)
+        return beside
+
+    def _set(self, name: str, value: float) -> None:
+        words = {"min_strength": tr("set least strength"), "min_length": tr("set least length")}
+        self._session.edit(
+            words[name], lambda document: edits.set_parameter(document, name, value), f"threshold {name}"
+        )
+
+    def _use_document(self, document: Document) -> None:
+        for name, threshold in self.thresholds.items():
+            threshold.show_value(getattr(document.parameters, name))
+
+    def _show(self) -> None:
+        items, result = self._curation.items, self._curation.result
+        moment = (self._session.generation, result.steps) if result is not None else None
+        self.thresholds["min_strength"].show_values(moment, [item.measures.strength for item in items])
+        self.thresholds["min_length"].show_values(moment, [item.measures.length for item in items])
+        self.summary.setText(self._words())
+        self._enable()
+
+    def _words(self) -> str:
+        items = self._curation.items
+        if not items:
+            return tr("No contours yet: let the particles run.")
+        closed = sum(item.contour.closed for item in items)
+        rejected = sum(item.curated.rejected for item in items)
+        kept = sum(item.curated.verdict == "kept" for item in items)
+        told = tr("{closed} closed, {open} open; {kept} kept, {rejected} rejected, {undecided} undecided.")
+        return told.format(
+            closed=closed,
+            open=len(items) - closed,
+            kept=kept,
+            rejected=rejected,
+            undecided=len(items) - kept - rejected,
+        )
+
+    def _enable(self) -> None:
+        for button in self.buttons.values():
+            button.setEnabled(bool(self._curation.selected))

@@ -1,0 +1,136 @@
+"""The table itself: rows that are selected here and on the canvas alike."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIndex, Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableView
+
+from app.model.language import tr
+from app.session.curation import Curation
+from app.views.panels.contour_table.columns import COLUMNS, NAME
+from app.views.panels.contour_table.model import ContourModel, Sorted
+
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
+_PAD = 26
+
+
+class ContourTable(QTableView):
+    """Shows the contours of a curation.
+
+    Parameters
+    ----------
+    curation : Curation
+        What it shows, selects and names.
+    """
+
+    def __init__(self, curation: Curation) -> None:
+        super().__init__()
+        self._curation = curation
+        self._showing = False
+        self._rows = ContourModel(curation)
+        self._sorted = Sorted(self._rows)
+        self.setModel(self._sorted)
+        self.setAccessibleName(tr("Contours"))
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.EditKeyPressed)
+        self.setSortingEnabled(True)
+        self.sortByColumn(0, Qt.SortOrder.AscendingOrder)
+        self.setShowGrid(False)
+        self.setAlternatingRowColors(True)
+        self.setWordWrap(False)
+        self.setMouseTracking(True)
+        self.setTabKeyNavigation(False)
+        self.setMinimumHeight(96)
+        self._lay_out()
+        self.entered.connect(lambda index: curation.hover(self._key(index)))
+        self.doubleClicked.connect(lambda index: self._name(index.row()))
+        self.selectionModel().selectionChanged.connect(self._tell_selection)
+        curation.changed.connect(self._show)
+        curation.selection_changed.connect(self._show_selection)
+
+    def column(self, name: str) -> list[str]:
+        """What stands in a column, from above."""
+        number = next(index for index, column in enumerate(COLUMNS) if column.name == name)
+        return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
+
+    def name_selected(self) -> None:
+        """Write a name into the row selected."""
+        rows = self.selectionModel().selectedRows()
+        if rows:
+            self._name(rows[0].row())
+
+    # What Qt calls
+
+    def event(self, event: QEvent) -> bool:
+        """Keep keys that mean something here, whatever they mean to the window."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _DELETE:
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Enter names, Delete rejects."""
+        if event.key() in _ENTER:
+            self._name(self.currentIndex().row())
+        elif event.key() in _DELETE:
+            self._curation.judge("rejected")
+        else:
+            super().keyPressEvent(event)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """The pointer is over no row."""
+        self._curation.hover(None)
+        super().leaveEvent(event)
+
+    # Inside
+
+    def _lay_out(self) -> None:
+        self.verticalHeader().hide()
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
+        header = self.horizontalHeader()
+        header.setHighlightSections(False)
+        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        for index, column in enumerate(COLUMNS):
+            texts = (column.sample, column.title.format(unit="px"))
+            self.setColumnWidth(index, max(map(self.fontMetrics().horizontalAdvance, texts)) + _PAD)
+        self.setColumnWidth(NAME, self.columnWidth(NAME) + _PAD)
+        header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
+        header.setMinimumSectionSize(44)
+
+    def _key(self, index: QModelIndex) -> int:
+        return self._rows.key(self._sorted.mapToSource(index).row())
+
+    def _name(self, row: int) -> None:
+        if row >= 0:
+            self.edit(self._sorted.index(row, NAME))
+
+    def _show(self) -> None:
+        self._showing = True
+        self._rows.refresh()
+        self._showing = False
+        self._show_selection()
+
+    def _tell_selection(self) -> None:
+        if not self._showing:
+            self._curation.select(self._key(index) for index in self.selectionModel().selectedRows())
+
+    def _show_selection(self) -> None:
+        wanted = self._curation.selected
+        if {self._key(index) for index in self.selectionModel().selectedRows()} == wanted:
+            return
+        rows = [row for key in wanted if (row := self._rows.row(key)) is not None]
+        selection = QItemSelection()
+        last = len(COLUMNS) - 1
+        for row in rows:
+            first = self._sorted.mapFromSource(self._rows.index(row, 0))
+            selection.select(first, first.siblingAtColumn(last))
+        self._showing = True
+        self.selectionModel().select(selection, QItemSelectionModel.SelectionFlag.ClearAndSelect)
+        if rows and self.state() != QAbstractItemView.State.EditingState:
+            at = self._sorted.mapFromSource(self._rows.index(rows[0], NAME))
+            self.selectionModel().setCurrentIndex(at, QItemSelectionModel.SelectionFlag.NoUpdate)
+            self.scrollTo(at)
+        self._showing = False
