@@ -7,14 +7,15 @@ from PySide6.QtGui import QGuiApplication
 
 from app.model.language import tr
 from app.session.session import Session
-from app.views.tools.tool import Cursor, Momentary
+from app.views.tools.tool import Cursor
 from cpm_core.paths import Position
 
 
-class ContourTool(Momentary):
+class ContourTool:
     """Selects the contour under the pointer; with Shift or Ctrl, one more or one less."""
 
     name = "contours"
+    drafting = False
 
     def __init__(self, session: Session) -> None:
         self._curation = session.curation
@@ -40,6 +41,15 @@ class ContourTool(Momentary):
 
     def release(self) -> None:
         """Nothing is left to be done."""
+
+    def hover(self, at: Position) -> None:
+        """What is highlighted follows with the shape of the pointer."""
+
+    def finish(self) -> None:
+        """Nothing is left to be ended."""
+
+    def take_back(self) -> None:
+        """Nothing is left to be taken back."""
 
     def cancel(self) -> None:
         """Highlight nothing any more."""

@@ -65,8 +65,6 @@ COLUMNS: tuple[Column, ...] = (
     Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
            lambda i: tr("closed") if i.contour.closed else tr("open"), lambda i: float(not i.contour.closed), "closed",
            False),
-    Column("junctions", tr("Junctions"), tr("Ends that lie where contours meet."), _ends,
-           lambda i: i.measures.junctions, "0"),
     Column("length", tr("Length [{unit}]"), tr("Length along the contour."),
            lambda i: _figure(i.measures.length_in_units), lambda i: i.measures.length_in_units, "000,000"),
     Column("area", tr("Area [{unit}²]"), tr("Area enclosed, that of contours inside included."),
@@ -74,10 +72,12 @@ COLUMNS: tuple[Column, ...] = (
            lambda i: i.measures.area_in_units, "00,000,000"),
     Column("strength", tr("Strength"), tr("Mean edge strength along it, in grey levels per px."),
            lambda i: _figure(i.measures.strength), lambda i: i.measures.strength, "000.0"),
-    Column("contrast", tr("Contrast"), tr("Contrast of the regions on both sides, 0 to 1; measured at rest."),
-           _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
     Column("inside", tr("Inside"), tr("Number of the closed contour that it lies in."),
            lambda i: str(i.measures.inside) if i.measures.inside else "–", lambda i: i.measures.inside, "0000"),
+    Column("junctions", tr("Junctions"), tr("Ends that lie where contours meet."), _ends,
+           lambda i: i.measures.junctions, "0"),
+    Column("contrast", tr("Contrast"), tr("Contrast of the regions on both sides, 0 to 1; measured at rest."),
+           _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
 )  # fmt: skip
 """All columns in the order shown."""
 

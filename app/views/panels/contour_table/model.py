@@ -83,6 +83,8 @@ class ContourModel(QAbstractTableModel):
             return column.title.format(unit=self._unit)
         if role == Role.ToolTipRole:
             return column.tip
+        if role == Role.TextAlignmentRole and column.figure:
+            return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         return None
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
@@ -161,4 +163,4 @@ class Sorted(QSortFilterProxyModel):
         one, other = model.data(left, VALUE), model.data(right, VALUE)
         if one != other:
             return bool(one < other)
-        return bool(model.data(left.siblingAtColumn(0), VALUE) < model.data(right.siblingAtColumn(0), VALUE))
+        return bool(model.data(model.index(left.row(), 0), VALUE) < model.data(model.index(right.row(), 0), VALUE))

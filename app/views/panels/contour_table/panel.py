@@ -49,7 +49,8 @@ class ContourPanel(QWidget):
         }
         self.buttons: dict[str, QToolButton] = {}
         self._colours = QMenu(self)
-        self._colours.aboutToShow.connect(lambda: (self._colours.clear(), fill_colours(self._colours)))
+        self._colours.aboutToShow.connect(self._colours.clear)
+        self._colours.aboutToShow.connect(lambda: fill_colours(self._colours))
         self._beside = self._make_beside()
         self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
         self._layout.setContentsMargins(12, 8, 12, 8)

@@ -13,7 +13,7 @@ from app.views.panels.contour_table.model import ContourModel, Sorted
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
-_PAD = 26
+_PAD = 18
 
 
 class ContourTable(QTableView):
@@ -96,7 +96,7 @@ class ContourTable(QTableView):
         for index, column in enumerate(COLUMNS):
             texts = (column.sample, column.title.format(unit="px"))
             self.setColumnWidth(index, max(map(self.fontMetrics().horizontalAdvance, texts)) + _PAD)
-        self.setColumnWidth(NAME, self.columnWidth(NAME) + _PAD)
+        self.setColumnWidth(NAME, self.columnWidth(NAME) + 2 * _PAD)
         header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
         header.setMinimumSectionSize(44)
 
