@@ -1,0 +1,248 @@
+"""The timeline: every step again bit for bit, in bounded memory, whatever is recorded, sought, branched and dropped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+
+from app.session.timeline import Timeline
+from cpm_core import Engine, Parameters
+from cpm_core.ground import unvisited
+from cpm_core.initialization import circle
+from cpm_core.particles import Particles, State
+
+AMPLE = 10**9
+
+
+def toy(count: int = 5) -> State:
+    """A state that costs next to nothing to step."""
+    position = np.arange(2.0 * count).reshape(count, 2)
+    return State(Particles.at_rest(position), position, (64, 64), 1, unvisited((64, 64)))
+
+
+def toy_step(state: State, deed: object) -> State:
+    """A step that no two deeds have in common, nor the same deed twice."""
+    kind, value = deed
+    particles = state.particles
+    position = particles.position * 1.000001 + value + state.step
+    moved = replace(state, particles=replace(particles, position=position))
+    if kind == "change":
+        return moved
+    return replace(moved, step=state.step + 1, scale=0 if state.step >= 6 else 1)
+
+
+def same(one: State, other: State) -> bool:
+    """Whether two states agree in every bit."""
+    arrays = ("position", "velocity", "force", "distance", "identity")
+    alike = all(getattr(one.particles, name).tobytes() == getattr(other.particles, name).tobytes() for name in arrays)
+    fields = ("step", "step_of_scale", "scale", "annealed", "next_identity", "idle", "quiet", "stop_reason", "steering")
+    grounds = all(a.tobytes() == b.tobytes() for a, b in zip(one.ground, other.ground, strict=True))
+    return alike and grounds and all(getattr(one, name) == getattr(other, name) for name in fields)
+
+
+class TimelineMachine(RuleBasedStateMachine):
+    """Anything may be done in any order; a plain book of all states tells what must come of it."""
+
+    @initialize(budget=st.sampled_from([1, 3_000, 12_000, AMPLE]))
+    def begin(self, budget: int) -> None:
+        self.timeline = Timeline(toy_step, budget)
+        self.state = toy()
+        self.timeline.begin(self.state)
+        self.book: dict[int, list[State]] = {self.timeline.here[0]: [self.state]}
+
+    @rule(value=st.integers(0, 2), count=st.integers(1, 9))
+    def step(self, value: int, count: int) -> None:
+        for _ in range(count):
+            self._do(("step", value))
+
+    @rule(value=st.integers(0, 2))
+    def change(self, value: int) -> None:
+        self._do(("change", value))
+
+    @rule(data=st.data())
+    def go(self, data: st.DataObject) -> None:
+        branch = data.draw(st.sampled_from(sorted(self.book)))
+        step = data.draw(st.integers(0, len(self.book[branch]) - 1))
+        state = self.timeline.go(branch, step)
+        assert same(state, self.book[branch][step])
+        self.state = state
+
+    @precondition(lambda self: len(self.book) > 1)
+    @rule(data=st.data())
+    def drop(self, data: st.DataObject) -> None:
+        branch = data.draw(st.sampled_from(sorted(self.book)))
+        try:
+            self.timeline.drop(branch)
+        except ValueError as error:
+            assert "several branches" in str(error)
+            return
+        del self.book[branch]
+        branch, step = self.timeline.here
+        self.state = self.book[branch][step]
+
+    @rule(budget=st.sampled_from([1, 3_000, 12_000, AMPLE]))
+    def change_budget(self, budget: int) -> None:
+        self.timeline.budget = budget
+
+    def _do(self, deed: tuple[str, int]) -> None:
+        timeline, before = self.timeline, self.timeline.here
+        self.state = toy_step(self.state, deed)
+        (timeline.record if deed[0] == "step" else timeline.amend)(deed, self.state)
+        branch, step = timeline.here
+        if branch not in self.book:
+            self.book[branch] = self.book[before[0]][: before[1] + 1]
+        book = self.book[branch]
+        if deed[0] == "change":
+            assert step == before[1] == len(book) - 1
+            book[step] = self.state
+        elif step < len(book):
+            assert same(book[step], self.state)
+        else:
+            book.append(self.state)
+
+    @invariant()
+    def every_step_is_recovered_bit_for_bit(self) -> None:
+        here = self.timeline.here
+        assert same(self.timeline.state(*here), self.state)
+        for branch, states in self.book.items():
+            for step in {0, len(states) // 2, len(states) - 1}:
+                assert same(self.timeline.state(branch, step), states[step])
+        assert self.timeline.here == here
+
+    @invariant()
+    def steps_are_contiguous(self) -> None:
+        branches = {branch.identity: branch for branch in self.timeline.branches}
+        assert branches.keys() == self.book.keys()
+        for branch in branches.values():
+            assert self.timeline.reach(branch.identity) == len(self.book[branch.identity]) - 1
+            assert branch.parent is None or branches[branch.parent].first <= branch.first
+        assert sum(branch.parent is None for branch in branches.values()) == 1
+
+    @invariant()
+    def memory_stays_within_its_bounds(self) -> None:
+        timeline = self.timeline
+        assert timeline.used <= timeline.budget or timeline.kept <= 2
+        kept = timeline._kept._states.values()
+        arrays = {
+            id(array): array.nbytes
+            for state in kept
+            for array in (*(getattr(state.particles, name) for name in Particles.__slots__), *state.ground)
+        }
+        assert timeline.used == sum(arrays.values())
+
+
+TestTimeline = TimelineMachine.TestCase
+TestTimeline.settings = settings(max_examples=60, stateful_step_count=25, deadline=None)
+
+
+def recorded(count: int, budget: int = AMPLE) -> tuple[Timeline, list[State]]:
+    """A timeline of one branch."""
+    timeline, states = Timeline(toy_step, budget), [toy()]
+    timeline.begin(states[0])
+    for _ in range(count):
+        states.append(toy_step(states[-1], ("step", 1)))
+        timeline.record(("step", 1), states[-1])
+    return timeline, states
+
+
+def test_going_on_by_the_same_deeds_repeats_the_branch_and_by_others_begins_one() -> None:
+    timeline, states = recorded(10)
+    (first,) = timeline.branches
+    timeline.go(first.identity, 4)
+    timeline.record(("step", 1), states[5])
+    assert timeline.here == (first.identity, 5)
+    assert len(timeline.branches) == 1
+    timeline.record(("step", 2), toy_step(states[5], ("step", 2)))
+    kept, new = timeline.branches
+    assert (kept.last, new.parent, new.first, new.last) == (10, kept.identity, 5, 6)
+    timeline.go(new.identity, 5)
+    timeline.record(("step", 1), states[6])
+    assert timeline.here == (kept.identity, 6)
+
+
+def test_a_seek_that_nobody_wants_any_more_changes_nothing() -> None:
+    timeline, _ = recorded(30, budget=1)
+    here = timeline.here
+    assert timeline.go(here[0], 20, wanted=lambda: False) is None
+    assert timeline.here == here
+
+
+def test_steps_backwards_one_after_the_other_cost_about_one_step_each() -> None:
+    taken = []
+
+    def counted(state: State, deed: object) -> State:
+        taken.append(state.step)
+        return toy_step(state, deed)
+
+    one = 5 * (2 + 2 + 4 + 4 + 1) * 8
+    timeline, state = Timeline(counted, 40 * one + 5_000), toy()
+    timeline.begin(state)
+    for _ in range(200):
+        state = toy_step(state, ("step", 1))
+        timeline.record(("step", 1), state)
+    for step in range(199, 100, -1):
+        timeline.go(1, step)
+    assert len(taken) <= 3 * 99
+
+
+def test_the_memory_is_used_and_not_only_kept_to() -> None:
+    one = 5 * (2 + 2 + 4 + 4 + 1) * 8
+    timeline, _ = recorded(500, budget=64 * one + 5_000)
+    assert timeline.kept >= 24
+
+
+def test_scales_are_marked_where_they_begin_and_once() -> None:
+    timeline, states = recorded(10)
+    assert timeline.branches[0].scales == ((0, 1), (7, 0))
+    timeline.go(1, 3)
+    state = states[3]
+    for _ in range(6):
+        state = toy_step(state, ("step", 2))
+        timeline.record(("step", 2), state)
+    assert timeline.branches[1].scales == ((7, 0),)
+    timeline.drop(1)
+    assert timeline.branches[0].scales == ((0, 1), (7, 0))
+
+
+def test_the_only_branch_cannot_be_dropped_and_unknown_ones_are_told_of() -> None:
+    timeline, _ = recorded(3)
+    with pytest.raises(ValueError, match="only branch"):
+        timeline.drop(1)
+    with pytest.raises(ValueError, match="no branch 7"):
+        timeline.go(7, 1)
+    with pytest.raises(ValueError, match="step 9 does not follow step 3"):
+        timeline.record(("step", 1), replace(toy(), step=9))
+
+
+def test_branches_are_renamed_but_not_to_nothing() -> None:
+    timeline, _ = recorded(3)
+    timeline.rename(1, "  stiffer ")
+    timeline.rename(1, " ")
+    assert timeline.branches[0].name == "stiffer"
+
+
+@settings(max_examples=5, deadline=None)
+@given(budget=st.sampled_from([1, 60_000, 400_000]), asked=st.lists(st.integers(0, 60), min_size=1, max_size=6))
+def test_steps_of_the_engine_are_recovered_bit_for_bit(budget: int, asked: list[int], compiled_loops: None) -> None:
+    engine, slow, fast = ENGINE, Parameters(), Parameters(beta=0.3)
+
+    def again(state: State, deed: object) -> State:
+        return engine.step(state, deed)
+
+    timeline, states = Timeline(again, budget), [engine.start(circle((32.0, 32.0), 10.0))]
+    timeline.begin(states[0])
+    for step in range(60):
+        parameters = slow if step < 30 else fast
+        states.append(engine.step(states[-1], parameters))
+        timeline.record(parameters, states[-1])
+    for step in asked:
+        assert same(timeline.go(1, step), states[step])
+
+
+_row, _col = np.indices((64, 64))
+ENGINE = Engine(np.where(np.hypot(_row - 32, _col - 32) < 18.0, 200.0, 20.0), Parameters())
