@@ -39,10 +39,10 @@ The model on one page
     charges, and the kinetic and potential **energy**, which the damping takes out of a run until it is at rest
     (`energies`).
 
-`Engine` composes 1 to 7 and 9 to 11, step by step; `segment` is all of it in one call. What is known about each contour,
-and which lies in which, is a row of `measure`'s table (`contour_table`). Where the **truth** is known, as a mask or as
-contours, `compare` tells how well they agree with it and where they do not (`truth`, `comparison`). Files of all of
-this are the business of `formats`: `export` writes contours by suffix, `encoded` makes the same without a file,
+`Engine` composes 1 to 7 and 9 to 11, step by step; `segment` is all of it in one call. What is known about each
+contour, and which lies in which, is a row of `measure`'s table (`contour_table`). Where the **truth** is known, as a
+mask or as contours, `compare` tells how well they agree with it and where they do not (`truth`, `comparison`). Files of
+all of this are the business of `formats`: `export` writes contours by suffix, `encoded` makes the same without a file,
 `load_contours` reads them back; `write_animation` and `strip` show a run that was drawn frame by frame.
 
 Between the contours lies the **skeleton**: the middle line of an object with the distance to its boundary, from which

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from dataclasses import dataclass
-from types import MappingProxyType
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +41,7 @@ class Probed(Report):
     step: int
     identity: int = -1
     position: Position = (0.0, 0.0)
-    forces: Mapping[str, Vector] = MappingProxyType({})
+    forces: Mapping[str, Vector] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
