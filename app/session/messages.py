@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from app.model.shades import Shades
 from app.session.survey import Survey
+from app.session.timeline import Outline
 from cpm_core.engine import Engine
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
@@ -73,6 +74,8 @@ class Snapshot:
         Measured speed.
     trace : Trace
         The run so far.
+    timeline : Outline
+        The branches of the run and the one that it is on.
     """
 
     generation: int
@@ -81,6 +84,7 @@ class Snapshot:
     resting: NDArray[np.bool_]
     steps_per_second: float
     trace: Trace
+    timeline: Outline
 
 
 @dataclass(frozen=True, eq=False, slots=True)

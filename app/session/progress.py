@@ -137,9 +137,10 @@ class Progress:
 
     def _take_snapshot(self, snapshot: Snapshot) -> None:
         before, state = self._known.phase, snapshot.state
+        held: Phase = "paused" if before == "finished" else before  # gone back from the end of a run
         self._known = replace(
             self._known,
-            phase="finished" if state.stop_reason else before,
+            phase="finished" if state.stop_reason else held,
             step=state.step,
             count=len(snapshot.position),
             scale=state.scale,

@@ -7,6 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from app.model.document import Document
+from app.session.chronicle import Chronicle
+from app.session.deeds import Stepped
 from app.session.mailbox import Mailbox
 from app.session.messages import Overlays, Snapshot
 from app.session.overlays import OVERLAYS
@@ -46,6 +48,7 @@ class Run:
         reconstructor: Reconstructor,
     ) -> None:
         self.pacer = Pacer()
+        self.chronicle = Chronicle()
         self.generation = 0
         self.image_generation = 0
         self._build = build
@@ -103,6 +106,7 @@ class Run:
             self._regions = regions
             self._refresh_overlays()
         self._state = self._engine.start(seeds)
+        self.chronicle.begin(self._engine, self._state, self._recorder)
         self._send()
 
     def sow(self, document: Document) -> Sown:
@@ -130,6 +134,7 @@ class Run:
         self._remaining = 0.0
         self._state = None
         self._recorder = Recorder()
+        self.chronicle.clear()
         self._reconstructor.forget()
 
     def set_parameters(self, parameters: Parameters) -> None:
@@ -153,6 +158,29 @@ class Run:
         self._remaining = 0.0 if self._state.stop_reason else self._remaining - 1
         self.pacer.stepped()
         self._recorder.record(self._state)
+        self.chronicle.record(Stepped(self._parameters), self._state, self._recorder)
+        self._send()
+
+    def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
+        """Hold, and stand at another step of the timeline; nothing but that changes when it is no longer wanted."""
+        self._remaining = 0.0
+        there = self.chronicle.go(branch, step, wanted)
+        if there is not None:
+            self._state, self._recorder = there
+            self._send()
+            self._reconstruct(from_the_first=True)
+
+    def drop_branch(self, branch: int) -> None:
+        """Forget a branch of the timeline; whoever stood on it stands where it began."""
+        before = self._state
+        self._state, self._recorder = self.chronicle.drop(branch)
+        if self._state is not before:
+            self._remaining = 0.0
+        self._send()
+        self._reconstruct(from_the_first=True)
+
+    def tell(self) -> None:
+        """Send up how things stand, where there is anything."""
         self._send()
 
     def result(self) -> Result:
@@ -160,6 +188,12 @@ class Run:
         if self._engine is None or self._state is None:
             raise ValueError("There is nothing to export yet: let the particles run first.")
         return self._engine.result(self._state, self._parameters)
+
+    def result_of(self, state: State) -> Result:
+        """Contours of another state of the run."""
+        if self._engine is None:
+            raise ValueError("There is no image to run on: open one first.")
+        return self._engine.result(state, self._parameters)
 
     def _send(self) -> None:
         state = self._state
@@ -174,12 +208,13 @@ class Run:
                 resting=speed < RESTING_SPEED,
                 steps_per_second=self.pacer.per_second,
                 trace=self._recorder.trace(),
+                timeline=self.chronicle.outline,
             )
         )
         self._reconstruct()
 
-    def _reconstruct(self) -> None:
-        if self._engine is not None and self._state is not None and self._state.step > 0:
+    def _reconstruct(self, from_the_first: bool = False) -> None:
+        if self._engine is not None and self._state is not None and (self._state.step > 0 or from_the_first):
             last = not self.stepping
             self._reconstructor.ask(Request(self.generation, self._engine, self._state, self._parameters, last))
 

@@ -240,6 +240,12 @@ class Session(Announcements):
             self._progress.forget()
             self.post(Discard(self._generation))
 
+    def look_back(self, command: Command) -> None:
+        """Hold the run and let a command bring another moment of it."""
+        if self.status.started:
+            self._progress.phase("paused")
+            self.post(command)
+
     def set_pace(self, steps_per_second: float | None) -> None:
         """Limit the speed; None for none."""
         self.post(SetPace(steps_per_second))

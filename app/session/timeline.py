@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from app.model.language import tr
 from app.session.kept_states import KeptStates, Place
 from cpm_core.particles import State
 
-Deed = object
+Deed = TypeVar("Deed")
 """What leads from one state to the next; deeds that are equal lead from the same state to the same one."""
 
 
@@ -44,8 +45,31 @@ class Branch:
     scales: tuple[tuple[int, int], ...] = ()
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Outline:
+    """How the timeline stands, as the window shows it.
+
+    Attributes
+    ----------
+    branches : tuple of Branch
+        The oldest first; the same tuple as long as nothing but the last step of `branch` has changed.
+    branch : int
+        The branch that the run is on, 0 before there is one.
+    used, budget : int
+        Bytes that its states take, and may take.
+    kept : int
+        States that are kept; the others are worked out anew.
+    """
+
+    branches: tuple[Branch, ...] = ()
+    branch: int = 0
+    used: int = 0
+    budget: int = 0
+    kept: int = 0
+
+
 @dataclass(eq=False, slots=True)
-class _Line:
+class _Line(Generic[Deed]):
     """What is recorded of a branch: the deeds of its steps from the first on.
 
     Each step has the deed that it was taken with and those by which its state was changed afterwards; of the first
@@ -67,7 +91,7 @@ class _Line:
         return Branch(self.identity, self.name, self.parent, self.first, self.last, tuple(self.scales))
 
 
-class Timeline:
+class Timeline(Generic[Deed]):
     """The steps of a run and its branches, and the place among them where the run stands.
 
     Parameters
@@ -81,9 +105,9 @@ class Timeline:
     def __init__(self, again: Callable[[State, Deed], State], budget: int) -> None:
         self._again = again
         self._kept = KeptStates(budget)
-        self._lines: dict[int, _Line] = {}
+        self._lines: dict[int, _Line[Deed]] = {}
         self._numbered = 0
-        self._line: _Line | None = None
+        self._line: _Line[Deed] | None = None
         self._step = 0
         self._outline: tuple[Branch, ...] | None = ()
 
@@ -268,20 +292,20 @@ class Timeline:
 
     # Inside
 
-    def _here(self) -> _Line:
+    def _here(self) -> _Line[Deed]:
         if self._line is None:
             raise ValueError("the timeline has not begun.")
         return self._line
 
-    def _known(self, branch: int) -> _Line:
+    def _known(self, branch: int) -> _Line[Deed]:
         if branch not in self._lines:
             raise ValueError(tr("There is no branch {number} (any more).").format(number=branch))
         return self._lines[branch]
 
-    def _root(self) -> _Line:
+    def _root(self) -> _Line[Deed]:
         return next(line for line in self._lines.values() if line.parent is None)
 
-    def _open(self, parent: _Line | None, first: int, changes: tuple[Deed, ...]) -> _Line:
+    def _open(self, parent: _Line[Deed] | None, first: int, changes: tuple[Deed, ...]) -> _Line[Deed]:
         self._numbered += 1
         name = tr("Branch {number}").format(number=self._numbered)
         line = _Line(self._numbered, name, None if parent is None else parent.identity, first, [changes], [])
@@ -289,7 +313,7 @@ class Timeline:
         self._outline = None
         return line
 
-    def _scale(self, line: _Line, step: int) -> int:
+    def _scale(self, line: _Line[Deed], step: int) -> int:
         """Scale that a branch is at with a step."""
         for begun, scale in reversed(line.scales):
             if begun <= step:
@@ -297,22 +321,22 @@ class Timeline:
         assert line.parent is not None
         return self._scale(self._lines[line.parent], min(step, line.first))
 
-    def _stand(self, line: _Line, step: int) -> None:
+    def _stand(self, line: _Line[Deed], step: int) -> None:
         if line is not self._line:
             self._outline = None
         self._line, self._step = line, step
         self._kept.fix("here", self._place(line, step))
 
-    def _owner(self, line: _Line, step: int) -> _Line:
+    def _owner(self, line: _Line[Deed], step: int) -> _Line[Deed]:
         """The branch that a step of a branch is recorded in: itself, or one that it comes from."""
         while line.parent is not None and (step < line.first or (step == line.first and not line.deeds[0])):
             line = self._lines[line.parent]
         return line
 
-    def _place(self, line: _Line, step: int) -> Place:
+    def _place(self, line: _Line[Deed], step: int) -> Place:
         return (self._owner(line, step).identity, step)
 
-    def _repeated(self, deed: Deed) -> _Line | None:
+    def _repeated(self, deed: Deed) -> _Line[Deed] | None:
         """The branch, the one where the run stands before others, that has already gone on from here by this deed."""
         here, step = self._here(), self._step
         owner = self._owner(here, step)
@@ -322,9 +346,9 @@ class Timeline:
                 return line
         return None
 
-    def _recover(self, line: _Line, step: int, wanted: Callable[[], bool]) -> State | None:
+    def _recover(self, line: _Line[Deed], step: int, wanted: Callable[[], bool]) -> State | None:
         owner = self._owner(line, step)
-        missing: list[tuple[_Line, int]] = []
+        missing: list[tuple[_Line[Deed], int]] = []
         while (nearest := self._kept.get((owner.identity, step))) is None:
             missing.append((owner, step))
             if step > owner.first:
@@ -342,12 +366,12 @@ class Timeline:
             self._kept.put((its.identity, at), state)
         return state
 
-    def _heir(self, line: _Line) -> _Line | None:
+    def _heir(self, line: _Line[Deed]) -> _Line[Deed] | None:
         """Who takes the beginning of a branch over: of those that leave it last, one that changed nothing there."""
         children = [other for other in self._lines.values() if other.parent == line.identity]
         return max(children, key=lambda child: (child.first, not child.deeds[0]), default=None)
 
-    def _bequeath(self, line: _Line, heir: _Line) -> None:
+    def _bequeath(self, line: _Line[Deed], heir: _Line[Deed]) -> None:
         """Give the beginning of a branch to one that leaves it."""
         fork = heir.first
         others = [other for other in self._lines.values() if other.parent == line.identity and other is not heir]

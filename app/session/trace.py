@@ -36,6 +36,18 @@ class Recorder:
         )
         self._length += 1
 
+    def __len__(self) -> int:
+        return self._length
+
+    def until(self, length: int) -> Recorder:
+        """Another record that begins with the first so many entries of this one."""
+        other = Recorder()
+        other._length = min(length, self._length)
+        room = max(2 * other._length, _FIRST_CAPACITY)
+        other._rows = np.empty((len(self._rows), room))
+        other._rows[:, : other._length] = self._rows[:, : other._length]
+        return other
+
     def trace(self) -> Trace:
         """The record so far, without copying it."""
         return Trace(*self._rows[:, : self._length])

@@ -22,6 +22,10 @@ from app.session.pacer import Pacer
 from app.session.runner import Runner
 from app.session.trace import Recorder
 from cpm_core import Image, Parameters, Regions, uniform_grid
+from cpm_core.ground import Ground, unvisited
+from cpm_core.particles import Particles
+from cpm_core import Image, Parameters, Regions, uniform_grid
+from cpm_core.shapes import Barrier, Everywhere, Points, Region
 from cpm_core.shapes import Barrier, Everywhere, Points, Region
 
 DOCUMENT = Document(shapes=(Points(((5.0, 5.0), (6.0, 6.0))),))
@@ -40,7 +44,9 @@ class FakeState:
     converged: bool = False
     steering: tuple[object, ...] = ()
     position: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
-    particles: SimpleNamespace = field(default_factory=lambda: SimpleNamespace(velocity=np.zeros((2, 2))))
+    particles: Particles = field(default_factory=lambda: Particles.at_rest(np.zeros((2, 2))))
+    ground: Ground = field(default_factory=lambda: unvisited((4, 4)))
+    far: None = None
 
     def resumed(self) -> FakeState:
         return replace(self, stop_reason="")
