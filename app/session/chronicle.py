@@ -9,11 +9,15 @@ from app.session.timeline import Outline, Timeline
 from app.session.trace import Recorder
 from cpm_core.engine import Engine
 from cpm_core.particles import State
+from cpm_core.regions import Regions
 
 MEGABYTES = 256
 """Memory for the timeline where nothing else is preferred."""
 
 MEGABYTE = 2**20
+
+_ENGINES = 3
+"""Engines with different regions that are kept for taking steps anew."""
 
 
 class Chronicle:
@@ -21,7 +25,7 @@ class Chronicle:
 
     def __init__(self) -> None:
         self._timeline: Timeline[Deed] = Timeline(self._again, MEGABYTES * MEGABYTE)
-        self._engine: Engine | None = None
+        self._engines: dict[Regions | None, Engine] = {}
         self._recorders: dict[int, Recorder] = {}
 
     @property
@@ -38,11 +42,12 @@ class Chronicle:
     def clear(self) -> None:
         """Forget the run."""
         self._timeline.clear()
+        self._engines.clear()
         self._recorders.clear()
 
     def begin(self, engine: Engine, state: State, recorder: Recorder) -> None:
         """Begin with the first state of a run."""
-        self._engine = engine
+        self._engines = {engine.regions: engine}
         self._timeline.begin(state)
         self._recorders = {self.outline.branch: recorder}
 
@@ -88,5 +93,10 @@ class Chronicle:
             self._recorders[here[0]] = recorder
 
     def _again(self, state: State, deed: Deed) -> State:
-        assert self._engine is not None
-        return deed.again(self._engine, state)
+        engine = self._engines.pop(deed.regions, None)
+        if engine is None:
+            engine = next(iter(self._engines.values())).with_regions(deed.regions)
+            if len(self._engines) >= _ENGINES:
+                self._engines.pop(next(iter(self._engines)))
+        self._engines[deed.regions] = engine  # used last, and therefore let go last
+        return deed.again(engine, state)

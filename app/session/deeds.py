@@ -5,24 +5,33 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from cpm_core.charges import PlacedCharge
 from cpm_core.engine import Engine
 from cpm_core.parameters import Parameters
 from cpm_core.particles import State
+from cpm_core.regions import Regions
 
 
 class Deed(Protocol):
     """Something done to a state; deeds that are equal lead from the same state to the same one."""
 
+    @property
+    def regions(self) -> Regions | None:
+        """Regions of the engine by which it was done."""
+
     def again(self, engine: Engine, state: State) -> State:
-        """Do it to a state of a run of this engine."""
+        """Do it to a state, by an engine with these regions."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stepped:
-    """One step with these parameters; a run that had ended goes on."""
+    """One step with these parameters, placed charges and regions; a run that had ended goes on."""
 
     parameters: Parameters
+    charges: tuple[PlacedCharge, ...] = ()
+    regions: Regions | None = None
 
     def again(self, engine: Engine, state: State) -> State:
         """Take the step."""
-        return engine.step(state.resumed() if state.stop_reason else state, self.parameters)
+        state = state.resumed() if state.stop_reason else state
+        return engine.step(state, self.parameters, self.charges)

@@ -158,7 +158,7 @@ class Run:
         self._remaining = 0.0 if self._state.stop_reason else self._remaining - 1
         self.pacer.stepped()
         self._recorder.record(self._state)
-        self.chronicle.record(Stepped(self._parameters), self._state, self._recorder)
+        self.chronicle.record(Stepped(self._parameters, (), self._regions), self._state, self._recorder)
         self._send()
 
     def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:

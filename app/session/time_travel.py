@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from app.session.lineage import Branch
 from app.session.messages import Report, Snapshot, Trouble
 from app.session.session import Session
-from app.session.timeline import Branch, Outline
+from app.session.timeline import Outline
 from app.session.timeline_commands import Compare, Compared, DropBranch, RenameBranch, Seek
 from cpm_core.result import Result
 

@@ -24,8 +24,6 @@ from app.session.trace import Recorder
 from cpm_core import Image, Parameters, Regions, uniform_grid
 from cpm_core.ground import Ground, unvisited
 from cpm_core.particles import Particles
-from cpm_core import Image, Parameters, Regions, uniform_grid
-from cpm_core.shapes import Barrier, Everywhere, Points, Region
 from cpm_core.shapes import Barrier, Everywhere, Points, Region
 
 DOCUMENT = Document(shapes=(Points(((5.0, 5.0), (6.0, 6.0))),))
@@ -57,6 +55,7 @@ class FakeEngine:
 
     def __init__(self, image: Image, parameters: Parameters, regions: Regions | None) -> None:
         self.image = image
+        self.regions = regions
         self.regions = regions
         self.scales = parameters.scales
         self.states: list[FakeState] = []
