@@ -61,6 +61,7 @@ class MainWindow(QMainWindow):
             stage=self.stage,
             preferences=self.preferences,
             entries=lambda: self.actions_by_name.entries,
+            preference_rows=lambda: [row for part in self.parts.values() for row in part.preferences()],
             reveal=self._reveal,
             use_theme=self.use_theme,
         )

@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QMainWindow, QWidget
 from app.session.preferences import Preferences
 from app.session.session import Session
 from app.views.entry import Entry, Submenu
+from app.views.preference_row import PreferenceRow
 from app.views.stage import Stage
 from app.views.theme import Theme
 
@@ -37,6 +38,8 @@ class Desk:
         What is kept from one start to the next.
     entries : callable
         All actions there are, once the window is built.
+    preference_rows : callable
+        All that may be preferred, once the window is built.
     reveal : callable
         Opens a panel by its name and brings it to the front.
     use_theme : callable
@@ -48,6 +51,7 @@ class Desk:
     stage: Stage
     preferences: Preferences
     entries: Callable[[], Iterable[Entry]]
+    preference_rows: Callable[[], Iterable[PreferenceRow]]
     reveal: Callable[[str], None]
     use_theme: Callable[[Theme], None]
 
@@ -101,6 +105,10 @@ class Part:
 
     def panels(self) -> Sequence[Panel]:
         """Its panels."""
+        return ()
+
+    def preferences(self) -> Sequence[PreferenceRow]:
+        """What a person may prefer about it, for the dialog of the preferences."""
         return ()
 
     def use_theme(self, theme: Theme) -> None:

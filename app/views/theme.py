@@ -26,6 +26,7 @@ DIMMED = "#88101216"
 HALO = "#101216"
 FIELD = "#ff9ad5"
 TRAIL = "#7fd0ff"
+GHOST = "#c792ff"
 
 
 @dataclass(frozen=True, slots=True)

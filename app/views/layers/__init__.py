@@ -12,6 +12,7 @@ from app.views.layers.drawing import DrawingLayer
 from app.views.layers.edge_map import EdgeMapLayer
 from app.views.layers.field import FieldLayer
 from app.views.layers.forces import ForceLayer
+from app.views.layers.ghost import GhostLayer
 from app.views.layers.image import ImageLayer
 from app.views.layers.layer import Layer
 from app.views.layers.particles import ParticleLayer
@@ -24,6 +25,7 @@ LAYERS: tuple[type[Layer], ...] = (
     TrailLayer,
     ForceLayer,
     ContourLayer,
+    GhostLayer,
     DrawingLayer,
     EdgeMapLayer,
     PotentialLayer,

@@ -10,8 +10,10 @@ from app.views.parts.files import FilesPart
 from app.views.parts.helping import HelpingPart
 from app.views.parts.looks import LooksPart
 from app.views.parts.parameters import ParametersPart
+from app.views.parts.preferring import PreferringPart
 from app.views.parts.running import RunningPart
 from app.views.parts.tasks import TasksPart
+from app.views.parts.timeline import TimelinePart
 from app.views.parts.viewing import ViewingPart
 
 PARTS: tuple[type[Part], ...] = (
@@ -19,10 +21,12 @@ PARTS: tuple[type[Part], ...] = (
     EditingPart,
     DrawingPart,
     RunningPart,
+    TimelinePart,
     TasksPart,
     ParametersPart,
     ContoursPart,
     ViewingPart,
     LooksPart,
+    PreferringPart,
     HelpingPart,
 )
