@@ -16,7 +16,11 @@ WIDGETS = ("PySide6.QtWidgets", "PySide6.QtOpenGLWidgets", "pyqtgraph")
 FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
 CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "PIL", "tifffile"}
 
-LATE_LIBRARIES = {"cpm_core.gallery.drawing": {"matplotlib"}, "cpm_core.formats.mp4": {"imageio_ffmpeg"}}
+LATE_LIBRARIES = {
+    "cpm_core.gallery.drawing": {"matplotlib"},
+    "cpm_core.formats.mp4": {"imageio_ffmpeg"},
+    "cpm_core.cli.workers": {"distributed"},
+}
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
 
 LONGEST_MODULE, LONGEST_CLASS, LONGEST_FUNCTION = 500, 300, 80

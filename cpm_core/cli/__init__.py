@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from cpm_core.cli import bench, figures, info, run, skeleton
+from cpm_core.cli import batch, bench, figures, info, run, skeleton
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -31,22 +31,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0 when done, 2 on bad input (one line on standard error, nothing written), 130 when interrupted.
+        Exit status: 0 when done, 1 when some of several images could not be, 2 on bad input (one line on standard
+        error, nothing written), 130 when interrupted.
     """
     try:
         arguments = _parser().parse_args(argv)
-        command: Callable[[argparse.Namespace], None] = arguments.command
-        command(arguments)
+        command: Callable[[argparse.Namespace], int | None] = arguments.command
+        return command(arguments) or 0
     except ValueError as error:
         print(f"cpm: {error}", file=sys.stderr)
         return BAD_INPUT
     except MemoryError:
         print("cpm: there is not enough memory for this: use a smaller image or fewer particles.", file=sys.stderr)
         return BAD_INPUT
-    except KeyboardInterrupt:
-        print("cpm: interrupted; nothing was written.", file=sys.stderr)
+    except KeyboardInterrupt as interrupt:
+        print(f"cpm: interrupted; {interrupt or 'nothing was written'}.", file=sys.stderr)
         return INTERRUPTED
-    return 0
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -57,6 +57,6 @@ def _parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (run, skeleton, info, figures, bench):
+    for command in (run, batch, skeleton, info, figures, bench):
         command.add_to(commands)
     return parser

@@ -8,12 +8,25 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 from cpm_core.formats import READABLE, WRITABLE, check_export
-from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.formats.session_file import SUFFIX
+from cpm_core.parameters import PARAMETERS, Parameters
 
 
-def add_image(parser: argparse.ArgumentParser) -> None:
+def add_image(parser: argparse.ArgumentParser, optional: bool = False) -> None:
     """Let a command take the path of an image, as `image`."""
-    parser.add_argument("image", metavar="IMAGE", help=f"image file ({', '.join(READABLE)})")
+    parser.add_argument(
+        "image", metavar="IMAGE", nargs="?" if optional else None, help=f"image file ({', '.join(READABLE)})"
+    )
+
+
+def add_session(parser: argparse._ActionsContainer, required: bool = False) -> None:
+    """Let a command take a session file, as `session`."""
+    parser.add_argument(
+        "--session",
+        metavar="FILE",
+        required=required,
+        help=f"session file ({SUFFIX}) with image, start, regions, parameters and what was said about contours",
+    )
 
 
 def add_parameters(parser: argparse._ActionsContainer, names: Iterable[str] = tuple(PARAMETERS)) -> None:
@@ -46,18 +59,27 @@ def add_json(parser: argparse._ActionsContainer) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
-def parameters_of(arguments: argparse.Namespace, preset: str) -> Parameters:
-    """Parameters of a preset with those that were given as flags in their place; ValueError on a bad value."""
+def parameters_of(arguments: argparse.Namespace, base: Parameters) -> Parameters:
+    """The parameters `base` with those that were given as flags in their place; ValueError on a bad value."""
     given = {field.name: getattr(arguments, field.name, None) for field in fields(Parameters)}
-    return replace(PRESETS[preset], **{name: value for name, value in given.items() if value is not None})
+    return replace(base, **{name: value for name, value in given.items() if value is not None})
 
 
-def check_exports(paths: Sequence[str], image: str) -> None:
-    """Raise ValueError unless each path can be written and none is the image itself."""
+def check_exports(paths: Sequence[str], image: str, session: str | None = None) -> None:
+    """Raise ValueError unless each path can be written and none is the image or the session file itself."""
     for path in paths:
         check_export(path)
         if Path(path).resolve() == Path(image).resolve():
             raise ValueError(f"--export {path} would overwrite the image itself: choose another name.")
+        if session is not None and Path(path).resolve() == Path(session).resolve():
+            raise ValueError(f"--export {path} would overwrite the session file itself: choose another name.")
+
+
+def as_steps(given: int | float | str | None) -> int | None:
+    """The number of steps that was given, if it makes sense; else ValueError."""
+    if given is None or (isinstance(given, int) and given > 0):
+        return given
+    raise ValueError(f"--max-steps is {given} but must be a whole number above 0.")
 
 
 def as_number(text: str) -> int | float | str:

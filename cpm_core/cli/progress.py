@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from types import TracebackType
 
 from cpm_core.particles import State
 
@@ -27,3 +28,50 @@ class Progress:
     def clear(self) -> None:
         """Take the line away."""
         print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
+
+
+class Count:
+    """A line on a terminal that says how many of a known number are done, and how long the others will take.
+
+    Parameters
+    ----------
+    total : int
+        How many there are.
+    """
+
+    def __init__(self, total: int) -> None:
+        self._total = total
+        self._done = 0
+        self._began = time.monotonic()
+        self._shown = sys.stderr.isatty()
+
+    def __enter__(self) -> Count:
+        self._draw()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._clear()
+
+    def advance(self) -> None:
+        """One more is done."""
+        self._done += 1
+        self._draw()
+
+    def say(self, sentence: str) -> None:
+        """Say something on a line of its own."""
+        self._clear()
+        print(sentence, file=sys.stderr, flush=True)
+        self._draw()
+
+    def _draw(self) -> None:
+        if self._shown:
+            each = (time.monotonic() - self._began) / self._done if self._done else 0.0
+            left = each * (self._total - self._done)
+            told = f", about {left:.0f} s left" if left else ""
+            print(f"\r\x1b[2K{self._done} of {self._total}{told}", end="", file=sys.stderr, flush=True)
+
+    def _clear(self) -> None:
+        if self._shown:
+            print("\r\x1b[2K", end="", file=sys.stderr, flush=True)

@@ -7,6 +7,7 @@ import json
 import sys
 import time
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,19 +17,25 @@ from cpm_core.cli.arguments import (
     add_image,
     add_json,
     add_parameters,
+    add_session,
     as_number,
+    as_steps,
     check_exports,
     parameters_of,
 )
 from cpm_core.cli.progress import Progress
 from cpm_core.cli.wording import counted
+from cpm_core.curation import apply
+from cpm_core.drawing import charges_of, regions_of, seeds_of, starts_of
 from cpm_core.formats import export, load_image, load_points
+from cpm_core.formats.session_file import SessionFile, find_image, load_session
 from cpm_core.image import Image
 from cpm_core.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.regions import Regions
 from cpm_core.result import Result
 from cpm_core.segmentation import segment
+from cpm_core.shapes import Barrier, Region
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -36,8 +43,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser = commands.add_parser("run", help="find the contours of an image", allow_abbrev=False)
     parser.set_defaults(command=_run)
     parser.description = "Let particles flow from a start to the contours of an image."
-    add_image(parser)
-    start = parser.add_argument_group("start (one at least; several add up)")
+    add_image(parser, optional=True)
+    add_session(parser)
+    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
     start.add_argument("--circle", metavar="ROW,COL,RADIUS", action="append", default=[], help="a circle, in px")
     start.add_argument(
         "--stroke", metavar="ROW,COL,ROW,COL,...", action="append", default=[], help="a stroke from point to point"
@@ -61,7 +69,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         help="vertices of a line that no particle crosses, in px",
     )
     parameters = parser.add_argument_group("parameters")
-    parameters.add_argument("--preset", choices=tuple(PRESETS), default="shape", help="named settings (default: shape)")
+    parameters.add_argument(
+        "--preset", choices=tuple(PRESETS), help="named settings (default: shape, or the session's)"
+    )
     add_parameters(parameters)
     outcome = parser.add_argument_group("outcome")
     outcome.add_argument("--max-steps", metavar="N", type=as_number, help="stop after so many steps at most")
@@ -71,34 +81,52 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 def _run(arguments: argparse.Namespace) -> None:
     """Find the contours of an image; every check that needs no image comes first."""
-    parameters = parameters_of(arguments, arguments.preset)
-    max_steps = _max_steps(arguments.max_steps)
-    drawn = _drawn(arguments)
-    regions = _regions(arguments)
-    check_exports(arguments.export, arguments.image)
-    image = load_image(arguments.image)
-    seeds = np.concatenate([*drawn, *_automatic(arguments.auto, image, parameters)])
+    session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
+    if arguments.image is None and session.image is None:
+        raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
+    parameters = parameters_of(arguments, PRESETS[arguments.preset] if arguments.preset else session.parameters)
+    max_steps = as_steps(arguments.max_steps)
+    drawn = _drawn(arguments, session)
+    regions = _regions(arguments, session)
+    path, notes = _image(arguments, session)
+    check_exports(arguments.export, str(path), arguments.session)
+    image = load_image(path)
+    for note in (*session.notes, *notes):
+        print(f"cpm: {note}", file=sys.stderr)
+    kept = seeds_of(session.shapes, image, parameters.smoothing)
+    seeds = np.concatenate([kept, *drawn, *_automatic(arguments.auto, image, parameters)])
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
-        result = segment(image, seeds, parameters, max_steps=max_steps, progress=progress, regions=regions)
+        found = segment(
+            image,
+            seeds,
+            parameters,
+            max_steps=max_steps,
+            progress=progress,
+            regions=regions,
+            charges=charges_of(session.shapes),
+        )
     finally:
         if progress is not None:
             progress.clear()
+    result = apply(found, session.marks)
     seconds = time.perf_counter() - started
     export(result, *arguments.export)
     _tell_result(result, seconds, arguments.export, as_json=arguments.json)
 
 
-def _max_steps(given: int | float | str | None) -> int | None:
-    if given is None or (isinstance(given, int) and given > 0):
-        return given
-    raise ValueError(f"--max-steps is {given} but must be a whole number above 0.")
+def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, tuple[str, ...]]:
+    """Path of the image that is named, or else of that of the session, and what is to be told about it."""
+    if arguments.image is not None or session.image is None:
+        return Path(arguments.image), ()
+    return find_image(session.image, Path(arguments.session).absolute().parent)
 
 
-def _drawn(arguments: argparse.Namespace) -> list[NDArray[np.float64]]:
+def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[NDArray[np.float64]]:
     """Particles of the circles, strokes and points on the command line."""
-    if not (arguments.circle or arguments.stroke or arguments.points or arguments.auto):
+    given = arguments.circle or arguments.stroke or arguments.points or arguments.auto
+    if not (given or starts_of(session.shapes)):
         raise ValueError(
             "No start is given: add --circle ROW,COL,RADIUS, --stroke ROW,COL,ROW,COL,..., "
             "--points FILE.csv or --auto grid."
@@ -128,14 +156,11 @@ def _numbers(text: str) -> list[float]:
     return numbers if len(numbers) == len(parts) else []
 
 
-def _regions(arguments: argparse.Namespace) -> Regions | None:
-    """Regions of interest and barriers on the command line."""
-    if not (arguments.region or arguments.barrier):
-        return None
-    return Regions(
-        interest=tuple(_line("--region", text, 3) for text in arguments.region),
-        barriers=tuple(_line("--barrier", text, 2) for text in arguments.barrier),
-    )
+def _regions(arguments: argparse.Namespace, session: SessionFile) -> Regions | None:
+    """Regions of interest and barriers of the session and on the command line."""
+    regions = [Region(_line("--region", text, 3)) for text in arguments.region]
+    barriers = [Barrier(_line("--barrier", text, 2)) for text in arguments.barrier]
+    return regions_of((*session.shapes, *regions, *barriers))
 
 
 def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:

@@ -18,6 +18,7 @@ from cpm_core.cli.arguments import (
 )
 from cpm_core.cli.wording import counted
 from cpm_core.formats import export, load_image
+from cpm_core.parameters import PRESETS
 from cpm_core.skeleton import PRUNING, Skeleton, skeleton
 
 _PRESET = "noisy"
@@ -50,7 +51,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 def _skeleton(arguments: argparse.Namespace) -> None:
     """Find the skeletons of an image; every check that needs no image comes first."""
-    parameters = parameters_of(arguments, _PRESET)
+    parameters = parameters_of(arguments, PRESETS[_PRESET])
     if isinstance(arguments.pruning, str):
         raise ValueError(f'--pruning is "{arguments.pruning}" but must be a number of pixels, 0 or more.')
     check_exports(arguments.export, arguments.image)

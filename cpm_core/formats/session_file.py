@@ -17,6 +17,7 @@ from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import Any, NoReturn
 
+from cpm_core.curation import Mark
 from cpm_core.formats.atomic import write_together
 from cpm_core.formats.plain import LARGEST, from_plain, number, shown, to_plain
 from cpm_core.parameters import Parameters
@@ -88,8 +89,8 @@ class SessionFile:
         What is drawn: starts, regions of interest, barriers, placed charges.
     parameters : Parameters
         Parameters of the run.
-    marks : tuple of mapping
-        What has been said about contours, as plain JSON.
+    marks : tuple of Mark
+        What has been said about contours.
     mode : str
         What the window was set up for, empty for nothing in particular.
     view : mapping
@@ -103,7 +104,7 @@ class SessionFile:
     image: ImageFile | None = None
     shapes: tuple[Shape, ...] = ()
     parameters: Parameters = field(default_factory=Parameters)
-    marks: tuple[Plain, ...] = ()
+    marks: tuple[Mark, ...] = ()
     mode: str = ""
     view: Plain = field(default_factory=dict)
     extra: Plain = field(default_factory=dict)
@@ -150,7 +151,7 @@ def encode(session: SessionFile, folder: Path) -> bytes:
         plain["image"] = _image_to_plain(session.image, folder)
     plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]
     plain["parameters"] = to_plain(session.parameters)
-    plain["marks"] = [dict(mark) for mark in session.marks]
+    plain["marks"] = [to_plain(mark) for mark in session.marks]
     plain["mode"] = session.mode
     plain["view"] = dict(session.view)
     plain.update(session.extra)
@@ -198,7 +199,7 @@ def decode(content: bytes, name: str) -> SessionFile:
             image=_image(plain["image"]) if plain.get("image") is not None else None,
             shapes=tuple(shape_from_plain(shape, f"shape {index}") for index, shape in _listed(plain, "shapes")),
             parameters=parameters,
-            marks=tuple(_mapping(mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
+            marks=tuple(from_plain(Mark, mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
             mode=_text_of(plain.get("mode", ""), "mode"),
             view=_mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from cpm_core.curation import Mark, Verdict
 from cpm_core.formats.plain import LARGEST
 from cpm_core.formats.session_file import (
     ImageFile,
@@ -75,12 +76,19 @@ plain = st.recursive(
     max_leaves=8,
 )
 mappings = st.dictionaries(st.text(), plain, max_size=4)
+marks = st.builds(
+    Mark,
+    st.tuples(numbers, numbers),
+    st.sampled_from(get_args(Verdict)),
+    st.text(),
+    st.just("") | st.from_regex("#[0-9a-f]{6}", fullmatch=True),
+)
 sessions = st.builds(
     SessionFile,
     image=st.sampled_from([None, ImageFile("a.png", 64 * "a", (4, 5), ("/b/a.png",)), ImageFile("/b/ü.png")]),
     shapes=st.lists(shapes, max_size=5).map(tuple),
     parameters=parameters(),
-    marks=st.lists(mappings, max_size=3).map(tuple),
+    marks=st.lists(marks, max_size=3).map(tuple),
     mode=st.text(),
     view=mappings,
     extra=st.dictionaries(st.text().map(lambda text: f"x-{text}"), plain, max_size=3),
@@ -225,6 +233,8 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
         (b'{"cpm-session": 1, "image": {"path": "a", "shape": [0, 3]}}', "rows and columns"),
         (b'{"cpm-session": 1, "view": 3}', "view is 3"),
         (b'{"cpm-session": 1, "marks": [3]}', "mark 1 is 3"),
+        (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "verdict": "good"}]}', '"good" but must be one of'),
+        (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "colour": "red"}]}', "#rrggbb"),
         (b'{"cpm-session": 1, "mode": 3}', "mode is 3"),
         (b'{"cpm-session": 1, "view": ' + 500 * b"[" + 500 * b"]" + b"}", "too deeply"),
         (100_000 * b"[", "no session file"),
@@ -255,7 +265,7 @@ sound = encode(
             Circle((1.0, 2.0), 3.0),
             *(SHAPES[name](((1.0, 2.0), (3.0, 4.0), (5.0, 1.0))) for name in ("stroke", "region")),
         ),
-        marks=({"anchor": [1.0, 2.0], "verdict": "kept"},),
+        marks=(Mark((1.0, 2.0), "kept", "ü", "#00ff00"),),
         view={"layers": {"image": {"shown": True}}},
     ),
     Path("/folder"),

@@ -1,0 +1,151 @@
+"""Where the images of a batch are worked on: in this process, in others beside it, or by a scheduler elsewhere."""
+
+from __future__ import annotations
+
+import multiprocessing
+import multiprocessing.connection
+import signal
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+from cpm_core import kernel_cache
+from cpm_core.cli.jobs import Done, Job, do
+from cpm_core.compilation import warm_up
+from cpm_core.threads import cores
+
+_DIED = "The process that worked on it ended all of a sudden; perhaps there was not enough memory."
+
+
+def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None]:
+    """Do jobs on this computer; what is done comes as it gets ready.
+
+    Parameters
+    ----------
+    jobs : sequence of Job
+        What is to be done.
+    workers : int, optional
+        How many processes; one a core unless given. With one, all is done in this very process.
+    """
+    count = min(workers or cores(), len(jobs))
+    if count <= 1:
+        yield from map(do, jobs)
+        return
+    _compile_once()
+    waiting = list(reversed(jobs))
+    crew = [_Worker() for _ in range(count)]
+    try:
+        for worker in crew:
+            worker.give(waiting.pop())
+        while any(worker.job for worker in crew):
+            busy = {worker.line: worker for worker in crew if worker.job}
+            for line in multiprocessing.connection.wait(list(busy)):
+                worker = busy[line]  # type: ignore[index]  # only those were waited for
+                done = worker.take()
+                if worker.dead and waiting:
+                    crew[crew.index(worker)] = worker = _Worker()
+                if waiting:
+                    worker.give(waiting.pop())
+                yield done
+    finally:
+        for worker in crew:
+            worker.end()
+
+
+def elsewhere(jobs: Sequence[Job], address: str) -> Generator[Done, None, None]:
+    """Let the workers of a dask scheduler do jobs; they have to see the same files under the same names.
+
+    Raises
+    ------
+    ValueError
+        When dask is not installed, or no scheduler answers at the address.
+    """
+    try:
+        from distributed import Client, as_completed
+    except ImportError:
+        raise ValueError(
+            "--scheduler needs the package distributed, which is not installed: install it "
+            '(pip install "cpm-particles[batch]"), or use --workers.'
+        ) from None
+    try:
+        client = Client(address, timeout=10)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise ValueError(f'--scheduler is "{address}" but no scheduler answers there: {error}.') from error
+    with client:
+        futures = client.map(do, jobs, pure=False)
+        number = {future.key: job.number for future, job in zip(futures, jobs, strict=True)}
+        try:
+            for future in as_completed(futures):
+                trouble: Any = future.exception()
+                yield future.result() if trouble is None else Done(number[future.key], trouble=f"{_DIED} ({trouble})")
+        finally:
+            client.cancel(futures)
+
+
+def _compile_once() -> None:
+    """Compile here what nobody has compiled on this computer yet, so that not every process does it for itself."""
+    folder = kernel_cache.folder_of_this_package()
+    if folder is not None and not any(folder.rglob("*.nbi")):
+        warm_up()
+
+
+class _Worker:
+    """A process that does one job after the other."""
+
+    def __init__(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.line, theirs = context.Pipe()
+        self.job: Job | None = None
+        self.dead = False
+        self._process: BaseProcess = context.Process(target=_work, args=(theirs,), daemon=True)
+        with _deaf_to_interrupts():
+            self._process.start()
+        theirs.close()
+
+    def give(self, job: Job) -> None:
+        """Let it do a job."""
+        self.job = job
+        with suppress(OSError):  # a process that is gone is noticed when its answer is waited for
+            self.line.send(job)
+
+    def take(self) -> Done:
+        """What came of its job."""
+        assert self.job is not None
+        number, self.job = self.job.number, None
+        try:
+            done = self.line.recv()
+            assert isinstance(done, Done)
+            return done
+        except (EOFError, OSError):
+            self.dead = True
+            self.end()
+            return Done(number, trouble=_DIED)
+
+    def end(self) -> None:
+        """End it at once, whatever it is doing."""
+        self._process.kill()
+        self._process.join()
+        self.line.close()
+
+
+def _work(line: Connection) -> None:
+    """Do what comes along a line, until nothing does any more."""
+    with suppress(EOFError, OSError):
+        while True:
+            line.send(do(line.recv()))
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Processes that are started meanwhile leave Ctrl+C to this one, which ends them."""
+    try:
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    except ValueError:  # only the main thread may ask for that
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
