@@ -65,7 +65,6 @@ def energies(state: State, level: Level, parameters: Parameters) -> Energies:
     """
     particles = state.particles
     in_image = 4.0**state.scale
-    kinetic = 0.5 * float(np.einsum("ni,ni->", particles.velocity, particles.velocity))
     height, width = level.shape
     reach = parameters.d_min + parameters.d_max
     pairs = _near_pairs(build_cells(particles.position, height, width, reach), reach)
@@ -73,7 +72,13 @@ def energies(state: State, level: Level, parameters: Parameters) -> Energies:
     charges = at_scale(state.charges, state.scale, state.shape)
     placed = placed_potential(charges, radius_at(state.scale), particles.position).sum()
     mutual = _PAIR * parameters.w1 * parameters.d_min**2 * pairs
-    return Energies(in_image * kinetic, in_image * (mutual + parameters.w2 * float(fixed + placed)))
+    return Energies(kinetic_energy(state), in_image * (mutual + parameters.w2 * float(fixed + placed)))
+
+
+def kinetic_energy(state: State) -> float:
+    """Kinetic energy of the particles of a state [px^2 of the image / unit of time^2]; next to no work."""
+    velocity = state.particles.velocity
+    return 0.5 * 4.0**state.scale * float(np.einsum("ni,ni->", velocity, velocity))
 
 
 @compiled

@@ -30,6 +30,9 @@ _WEAK = 1e-3
 _SHORT = 4
 """Points under which a line is not worth drawing."""
 
+_CURLED = 0.4
+"""Distance from its beginning to its end, in spacings, under which a line only turns round in a trough."""
+
 
 class Seen(NamedTuple):
     """The part of the image that is seen (row, col) [px]."""
@@ -68,9 +71,11 @@ def flow_lines(field: Array, seen: Seen, spacing: float) -> list[Array]:
     seeds = (np.stack(np.meshgrid(rows, cols, indexing="ij"), axis=-1).reshape(-1, 2) + 0.5) * spacing
     if not len(seeds):
         return []
-    grown = _grow(field, seeds, Seen(top, left, bottom, right), spacing)
-    points, first, last = grown
-    return [points[i, first[i] : last[i] + 1] for i in np.flatnonzero(last - first + 1 >= _SHORT)]
+    points, first, last = _grow(field, seeds, Seen(top, left, bottom, right), spacing)
+    everyone = np.arange(len(points))
+    way = points[everyone, last] - points[everyone, first]
+    worth = (last - first + 1 >= _SHORT) & (np.hypot(way[:, 0], way[:, 1]) >= _CURLED * spacing)
+    return [points[i, first[i] : last[i] + 1] for i in np.flatnonzero(worth)]
 
 
 def _grow(field: Array, seeds: Array, seen: Seen, spacing: float) -> tuple[Array, Index, Index]:

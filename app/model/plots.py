@@ -177,7 +177,10 @@ PLOTS: tuple[Plot, ...] = (
     Plot(
         "potential",
         tr("Potential"),
-        tr("Potential energy of all particles: in the field of the edges and of placed charges, and of near pairs."),
+        tr(
+            "Potential energy of all particles: in the field of the edges and of placed charges, and of near pairs. "
+            "Worked out every 8 steps, on large images only while this is shown."
+        ),
         (Series(tr("potential energy"), lambda record: record.potential, _PURPLE),),
         "free",
     ),

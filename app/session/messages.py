@@ -38,7 +38,8 @@ class Trace:
     count, born, deleted : ndarray, shape (K,)
         Particles, and how many of them came and went in the step.
     kinetic, potential : ndarray, shape (K,)
-        Energies of all particles; NaN where they were not worked out.
+        Energies of all particles [px^2 / unit of time^2]; the latter is worked out every few steps, in between that of
+        the last time stands for it; NaN before.
     scale : ndarray, shape (K,)
         Level of the image pyramid.
     numbered : ndarray, shape (K,)

@@ -5,7 +5,7 @@ Adding one is adding a line to `OVERLAYS`; a layer asks for it by its name with 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -13,15 +13,18 @@ from numpy.typing import NDArray
 
 from app.model import shades
 from app.model.iso_lines import iso_lines
+from cpm_core.charges import PlacedCharge
 from cpm_core.engine import Engine
 from cpm_core.parameters import Parameters
 
-OVERLAYS: Mapping[str, Callable[[Engine, Parameters], NDArray[np.generic]]] = MappingProxyType(
+Overlay = Callable[[Engine, Parameters, Sequence[PlacedCharge]], NDArray[np.generic]]
+
+OVERLAYS: Mapping[str, Overlay] = MappingProxyType(
     {
-        "edge_map": lambda engine, parameters: shades.of_edge_map(engine.edge_map(parameters)),
-        "field": lambda engine, parameters: engine.field(parameters),
-        "potential": lambda engine, parameters: shades.of_potential(engine.potential(parameters)),
-        "iso_lines": lambda engine, parameters: iso_lines(engine.potential(parameters)),
+        "edge_map": lambda engine, parameters, _: shades.of_edge_map(engine.edge_map(parameters)),
+        "field": lambda engine, parameters, charges: engine.field(parameters, 0, charges),
+        "potential": lambda engine, parameters, charges: shades.of_potential(engine.potential(parameters, charges)),
+        "iso_lines": lambda engine, parameters, charges: iso_lines(engine.potential(parameters, charges)),
     }
 )
 """Shades of the edge map and of the potential, shape (H, W); direction in which edges pull, shape (2, H, W); lines of

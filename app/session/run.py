@@ -9,6 +9,7 @@ import numpy as np
 from app.model.document import Document
 from app.session.chronicle import Chronicle
 from app.session.deeds import Stepped
+from app.session.gauge import Gauge
 from app.session.mailbox import Mailbox
 from app.session.messages import Overlays, Snapshot
 from app.session.overlays import OVERLAYS
@@ -49,6 +50,7 @@ class Run:
     ) -> None:
         self.pacer = Pacer()
         self.chronicle = Chronicle()
+        self.gauge = Gauge()
         self.generation = 0
         self.image_generation = 0
         self._build = build
@@ -157,7 +159,7 @@ class Run:
         self._state = self._engine.step(self._state, self._parameters)
         self._remaining = 0.0 if self._state.stop_reason else self._remaining - 1
         self.pacer.stepped()
-        self._recorder.record(self._state)
+        self._recorder.record(self._state, self.gauge.potential(self._engine, self._state, self._parameters))
         self.chronicle.record(Stepped(self._parameters, (), self._regions), self._state, self._recorder)
         self._send()
 
@@ -226,6 +228,6 @@ class Run:
         key = (self._engine, self._wanted, *made_of)
         if key == self._shown:
             return
-        arrays = {name: OVERLAYS[name](self._engine, self._parameters) for name in self._wanted}
+        arrays = {name: OVERLAYS[name](self._engine, self._parameters, ()) for name in self._wanted}
         self._overlays.put(Overlays(self.image_generation, arrays))
         self._shown = key

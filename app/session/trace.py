@@ -7,10 +7,11 @@ from dataclasses import fields
 import numpy as np
 
 from app.session.messages import Array, Trace
+from cpm_core.energies import kinetic_energy
 from cpm_core.particles import State
 
 _FIRST_CAPACITY = 1024
-_UNKNOWN = (float("nan"), float("nan"))
+_POTENTIAL = [field.name for field in fields(Trace)].index("potential")
 
 
 class Recorder:
@@ -20,17 +21,20 @@ class Recorder:
         self._rows: Array = np.empty((len(fields(Trace)), _FIRST_CAPACITY))
         self._length = 0
 
-    def record(self, state: State, energies: tuple[float, float] = _UNKNOWN) -> None:
-        """Add one step, with the kinetic and the potential energy of its particles."""
+    def record(self, state: State, potential: float | None = None) -> None:
+        """Add one step; where its potential energy is not given, the one before stands for it."""
         if self._length == self._rows.shape[1]:
             self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
+        if potential is None:
+            potential = float(self._rows[_POTENTIAL, self._length - 1]) if self._length else float("nan")
         self._rows[:, self._length] = (
             state.step,
             state.epsilon,
             state.count,
             state.born,
             state.deleted,
-            *energies,
+            kinetic_energy(state),
+            potential,
             state.scale,
             state.next_identity,
         )

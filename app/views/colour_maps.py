@@ -29,21 +29,32 @@ MAPS: dict[str, str] = {
 
 
 @lru_cache(maxsize=32)
-def table(name: str, entries: int = 256) -> Table:
-    """Colours of a map from least to most, shape (entries, 3), not to be written to."""
+def table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
+    """Colours of a map from least to most, shape (entries, 3), not to be written to.
+
+    Parameters
+    ----------
+    name : str
+        One of `MAPS`.
+    entries : int
+        Number of colours.
+    begin : float
+        Part of the map that is left out, from its darkest colour on.
+    """
+    at = np.linspace(begin, 1.0, entries)
     if name in (GREY, INVERTED):
-        ramp = np.rint(np.linspace(0.0, 255.0, entries)).astype(np.uint8)
-        colours = np.repeat((ramp if name == GREY else ramp[::-1])[:, None], 3, axis=1)
+        ramp = np.rint(255.0 * (at if name == GREY else 1.0 - at)).astype(np.uint8)
+        colours = np.repeat(ramp[:, None], 3, axis=1)
     else:
-        colours = np.asarray(pg.colormap.get(name).getLookupTable(nPts=entries, alpha=False), dtype=np.uint8)
+        colours = np.asarray(pg.colormap.get(name).map(at, mode="byte")[:, :3], dtype=np.uint8)
     colours.flags.writeable = False
     return colours
 
 
-def strip(name: str, width: int, height: int) -> QPixmap:
+def strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:
     """A map as a strip from least, left, to most, right [px]."""
-    row = np.ascontiguousarray(table(name)[None, :, :])
-    image = QImage(row.tobytes(), row.shape[1], 1, 3 * row.shape[1], QImage.Format.Format_RGB888)
+    row = table(name, 256, begin)
+    image = QImage(row.tobytes(), len(row), 1, 3 * len(row), QImage.Format.Format_RGB888)
     ways = (Qt.AspectRatioMode.IgnoreAspectRatio, Qt.TransformationMode.SmoothTransformation)
     return QPixmap.fromImage(image.scaled(width, height, *ways))
 

@@ -110,8 +110,8 @@ def test_the_plot_draws_whatever_a_run_can_give(qtbot) -> None:
     empty = plot.grab().toImage()
     for epsilon in ([np.nan], [np.nan, np.nan, 0.0], [0.1, np.nan, 1e-12, 1e9], np.geomspace(1, 1e-7, 5000)):
         values = np.asarray(epsilon, dtype=float)
-        count = np.arange(len(values), dtype=float)
-        plot.show_trace(Trace(np.arange(1.0, len(values) + 1), values, count))
+        steps = np.arange(1.0, len(values) + 1)
+        plot.show_trace(Trace(steps, values, steps, steps, values, values, -values, steps // 7, steps))
         drawn = plot.grab().toImage()
     assert drawn != empty
 

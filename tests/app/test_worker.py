@@ -23,7 +23,7 @@ from app.session.runner import Runner
 from app.session.trace import Recorder
 from cpm_core import Image, Parameters, Regions, uniform_grid
 from cpm_core.ground import Ground, unvisited
-from cpm_core.particles import Particles
+from cpm_core.particles import Particles, State
 from cpm_core.shapes import Barrier, Everywhere, Points, Region
 
 DOCUMENT = Document(shapes=(Points(((5.0, 5.0), (6.0, 6.0))),))
@@ -349,12 +349,18 @@ def test_a_mailbox_gives_the_newest_once() -> None:
     assert box.take() is None
 
 
+def a_state(step: int, epsilon: float, count: int) -> State:
+    """A moment of a run with so many particles."""
+    particles = Particles.at_rest(np.zeros((count, 2)))
+    return State(particles, particles.position, (8, 8), 0, unvisited(()), step=step, epsilon=epsilon)
+
+
 def test_a_trace_given_out_never_changes() -> None:
     recorder = Recorder()
-    recorder.record(1, 0.5, 10)
+    recorder.record(a_state(1, 0.5, 10))
     first = recorder.trace()
     for step in range(2, 3000):
-        recorder.record(step, 0.1, 20)
+        recorder.record(a_state(step, 0.1, 20))
     assert (first.step.tolist(), first.epsilon.tolist(), first.count.tolist()) == ([1.0], [0.5], [10.0])
     assert len(recorder.trace().step) == 2999
 

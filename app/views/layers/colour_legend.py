@@ -9,6 +9,9 @@ from PySide6.QtGui import QColor, QPainter
 from app.views import colour_maps
 from app.views.pinned import INK, MARGIN, Pinned
 
+BEGIN = 0.18
+"""Part of the maps that is too dark to be told from a dark image."""
+
 _WIDTH, _STRIP, _PAD = 150.0, 8.0, 8.0
 
 
@@ -49,7 +52,7 @@ class ColourLegend(Pinned):
         painter.setPen(QColor(INK))
         painter.drawText(QRectF(inner.left(), inner.top(), inner.width(), line), Qt.AlignmentFlag.AlignHCenter, title)
         strip = QRectF(inner.left(), inner.top() + line + 2.0, inner.width(), _STRIP)
-        pixels = colour_maps.strip(self._map, 2 * round(strip.width()), 2 * round(strip.height()))
+        pixels = colour_maps.strip(self._map, 2 * round(strip.width()), 2 * round(strip.height()), BEGIN)
         painter.drawPixmap(strip, pixels, QRectF(pixels.rect()))
         below = QRectF(inner.left(), strip.bottom() + 1.0, inner.width(), line)
         painter.drawText(below, Qt.AlignmentFlag.AlignLeft, low)

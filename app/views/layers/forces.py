@@ -41,6 +41,9 @@ _REACH = 24.0
 _NOTHING = 5e-4
 """Force that is shown as none."""
 
+_WEAK = 0.2
+"""Force from which on an arrow has its full length; among weaker ones all are shorter, as at rest."""
+
 _PAD, _OFF, _SWATCH = 8.0, 18.0, 10.0
 
 
@@ -56,9 +59,7 @@ class ForceLayer(Layer):
     shortcut = "Ctrl+8"
     initially = False
     colours = (theme.OPEN, theme.CLOSED, theme.RESTING)
-    options = (
-        Amount("length", tr("Length"), 20, 200, 5, 60, tr("Length of an arrow for a force of 1, in px of the screen.")),
-    )
+    options = (Amount("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
 
     def __init__(self, view: pg.ViewBox, session: Session) -> None:
         super().__init__(view, session)
@@ -152,12 +153,13 @@ class ForceItem(Pinned):
         self._title = ""
 
     def show_forces(self, at: QPointF, probed: Probed, length: float, room: QSizeF) -> None:
-        """Show forces on a particle at a point of a canvas so large, `length` px for a force of 1."""
+        """Show forces on a particle at a point of a canvas so large, the longest arrow of them `length` px long."""
         sizes = {name: math.hypot(*probed.forces[name]) for name in KINDS}
         told = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
         self.lines = [(*KINDS[name], f"{sizes[name]:.3f}") for name in told]
         self._title = tr("Particle {number}").format(number=f"{probed.identity:,}")
-        self._arrows = {name: length * probed.forces[name] for name in told if sizes[name] >= _NOTHING}
+        longest = max(_WEAK, *sizes.values())
+        self._arrows = {name: length / longest * probed.forces[name] for name in told if sizes[name] >= _NOTHING}
         self._at = at
         metrics = self.metrics()
         names = max(metrics.horizontalAdvance(name) for name, _, _ in self.lines)

@@ -12,7 +12,7 @@ from app.session.messages import Snapshot
 from app.session.session import Session
 from app.views import colour_maps, theme
 from app.views.discs import NO_POSITIONS, Discs
-from app.views.layers.colour_legend import ColourLegend
+from app.views.layers.colour_legend import BEGIN, ColourLegend
 from app.views.layers.layer import Layer
 from app.views.layers.options import Choice
 from cpm_core.image import Image
@@ -42,7 +42,7 @@ class ParticleLayer(Layer):
             tr("Colours"),
             {name: colour_maps.MAPS[name] for name in _COLOURS},
             "viridis",
-            tr("From few to much."),
+            tr("Colours from little to much."),
         ),
     )
 
@@ -100,5 +100,5 @@ class ParticleLayer(Layer):
 
 
 def _palette(name: str) -> list[str]:
-    """Colours from few to much, and one for what is not known yet."""
-    return [QColor(*map(int, row)).name() for row in colour_maps.table(name, SHADES)] + [theme.DRAWING]
+    """Colours from little to much, and one for what is not known yet."""
+    return [QColor(*map(int, row)).name() for row in colour_maps.table(name, SHADES, BEGIN)] + [theme.DRAWING]

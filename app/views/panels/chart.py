@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 _GAP, _RIGHT = 9.0, 8.0
 _PAGE = 10
+_LOWEST, _LOW = 96, 36
+"""Least heights of the chart, and of a plot with its gap [px]."""
 
 
 class Chart(QWidget):
@@ -28,7 +30,7 @@ class Chart(QWidget):
         self._trace: Trace | None = None
         self._plots: tuple[Plot, ...] = tuple(plot for plot in PLOTS if plot.first)
         self._read: int | None = None
-        self.setMinimumHeight(96)
+        self.setMinimumHeight(_LOWEST)
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName(tr("Plot of the run over its steps"))
@@ -57,6 +59,7 @@ class Chart(QWidget):
     def show_plots(self, plots: Sequence[Plot]) -> None:
         """Show these plots."""
         self._plots = tuple(plots)
+        self.setMinimumHeight(max(_LOWEST, _LOW * len(self._plots) + self.fontMetrics().height()))
         self.update()
 
     def read(self, index: int | None) -> None:
@@ -171,7 +174,7 @@ class Chart(QWidget):
             text = tr("scale {scale}").format(scale=f"{trace.scale[index]:.0f}")
             room = metrics.horizontalAdvance(text) + 4.0
             # names that would lie upon each other are left out but for the first
-            if named and x + room <= box.right() and x >= right:
+            if named and box.height() > 3 * metrics.height() and x + room <= box.right() and x >= right:
                 right = x + room
                 place = QRectF(x + 3.0, box.bottom() - metrics.height() - 1.0, room, metrics.height())
                 painter.drawText(place, Qt.AlignmentFlag.AlignLeft, text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSize, Qt
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QToolButton, QVBoxLayout, QWidget
 
 from app.model.language import tr
@@ -24,6 +24,9 @@ class LayerRow(QWidget):
     layer : Layer
         What it switches.
     """
+
+    unfolded = Signal()
+    """The settings are seen now."""
 
     def __init__(self, layer: Layer) -> None:
         super().__init__()
@@ -90,3 +93,5 @@ class LayerRow(QWidget):
                 self._column.addWidget(self.settings)
         if self.settings is not None:
             self.settings.setVisible(unfolded)
+        if unfolded:
+            self.unfolded.emit()

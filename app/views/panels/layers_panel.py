@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from app.model.language import tr
@@ -30,15 +31,22 @@ class LayersPanel(QWidget):
         column.setSpacing(3)
         for row in self.rows.values():
             column.addWidget(row)
+            row.unfolded.connect(self._bring_into_view)
         column.addLayout(_legend())
         column.addStretch(1)
-        area = QScrollArea()
+        self._area = area = QScrollArea()
         area.setWidget(scrolled)
         area.setWidgetResizable(True)
         area.setFrameShape(QFrame.Shape.NoFrame)
         outer = QVBoxLayout(self)
         outer.setContentsMargins(6, 8, 4, 4)
         outer.addWidget(area)
+
+    def _bring_into_view(self) -> None:
+        row = self.sender()
+        if isinstance(row, LayerRow):
+            # only after the layout has made room for the settings is it known where they lie
+            QTimer.singleShot(0, row, lambda: self._area.ensureWidgetVisible(row, 0, 4))
 
 
 def _legend() -> QHBoxLayout:

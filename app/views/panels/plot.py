@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QToolButton, QVBoxLayout, QWidget
 
 from app.model.language import tr
@@ -13,6 +13,9 @@ from app.views.panels.chart import Chart
 
 class PlotPanel(QWidget):
     """A button for each plot above the chart."""
+
+    chosen = Signal()
+    """Other plots are shown now."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -54,3 +57,4 @@ class PlotPanel(QWidget):
 
     def _choose(self) -> None:
         self.chart.show_plots([plot for plot in PLOTS if plot.name in self.shown])
+        self.chosen.emit()

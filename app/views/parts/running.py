@@ -10,6 +10,7 @@ from app.model.language import tr
 from app.model.resolve import resolve
 from app.model.situation import can_step, has_image, is_running, is_started
 from app.session.messages import Snapshot
+from app.session.watching import WatchEnergy
 from app.views.entry import Entry
 from app.views.panels.run_panel import RunPanel
 from app.views.part import Desk, Panel, Part
@@ -17,6 +18,10 @@ from app.views.speed import SpeedControl
 
 _FIGURES_EVERY = 250
 """Time between two looks at the frame counter [ms]."""
+
+
+_PLOTS = "run/plots"
+"""Preference that keeps which plots are shown."""
 
 
 class RunningPart(Part):
@@ -27,6 +32,11 @@ class RunningPart(Part):
         self.speed = SpeedControl(desk.session)
         self.panel = RunPanel()
         self._snapshot: Snapshot | None = None
+        self._watched = False
+        chosen = desk.preferences.get(_PLOTS, list(self.panel.plot.shown))
+        self.panel.plot.show_plots(chosen)
+        self.panel.plot.chosen.connect(self._choose_plots)
+        self._choose_plots()
         self._figures = QTimer(self.panel)
         self._figures.setInterval(_FIGURES_EVERY)
         self._figures.timeout.connect(self._show_figures)
@@ -98,6 +108,14 @@ class RunningPart(Part):
         """Look no more."""
         self._figures.stop()
         return True
+
+    def _choose_plots(self) -> None:
+        shown = self.panel.plot.shown
+        self.desk.preferences.put(_PLOTS, list(shown))
+        watched = "potential" in shown
+        if watched != self._watched:
+            self._watched = watched
+            self.desk.session.post(WatchEnergy(watched))
 
     def _show(self) -> None:
         running = is_running(self.desk.session.situation)
