@@ -30,7 +30,7 @@ _LENGTH = 20.0
 _BANDS = 4
 """Steps in which a trail fades: each is one call of the painter."""
 
-_MOST = 30_000
+_MOST = 24_000
 """Lines that are drawn at most in a frame; where there are more, the trails are shorter."""
 
 _RIM = 16.0
@@ -106,12 +106,13 @@ class Lines(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
 
     def show(self, newest_first: Iterable[Array]) -> None:
         """Show pairs of positions, each of shape (M, 2, 2), newest first."""
-        pieces, room = [], _MOST
+        pieces: list[Array] = []
+        room = _MOST
         for pairs in newest_first:
-            room -= len(pairs)
-            if room < 0:
+            if len(pairs) > room and pieces:
                 break
-            pieces.append(pairs)
+            pieces.append(pairs[:: len(pairs) // _MOST + 1])
+            room -= len(pairs)
         bands = np.array_split(np.arange(len(pieces)), _BANDS)
         self._bands = [np.concatenate([pieces[i] for i in band]) for band in bands if len(band)]
         self.update()

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QHBoxLayout, QL
 from app.views import colour_maps
 from app.views.layers.options import Amount, Choice, Option
 from app.views.panels.marked_slider import MarkedSlider
+from app.views.space_key import own_space
 
 if TYPE_CHECKING:
     from app.views.layers.layer import Layer
@@ -104,6 +105,7 @@ class LayerForm(QWidget):
 
     def _switch(self, name: str, title: str) -> QCheckBox:
         box = QCheckBox(title)
+        own_space(box)
         box.toggled.connect(lambda checked: self.layer.choose(name, checked))
         self._showing.append(lambda: box.setChecked(bool(self.layer.chosen[name])))
         return box

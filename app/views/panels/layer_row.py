@@ -9,6 +9,7 @@ from app.model.language import tr
 from app.views.icons import swatch
 from app.views.layers.layer import Layer
 from app.views.panels.marked_slider import MarkedSlider
+from app.views.space_key import own_space
 
 _FOLD, _OPACITY = 18, 84
 """Widths [px]."""
@@ -33,6 +34,7 @@ class LayerRow(QWidget):
         self.layer = layer
         self.box = self._make_box()
         self.fold = self._make_fold()
+        own_space(self.box, self.fold)
         self.opacity = MarkedSlider(_FAINTEST, 1.0, _FINE, None)
         self.opacity.setFixedWidth(_OPACITY)
         self.opacity.setAccessibleName(tr("Opacity: {layer}").format(layer=layer.title))

@@ -9,6 +9,7 @@ from app.model.language import tr
 from app.model.plots import PLOTS
 from app.session.messages import Trace
 from app.views.panels.chart import Chart
+from app.views.space_key import own_space
 
 
 class PlotPanel(QWidget):
@@ -33,6 +34,7 @@ class PlotPanel(QWidget):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.setAccessibleName(tr("Plot: {title}").format(title=plot.title))
             button.toggled.connect(self._choose)
+            own_space(button)
             row.addWidget(button)
         row.addStretch(1)
         column = QVBoxLayout(self)

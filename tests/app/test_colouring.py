@@ -1,0 +1,137 @@
+"""Particles are coloured by what they do: more of it never gives a darker colour, and what is not known says so."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage, QPainter
+from PySide6.QtWidgets import QStyleOptionGraphicsItem
+
+from app.model.colouring import QUANTITIES, SHADES, Births, age, coloured, convergence, speed
+from app.model.round_numbers import round_down, round_up
+from app.session.trace import Recorder
+from app.views import colour_maps, theme
+from app.views.discs import Discs
+from cpm_core import Engine, Parameters
+from cpm_core.equilibrium import epsilon
+from cpm_core.ground import unvisited
+from cpm_core.particles import Particles, State
+from tests.app.conftest import disc
+
+NOBODY_BORN = Births(np.empty(0), np.empty(0))
+
+
+def moment(count: int = 0, seed: int = 0) -> State:
+    """Particles that move and have a history, but for the last of them."""
+    rng = np.random.default_rng(seed)
+    particles = replace(
+        Particles.at_rest(rng.uniform(0, 60, (count, 2))),
+        velocity=rng.normal(size=(count, 2)),
+        force=rng.normal(size=(count, 2, 2)),
+        distance=np.where(np.arange(count)[:, None] < count - 1, rng.uniform(0, 1, (count, 4)), np.nan),
+    )
+    return State(particles, particles.position, (64, 64), 0, unvisited(()), step=7)
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+@given(seed=st.integers(0, 2**16), count=st.integers(2, 60))
+def test_more_of_a_quantity_never_gives_a_lower_shade(name, seed, count):
+    state = moment(count, seed)
+    births = Births(np.arange(1.0, 8.0), np.sort(np.random.default_rng(seed).integers(0, count + 1, 7)).astype(float))
+    values = QUANTITIES[name].of(state, births)
+    shown = coloured(QUANTITIES[name], state, births)
+    known = np.isfinite(values)
+    assert (shown.marks[~known] == SHADES).all()
+    assert (shown.marks[known] < SHADES).all()
+    assert (np.diff(shown.marks[known][np.argsort(values[known], kind="stable")].astype(int)) >= 0).all()
+
+
+@pytest.mark.parametrize("name", ["viridis", "cividis", "plasma"])
+def test_a_higher_shade_is_brighter(name):
+    red, green, blue = colour_maps.table(name, SHADES).astype(float).T
+    assert (np.diff(0.2126 * red + 0.7152 * green + 0.0722 * blue) > 0).all()
+
+
+def test_speeds_of_all_scales_are_in_px_of_the_image():
+    state = moment(5)
+    assert speed(replace(state, scale=2), NOBODY_BORN) == pytest.approx(4.0 * speed(state, NOBODY_BORN))
+
+
+def test_the_contributions_are_those_whose_signed_mean_is_epsilon():
+    state = replace(moment(40))
+    distance = state.particles.distance
+    signs = np.array([-1.0, 1.0, -1.0, 1.0])
+    told = convergence(state, NOBODY_BORN)
+    assert np.isnan(told[-1])
+    signed = (distance @ signs)[:-1]
+    assert told[:-1] == pytest.approx(np.abs(signed))
+    assert abs(signed.mean()) == pytest.approx(epsilon(distance))
+
+
+def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(compiled_loops):
+    parameters = Parameters(scales=1)
+    engine, recorder = Engine(disc(), parameters), Recorder()
+    state = engine.start([(32.0 + 10.0 * np.sin(a), 32.0 + 10.0 * np.cos(a)) for a in np.arange(0.0, 6.2, 0.7)])
+    seen: dict[int, int] = {}
+    for _ in range(40):
+        state = engine.step(state, parameters)
+        recorder.record(state)
+        for identity in state.particles.identity.tolist():
+            seen.setdefault(identity, state.step)
+    trace = recorder.trace()
+    told = age(state, Births(trace.step, trace.numbered))
+    expected = [state.step - seen[identity] for identity in state.particles.identity.tolist()]
+    assert len(set(expected)) > 2
+    assert told.tolist() == expected
+
+
+def test_each_disc_has_the_colour_of_its_number(qapp):
+    colours = [f"#{red:02x}{green:02x}40" for red, green in itertools.product((0, 80, 160, 240), repeat=2)]
+    discs = Discs(theme.MOVING, 6.0, 0.0)
+    discs.use_shape((100, 100))
+    discs.use_palette(colours)
+    place = np.array([(10.0 * row, 10.0 * col) for row in range(1, 5) for col in range(1, 5)])
+    discs.show(place, np.arange(16, dtype=np.uint8))
+    drawn = QImage(500, 500, QImage.Format.Format_RGB32)
+    drawn.fill(0)
+    painter = QPainter(drawn)
+    painter.scale(10.0, 10.0)
+    discs.paint(painter, QStyleOptionGraphicsItem())
+    painter.end()
+    assert [drawn.pixelColor(int(10 * col), int(10 * row)).name() for row, col in place] == colours
+
+
+@given(st.floats(1e-12, 1e12))
+def test_round_numbers_lie_next_to_what_they_stand_for(value):
+    for number in (round_up(value), round_down(value)):
+        mantissa = float(f"{number:e}".partition("e")[0])
+        assert mantissa in (1.0, 2.0, 5.0)
+    assert value / 2.5 - 1e-9 * value <= round_down(value) <= value * (1 + 1e-9)
+    assert value * (1 - 1e-9) <= round_up(value) <= 2.5 * value * (1 + 1e-9)
+
+
+def test_colours_are_chosen_by_keys_and_come_with_a_legend(window, hand, ready):
+    layer = hand.canvas.layers["particles"]
+    ready.session.step()
+    hand.wait(lambda: layer.count > 0 and ready.session.status.step == 1)
+    assert not layer.legend.isVisible()
+    window.docks["layers"].raise_()
+    row = window.panels["layers"].rows["particles"]
+    row.fold.setFocus()
+    hand.qtbot.keyClick(row.fold, Qt.Key.Key_Space)
+    box = row.settings.fields["colour"]
+    box.setFocus()
+    hand.qtbot.keyClick(box, Qt.Key.Key_Down)
+    assert layer.word("colour") == "speed"
+    assert layer.legend.isVisible()
+    title, low, high = layer.legend.words
+    assert (title, low) == ("Speed", "0")
+    assert float(high) == round_up(float(high))
+    layer.set_shown(False)
+    assert not layer.legend.isVisible()

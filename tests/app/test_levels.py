@@ -1,0 +1,106 @@
+"""The image is shown in the window that was chosen, from its own values: nothing is lost where it is narrow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from PySide6.QtCore import QPoint, Qt
+
+from app.model.shades import Window, of_image, window_without, windowed
+from app.views.layers import image as image_layer
+
+IMAGES = arrays(np.float64, (5, 9), elements=st.floats(-1e4, 1e5, allow_subnormal=False, width=32))
+
+
+@given(IMAGES, st.sampled_from([0.0, 0.1, 1.0, 5.0]))
+def test_the_window_is_that_of_the_percentiles(values, percent):
+    low, high = window_without(values, percent)
+    expected = tuple(np.percentile(values, [percent, 100.0 - percent]))
+    assert (low, high) == (expected if expected[0] < expected[1] else (values.min(), values.max()))
+
+
+@given(IMAGES, st.floats(-1e4, 1e5), st.floats(0.1, 1e5), st.sampled_from([0.4, 1.0, 2.2]))
+def test_shades_are_the_share_of_the_window_bent_by_gamma(values, low, width, gamma):
+    shown = windowed(values, Window(low, low + width, gamma))
+    exact = 255.0 * np.clip((values - low) / (low + width - low), 0.0, 1.0) ** gamma
+    # the table of bent shades is as coarse as 1 in 4095, where the curve is steepest
+    assert (np.abs(shown - exact) <= 0.5 + (1e-6 if gamma == 1.0 else 255.0 * (1 / 8190.0) ** min(gamma, 1.0))).all()
+
+
+def test_256_neighbouring_values_of_16_bits_are_all_told_apart():
+    values = np.arange(65536.0).reshape(256, 256)
+    assert len(np.unique(of_image(values)[40])) <= 2
+    assert windowed(values, Window(40 * 256.0, 40 * 256.0 + 255.0))[40].tolist() == list(range(256))
+
+
+@pytest.fixture
+def deep(window, hand, tmp_path):
+    """The window on an image of 16 bits in which a single pixel outshines all others."""
+    values = 3000.0 + np.arange(64.0 * 64.0).reshape(64, 64) % 200
+    values[3, 3] = 65535.0
+    np.save(tmp_path / "deep.npy", values)
+    window.session.open(tmp_path / "deep.npy")
+    hand.wait(lambda: window.session.document.image.name == "deep.npy" and window.session.idle)
+    window.docks["layers"].raise_()
+    row = window.panels["layers"].rows["image"]
+    hand.qtbot.mouseClick(row.fold, Qt.MouseButton.LeftButton)
+    return hand.canvas.layers["image"], row.settings, values
+
+
+def test_a_cut_brings_out_what_an_outlier_hides(deep, hand):
+    layer, form, values = deep
+    assert layer.window == (3000.0, 65535.0)
+    assert layer.shades[10:20].max() < 2
+    box = form.fields["range"]
+    box.setFocus()
+    hand.qtbot.keyClick(box, Qt.Key.Key_Down)
+    hand.wait(lambda: layer.window[1] < 4000.0)
+    assert layer.window == tuple(np.percentile(values, [0.1, 99.9]))
+    assert layer.shades[10:20].max() > 240
+    assert (form.levels.low.value(), form.levels.high.value()) == tuple(np.rint(layer.window))
+
+
+@pytest.mark.parametrize("at_once", [True, False])
+def test_handles_and_fields_choose_the_window_at_once_or_on_the_worker(deep, hand, monkeypatch, at_once):
+    layer, form, values = deep
+    if not at_once:
+        monkeypatch.setattr(image_layer, "_AT_ONCE", 0)
+    high = form.levels.high
+    high.setFocus()
+    high.selectAll()
+    hand.qtbot.keyClicks(high, "3199")
+    hand.qtbot.keyClick(high, Qt.Key.Key_Return)
+    expected = windowed(values, Window(3000.0, 3199.0))
+    hand.wait(lambda: np.array_equal(layer.shades, expected))
+    assert layer.word("range") == "hand"
+    histogram = form.levels.histogram
+    hand.wait(lambda: histogram.width() > 100)
+    begin, end = (QPoint(round(histogram.x_of(value)), 20) for value in (3000.0, 3100.0))
+    hand.qtbot.mousePress(histogram, Qt.MouseButton.LeftButton, pos=begin)
+    hand.qtbot.mouseMove(histogram, end)
+    hand.qtbot.mouseRelease(histogram, Qt.MouseButton.LeftButton, pos=end)
+    low = layer.window[0]
+    pixel = 200.0 * 5 / histogram.width()
+    assert abs(low - 3100.0) <= pixel
+    hand.wait(lambda: np.array_equal(layer.shades, windowed(values, Window(low, 3199.0))))
+
+
+def test_a_window_chosen_by_hand_is_kept_in_a_session_file_and_not_for_another_image(deep, hand, image_file):
+    layer, _, _ = deep
+    layer.choose_window(3050.0, 3090.0)
+    layer.choose("gamma", 0.5)
+    layer.choose("map", "magma")
+    state = layer.view_state()
+    layer.choose("range", "0")
+    layer.choose("gamma", 1.0)
+    assert layer.window == (3000.0, 65535.0)
+    layer.use_view_state(state)
+    assert layer.window == (3050.0, 3090.0)
+    assert layer.view_state() == state
+    layer.session.open(image_file)
+    hand.wait(lambda: layer.session.document.image.name == image_file.name)
+    assert layer.window == (20.0, 200.0)
+    assert layer.word("range") == "0"

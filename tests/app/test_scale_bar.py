@@ -1,0 +1,83 @@
+"""The scale bar is as long as it says, in whatever unit and at whatever zoom."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.model.lengths import bar
+from app.views.layers.scale_bar import LONGEST
+from cpm_core.image import Image
+
+METRES = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
+
+
+def length_said(label: str, unit: str) -> float:
+    """Length that a label tells, in a unit."""
+    figure, name = label.split()
+    number = float(figure.replace(",", ""))
+    return number if name == unit else number * METRES[name] / METRES[unit]
+
+
+@given(st.floats(0.01, 100.0), st.floats(1e-4, 1e3), st.sampled_from([*METRES, "furlong", None]))
+def test_a_bar_is_as_long_as_its_label_within_a_pixel(zoom, size, unit):
+    shown = bar(LONGEST / zoom, size, unit)
+    on_screen = shown.pixels * zoom
+    said = length_said(shown.label, unit or "px")
+    assert on_screen * (size if unit else 1.0) / zoom == pytest.approx(said, rel=1e-9)
+    assert 0.4 * LONGEST - 1e-6 <= on_screen <= LONGEST + 1e-6
+    assert f"{said:e}"[0] in "125" or unit in ("cm", None, "furlong")
+
+
+@pytest.mark.parametrize(
+    ("most", "size", "unit", "label"),
+    [
+        (160.0, 0.325, "µm", "50 µm"),
+        (160.0, 0.002, "µm", "200 nm"),
+        (160.0, 10.0, "µm", "1 mm"),
+        (160.0, 0.1, "cm", "100 mm"),
+        (99.0, 1.0, None, "50 px"),
+    ],
+)
+def test_the_unit_is_the_one_that_reads_best(most, size, unit, label):
+    assert bar(most, size, unit).label == label
+
+
+def show(window, unit: str | None) -> None:
+    """Put an image with pixels of 0.5 along the columns before the window."""
+    session = window.session
+    values = np.random.default_rng(0).uniform(size=(64, 64))
+    image = Image(values, spacing=(0.25, 0.5), unit=unit)
+    session.image_changed.emit(image, np.zeros((64, 64), np.uint8))
+
+
+def test_the_bar_follows_the_zoom_and_is_only_there_with_a_unit(window, hand):
+    layer = hand.canvas.layers["scale_bar"]
+    show(window, None)
+    assert not layer.item.isVisible()
+    layer.choose("pixels", True)
+    assert layer.item.isVisible()
+    assert layer.item.label.endswith(" px")
+    show(window, "µm")
+    labels = set()
+    for factor in (1.0, 2.6, 2.6, 0.02):
+        hand.canvas.zoom(factor)
+        pixel = hand.canvas.view.viewPixelSize()[0]
+        assert abs(layer.item.length * pixel * 0.5 - length_said(layer.item.label, "µm")) <= 0.5 * pixel
+        place = layer.item.mapRectToScene(layer.item.boundingRect())
+        assert hand.canvas.view.boundingRect().contains(place)
+        labels.add(layer.item.label)
+    assert len(labels) == 4
+    window.actions_by_name["layer_scale_bar"].trigger()
+    assert not layer.item.isVisible()
+
+
+def test_the_pointer_is_told_in_the_unit_as_well(window, hand):
+    show(window, "µm")
+    hand.move(10, 40)
+    assert window.pointer_readout.text().startswith("row 10, col 40  (2.5 µm, 20 µm):  ")
+    show(window, None)
+    hand.move(11, 40)
+    assert window.pointer_readout.text().startswith("row 11, col 40:  ")

@@ -1,0 +1,80 @@
+"""A trail leads through the places where its particle has been, and through no others."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.model.trails import Trails
+
+
+def ways_of(trails: Trails, moments: list[dict[int, tuple[float, float]]]) -> list[set[tuple[float, ...]]]:
+    """Add moments with the particles in any order, and give the ways that are kept, newest first."""
+    rng = np.random.default_rng(len(moments))
+    for step, moment in enumerate(moments):
+        identity = rng.permutation(np.array(sorted(moment), dtype=np.int64))
+        position = np.array([moment[int(i)] for i in identity], dtype=float).reshape(-1, 2)
+        trails.add(step, identity, position)
+    return [{tuple(pair.ravel()) for pair in pairs} for pairs in trails]
+
+
+MOMENTS = st.lists(
+    st.dictionaries(st.integers(0, 12), st.tuples(st.integers(0, 30), st.integers(0, 30)), max_size=8), max_size=7
+)
+
+
+@given(MOMENTS, st.integers(1, 4))
+def test_trails_are_the_earlier_places_of_the_same_particle(moments, length):
+    expected = [
+        {(*before[i], *after[i]) for i in before.keys() & after.keys() if before[i] != after[i]}
+        for before, after in pairwise(moments)
+    ]
+    assert ways_of(Trails(length), moments) == expected[::-1][:length]
+
+
+def test_going_back_in_time_begins_anew():
+    trails = Trails(5)
+    at, who = np.array([[1.0, 2.0]]), np.array([0])
+    for step in range(4):
+        trails.add(step, who, at + step)
+    assert len(trails) == 3
+    trails.add(1, who, at)
+    assert len(trails) == 0
+    trails.add(2, who, at + 1.0)
+    assert len(trails) == 1
+
+
+def test_the_trails_on_the_canvas_are_where_the_particles_came_from(ready, hand):
+    session, layer = ready.session, hand.canvas.layers["trails"]
+    ready.actions_by_name["layer_trails"].trigger()
+    places: list[dict[int, tuple[float, float]]] = []
+    session.snapshot_changed.connect(
+        lambda s: (
+            s and places.append(dict(zip(s.state.particles.identity.tolist(), map(tuple, s.position), strict=True)))
+        )
+    )
+    for step in range(1, 6):
+        session.step()
+        hand.wait(lambda step=step: session.status.step == step)
+    before, after = places[-2:]
+    newest = next(iter(layer.trails))
+    assert len(newest) > 5
+    who = {place: identity for identity, place in after.items()}
+    for start, end in newest:
+        assert before[who[tuple(end)]] == tuple(start)
+    session.reset()
+    hand.wait(lambda: session.idle)
+    assert len(layer.trails) == 0
+
+
+def test_however_many_ways_there_are_the_newest_are_drawn(ready, hand):
+    layer = hand.canvas.layers["trails"]
+    rng = np.random.default_rng(0)
+    ways = [rng.uniform(0, 60, (count, 2, 2)) for count in (100_000, 5)]
+    layer._item.show(ways)
+    assert 10_000 < sum(map(len, layer._item._bands)) < 30_000
+    layer._item.show(ways[::-1])
+    assert layer._item._bands[0].tolist() == ways[1].tolist()
