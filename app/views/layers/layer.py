@@ -112,7 +112,7 @@ class Layer(QObject):
     @property
     def settable(self) -> bool:
         """Whether there is something to be chosen about it."""
-        return bool(self.options)
+        return bool(self.options) or type(self).settings is not Layer.settings
 
     def settings(self) -> QWidget | None:
         """A widget for what can be chosen about it, made anew at each call; None when there is nothing."""

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 
 from app.model.language import tr
 from app.model.situation import has_image
+from app.session.preferences import Preferences
 from app.views.canvas import ZOOM
 from app.views.entry import STATE, Entry
 from app.views.layers.layer import Layer
 from app.views.panels.layers_panel import LayersPanel
 from app.views.part import Desk, Panel, Part
+
+_KEY = "layers/{layer}"
+"""Preference that keeps what has been chosen about a layer."""
 
 
 class ViewingPart(Part):
@@ -23,6 +28,7 @@ class ViewingPart(Part):
         desk.stage.canvas.pointed.connect(layers.forces.point_at)
         for layer in layers:
             layer.changed.connect(desk.session.status_changed)
+            layer.use_view_state(_kept(desk.preferences, layer))
 
     def entries(self) -> Sequence[Entry]:
         """Zoom, and one toggle a layer."""
@@ -61,6 +67,23 @@ class ViewingPart(Part):
     def panels(self) -> Sequence[Panel]:
         """The layers."""
         return (Panel(name="layers", title=tr("Layers"), widget=self._panel, tab="settings", shortcut="F8"),)
+
+    def close(self) -> bool:
+        """Keep what has been chosen about the layers for the next start; which are shown is begun with anew."""
+        for layer in self.desk.stage.canvas.layers:
+            chosen = {name: value for name, value in layer.chosen.items() if value != "hand"}
+            if layer.options:
+                self.desk.preferences.put(_KEY.format(layer=layer.name), json.dumps(chosen))
+        return True
+
+
+def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
+    """What has been chosen about a layer before; nothing where it cannot be read."""
+    try:
+        kept = json.loads(preferences.get(_KEY.format(layer=layer.name), "{}"))
+    except json.JSONDecodeError:
+        return {}
+    return {name: kept[name] for name in layer.chosen if name in kept} if isinstance(kept, dict) else {}
 
 
 def _toggle(layer: Layer, first: bool) -> Entry:

@@ -1,0 +1,98 @@
+"""The forces shown are those of the engine on the particle that is pointed at."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.session.probing import NAMES, Probe
+from app.views.layers.forces import KINDS
+
+
+@pytest.fixture
+def held(ready, hand):
+    """A window with a run held after some steps, and the layer of forces shown."""
+    session = ready.session
+    ready.actions_by_name["layer_forces"].trigger()
+    for step in range(1, 7):
+        session.step()
+        hand.wait(lambda step=step: session.status.step == step)
+    hand.wait(lambda: session.idle)
+    return hand.canvas.layers["forces"]
+
+
+def moment(window):
+    """Engine, state and parameters of the run; nothing steps."""
+    run = window.session._runner._run
+    return run.engine, run.state, run.parameters
+
+
+def test_the_forces_on_the_particle_under_the_pointer_are_those_of_the_engine(held, ready, hand):
+    engine, state, parameters = moment(ready)
+    for index in (0, state.count // 2, state.count - 1):
+        at = state.position[index]
+        hand.move(*at)
+        hand.wait(lambda index=index: held.probed and held.probed.identity == state.particles.identity[index])
+        probed = held.probed
+        assert probed.position == pytest.approx(at)
+        assert probed.step == 6
+        expected = engine.forces(state, parameters, (), index)
+        size = 2.0**state.scale
+        for name in NAMES:
+            assert probed.forces[name] == pytest.approx(size * getattr(expected, name)[0]), name
+        parts = np.sum([probed.forces[name] for name in NAMES if name != "total"], axis=0)
+        assert parts == pytest.approx(probed.forces["total"])
+        assert held.item.isVisible()
+
+
+def test_every_force_is_named_with_its_figure(held, ready, hand):
+    at = moment(ready)[1].position[3]
+    hand.move(*at)
+    hand.wait(lambda: held.probed is not None)
+    told = {name: figure for name, _, figure in held.item.lines}
+    assert {"Coulomb", "Lorentz", "Damping", "Total"} <= told.keys()
+    for kind, (title, _) in KINDS.items():
+        if title in told:
+            assert told[title] == f"{np.hypot(*held.probed.forces[kind]):.3f}"
+
+
+def test_far_from_all_particles_there_is_nothing_to_tell(held, ready, hand):
+    hand.move(*moment(ready)[1].position[0])
+    hand.wait(lambda: held.probed is not None)
+    hand.canvas.zoom(4.0)
+    hand.move(32, 32)
+    hand.wait(lambda: held.probed is None)
+    assert not held.item.isVisible()
+
+
+def test_without_the_pointer_the_particle_in_the_middle_of_what_is_seen_is_told_of(held, ready, hand):
+    _, state, _ = moment(ready)
+    hand.canvas.pointed.emit(None)
+    hand.canvas.setFocus()
+    hand.canvas.zoom(3.0)
+    for _ in range(4):
+        hand.key(Qt.Key.Key_Right)
+    hand.canvas.pointed.emit(None)
+    seen = hand.canvas.view.viewRect().center()
+    nearest = np.hypot(*(state.position - (seen.y(), seen.x())).T).argmin()
+    hand.wait(lambda: held.probed and held.probed.identity == state.particles.identity[nearest])
+
+
+def test_the_forces_follow_a_run_and_vanish_with_it(held, ready, hand):
+    hand.move(*moment(ready)[1].position[0])
+    hand.wait(lambda: held.probed is not None)
+    ready.session.step()
+    hand.wait(lambda: held.probed is None or held.probed.step == 7)
+    ready.session.reset()
+    hand.wait(lambda: ready.session.idle)
+    assert held.probed is None
+    assert not held.item.isVisible()
+
+
+def test_a_probe_that_comes_too_late_finds_nothing(held, ready, hand):
+    heard = []
+    ready.session.reported.connect(heard.append)
+    ready.session.post(Probe(ready.session.generation - 1, (1.0, 1.0), 1e9))
+    hand.wait(lambda: bool(heard))
+    assert heard[0].identity == -1

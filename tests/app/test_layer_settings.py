@@ -1,0 +1,107 @@
+"""Whatever can be chosen about a layer can be chosen in the panel, is kept, and comes back."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import Qt
+
+from app.session.session import Session
+from app.views.layers.options import Amount, Choice, Switch
+from app.views.main_window import MainWindow
+
+
+def another(option: Amount | Choice | Switch, value: object) -> object:
+    """Some other value of an option."""
+    if isinstance(option, Choice):
+        return next(way for way in reversed(option.ways) if way not in (value, "hand"))
+    if isinstance(option, Switch):
+        return not value
+    return option.low if value != option.low else option.high
+
+
+def test_every_setting_of_every_layer_comes_back_from_its_view_state(window):
+    for layer in window.stage.canvas.layers:
+        before = layer.view_state()
+        layer.set_shown(not layer.shown)
+        layer.set_opacity(0.4)
+        for option in layer.options:
+            layer.choose(option.name, another(option, layer.chosen[option.name]))
+        after = layer.view_state()
+        assert {"shown", "opacity", *(option.name for option in layer.options)} <= after.keys()
+        for key in ("shown", "opacity", *(option.name for option in layer.options)):
+            assert after[key] != before[key], (layer.name, key)
+        layer.use_view_state(before)
+        assert layer.view_state() == before, layer.name
+        layer.use_view_state(after)
+        assert layer.view_state() == after, layer.name
+        layer.use_view_state(before)
+
+
+@pytest.mark.parametrize("nonsense", [None, 7.5, "no such way", True, -3, float("nan"), [1], {}])
+def test_a_setting_that_makes_no_sense_changes_nothing(window, nonsense):
+    for layer in window.stage.canvas.layers:
+        before = layer.view_state()
+        wrong = {option.name: nonsense for option in layer.options if option.taken(nonsense) is None}
+        layer.use_view_state({**wrong, "low": nonsense, "opacity": "much"})
+        assert layer.view_state() == before
+
+
+def test_the_panel_shows_and_changes_opacity_and_settings(window, hand):
+    window.docks["layers"].raise_()
+    for name, row in window.panels["layers"].rows.items():
+        layer = hand.canvas.layers[name]
+        slider = row.opacity
+        slider.setFocus()
+        hand.qtbot.keyClick(slider, Qt.Key.Key_Home)
+        assert layer.opacity == pytest.approx(0.05), name
+        hand.qtbot.mouseDClick(slider, Qt.MouseButton.LeftButton)
+        assert layer.opacity == 1.0, name
+        box = row.box
+        box.setFocus()
+        shown = layer.shown
+        hand.qtbot.keyClick(box, Qt.Key.Key_Space)
+        assert layer.shown is not shown, name
+        hand.qtbot.keyClick(box, Qt.Key.Key_Space)
+        assert layer.shown is shown
+        assert row.fold.isHidden() is not layer.settable
+        if layer.options:
+            row.fold.setFocus()
+            hand.qtbot.keyClick(row.fold, Qt.Key.Key_Space)
+            assert set(row.settings.fields) == {option.name for option in layer.options}
+            hand.qtbot.keyClick(row.fold, Qt.Key.Key_Space)
+            assert not row.settings.isVisible()
+
+
+def test_space_on_a_check_box_does_not_run_the_particles(ready, hand):
+    ready.docks["layers"].raise_()
+    box = ready.panels["layers"].boxes["contours"]
+    box.setFocus()
+    hand.key(Qt.Key.Key_Space)
+    assert not box.isChecked()
+    assert ready.session.status.phase == "ready"
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: ready.session.status.phase != "ready")
+
+
+def test_layers_have_keys_of_their_own(window):
+    keys = [layer.shortcut for layer in window.stage.canvas.layers]
+    assert len(set(keys)) == len(keys)
+    others = [key for entry in window.actions_by_name.entries for key in entry.shortcuts]
+    assert len(set(others)) == len(others)
+
+
+def test_settings_are_kept_for_the_next_start_but_not_what_is_shown(window):
+    layer = window.stage.canvas.layers["particles"]
+    layer.choose("colour", "force")
+    layer.set_shown(False)
+    window.stage.canvas.layers["image"].choose("range", "1")
+    window.close()
+    session = Session()
+    other = MainWindow(session)
+    again = other.stage.canvas.layers["particles"]
+    assert again.word("colour") == "force"
+    assert again.shown
+    assert other.stage.canvas.layers["image"].word("range") == "1"
+    other.close()
+    other.deleteLater()

@@ -1,0 +1,139 @@
+"""The plots tell what the run has recorded, for every step that is asked about."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PySide6.QtCore import QPoint, Qt
+
+from app.model.plots import PLOTS, figure
+from app.session.messages import Trace
+from app.session.trace import Recorder
+from app.views.panels.plot import PlotPanel
+from cpm_core import Engine, Parameters
+from tests.app.conftest import disc
+
+
+def trace_of(length: int) -> Trace:
+    """A record of so many steps over three scales."""
+    step = np.arange(1.0, length + 1)
+    return Trace(
+        step, 1.0 / step, 10 * step, step % 3, step % 2, 1.0 / step**2, -step, 2.0 - step // (length / 3), step
+    )
+
+
+@pytest.fixture
+def panel(qtbot):
+    made = PlotPanel()
+    qtbot.addWidget(made)
+    made.resize(330, 260)
+    made.show()
+    qtbot.waitExposed(made)
+    return made
+
+
+@pytest.mark.parametrize("plot", PLOTS, ids=lambda plot: plot.name)
+@given(st.lists(st.floats(1e-12, 1e9), min_size=1, max_size=20))
+def test_every_value_has_its_place_on_the_axis(plot, values):
+    column = np.array(values)
+    record = Trace(column, column, column, column, column, column, -column, column, column)
+    axis = plot.axis(record)
+    for series in plot.series:
+        heights = axis.fractions(series.of(record))
+        assert (heights <= 1.0 + 1e-9).all()
+        # a logarithmic axis ends eight decades below the largest value
+        assert plot.kind == "logarithmic" or (heights >= -1e-9).all()
+        assert (np.diff(heights[np.argsort(series.of(record))]) >= 0).all()
+    assert axis.low < axis.high
+
+
+def test_the_stopping_line_is_always_in_sight_of_a_curve_that_nears_it():
+    plot = PLOTS[0]
+    for epsilon in (1.0, 1e-2, 5e-4, 1e-5):
+        column = np.full(4, epsilon)
+        at = plot.axis(Trace(*[column] * 9)).fractions(np.array([plot.line]))[0]
+        assert 0.0 <= at <= 1.0
+
+
+def test_the_record_holds_what_the_states_were(compiled_loops):
+    parameters = Parameters()
+    engine, recorder = Engine(disc(), parameters), Recorder()
+    state = engine.start([(32.0, 20.0), (32.0, 44.0), (20.0, 32.0)])
+    states = []
+    for _ in range(20):
+        state = engine.step(state, parameters)
+        wanted = engine.energies(state, parameters).potential if state.step % 4 == 0 else None
+        recorder.record(state, wanted)
+        states.append(state)
+    trace = recorder.trace()
+    for name in ("step", "count", "born", "deleted", "scale"):
+        assert getattr(trace, name).tolist() == [getattr(state, name) for state in states]
+    told = [engine.energies(state, parameters) for state in states]
+    assert trace.kinetic == pytest.approx([energies.kinetic for energies in told])
+    assert np.isnan(trace.potential[:3]).all()
+    assert trace.potential[3:] == pytest.approx(
+        [told[i - i % 4 + 3 - 4 * (i % 4 != 3)].potential for i in range(3, 20)]
+    )
+
+
+def test_pointer_and_keys_read_the_figures_of_a_step(panel, qtbot):
+    chart, trace = panel.chart, trace_of(61)
+    panel.show_plots([plot.name for plot in PLOTS])
+    panel.show_trace(trace)
+    left, width = chart._sides()
+    qtbot.mouseMove(chart, QPoint(round(left + 0.5 * width), 40))
+    qtbot.waitUntil(lambda: chart.reading != "")
+    assert chart.reading == (
+        f"step 31, ε {figure(1 / 31)}, kinetic energy {figure(1 / 31**2)}, potential energy -31, "
+        "particles 310, inserted 1, deleted 1"
+    )
+    chart.setFocus()
+    for key, step in ((Qt.Key.Key_Right, 32), (Qt.Key.Key_End, 61), (Qt.Key.Key_Left, 60), (Qt.Key.Key_Home, 1)):
+        qtbot.keyClick(chart, key)
+        assert chart.reading.startswith(f"step {step},")
+    qtbot.keyClick(chart, Qt.Key.Key_Escape)
+    assert chart.reading == ""
+
+
+def test_what_is_read_may_be_gone_when_a_run_is_taken_back(panel):
+    panel.show_trace(trace_of(60))
+    panel.chart.read(50)
+    panel.show_trace(trace_of(10))
+    assert panel.chart.reading == ""
+    panel.show_trace(None)
+    panel.grab()
+
+
+def test_curves_are_chosen_by_keys_and_stay_chosen(window, hand, qtbot):
+    plot = window.panels["run"].plot
+    assert plot.shown == ("epsilon", "count")
+    button = plot.buttons["potential"]
+    button.setFocus()
+    hand.key(Qt.Key.Key_Space)
+    assert plot.shown == ("epsilon", "potential", "count")
+    assert window.preferences.get("run/plots", [""]) == ["epsilon", "potential", "count"]
+    hand.wait(lambda: window.session._runner._run.gauge.wanted)
+    before = plot.chart.grab().toImage()
+    hand.key(Qt.Key.Key_Space)
+    assert plot.chart.grab().toImage() != before
+
+
+def test_each_curve_and_each_change_of_scale_is_drawn(panel):
+    pictures = []
+    for names in ([], *([plot.name] for plot in PLOTS)):
+        panel.show_plots(names)
+        panel.show_trace(trace_of(60))
+        pictures.append(panel.chart.grab().toImage())
+    assert all(one != other for i, one in enumerate(pictures) for other in pictures[:i])
+    panel.show_plots(["count"])
+    trace = trace_of(60)
+    with_scales = panel.chart.grab().toImage()
+    panel.show_trace(Trace(*[column if name != "scale" else 0 * column for name, column in columns(trace)]))
+    assert panel.chart.grab().toImage() != with_scales
+
+
+def columns(trace: Trace) -> list[tuple[str, np.ndarray]]:
+    """Names and columns of a trace."""
+    return [(name, getattr(trace, name)) for name in Trace.__dataclass_fields__]
