@@ -70,6 +70,11 @@ class Chronicle:
         """State of another step, or of the last one of a shorter branch; None when it was no longer wanted."""
         return self._timeline.state(branch, step, wanted)
 
+    def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> tuple[State, Recorder] | None:
+        """State of another step as `go` gives it, without going there."""
+        state = self._timeline.state(branch, step, wanted)
+        return None if state is None else (state, self._recorders[branch].until(state.step))
+
     def rename(self, branch: int, name: str) -> None:
         """Give a branch another name."""
         self._timeline.rename(branch, name)

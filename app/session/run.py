@@ -197,23 +197,27 @@ class Run:
             raise ValueError("There is no image to run on: open one first.")
         return self._engine.result(state, self._parameters)
 
+    def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
+        """Another moment of the run as it would be shown, without going there; None when no longer wanted."""
+        found = self.chronicle.moment(branch, step, wanted)
+        return None if found is None else self._snapshot(*found)
+
     def _send(self) -> None:
-        state = self._state
-        if state is None:
-            return
+        if self._state is not None:
+            self._snapshots.put(self._snapshot(self._state, self._recorder))
+            self._reconstruct()
+
+    def _snapshot(self, state: State, recorder: Recorder) -> Snapshot:
         speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
-        self._snapshots.put(
-            Snapshot(
-                generation=self.generation,
-                state=state,
-                position=state.position,
-                resting=speed < RESTING_SPEED,
-                steps_per_second=self.pacer.per_second,
-                trace=self._recorder.trace(),
-                timeline=self.chronicle.outline,
-            )
+        return Snapshot(
+            generation=self.generation,
+            state=state,
+            position=state.position,
+            resting=speed < RESTING_SPEED,
+            steps_per_second=self.pacer.per_second,
+            trace=recorder.trace(),
+            timeline=self.chronicle.outline,
         )
-        self._reconstruct()
 
     def _reconstruct(self, from_the_first: bool = False) -> None:
         if self._engine is not None and self._state is not None and (self._state.step > 0 or from_the_first):

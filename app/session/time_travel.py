@@ -40,6 +40,7 @@ class TimeTravel(QObject):
         self._session = session
         self._outline = NOTHING
         self._here = (0, 0)
+        self._count = 0
         self._asked: tuple[int, int] | None = None
         self._compared: int | None = None
         self._contours: Result | None = None
@@ -71,6 +72,11 @@ class TimeTravel(QObject):
     def first(self) -> int:
         """The first step of the run."""
         return next((branch.first for branch in self._outline.branches if branch.parent is None), 0)
+
+    @property
+    def count(self) -> int:
+        """Number of particles shown."""
+        return self._count
 
     @property
     def playing(self) -> bool:
@@ -175,6 +181,7 @@ class TimeTravel(QObject):
             self._end_comparison()
         else:
             self._outline, self._here = snapshot.timeline, (snapshot.timeline.branch, snapshot.state.step)
+            self._count = snapshot.state.count
             if self._here == self._asked:
                 self._asked = None
             if self._compared is not None and (self.branch(self._compared) is None or self._compared == self._here[0]):
@@ -214,3 +221,9 @@ class TimeTravel(QObject):
             self._asked = None
         if isinstance(report, Compared) and report.generation == self._session.generation:
             self.compared.emit(report if report.branch is not None else None)
+
+
+def travel_of(session: Session) -> TimeTravel:
+    """The one way through the timeline of a session, for all parts of its window."""
+    found = session.findChild(TimeTravel)
+    return found if isinstance(found, TimeTravel) else TimeTravel(session)

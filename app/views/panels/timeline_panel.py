@@ -217,7 +217,10 @@ class TimelinePanel(QWidget):
             self._difference.setText("")
             return
         state = compared.state
-        words = [tr("There: step {step}, {count} particles.").format(step=state.step, count=state.count)]
+        branch = self._travel.branch(compared.branch or 0)
+        told = tr("{branch} has {there} particles at step {step}, this one {here}.")
+        name = branch.name if branch is not None else ""
+        words = [told.format(branch=name, there=state.count, step=state.step, here=self._travel.count)]
         if compared.apart is not None:
             told = tr("Contours {mean} px apart on average, {largest} px at most.")
             apart = compared.apart

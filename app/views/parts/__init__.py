@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.views.part import Part
+from app.views.parts.animation import AnimationPart
 from app.views.parts.contours import ContoursPart
 from app.views.parts.drawing import DrawingPart
 from app.views.parts.editing import EditingPart
@@ -18,6 +19,7 @@ from app.views.parts.viewing import ViewingPart
 
 PARTS: tuple[type[Part], ...] = (
     FilesPart,
+    AnimationPart,
     EditingPart,
     DrawingPart,
     RunningPart,

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QLabel, QSpinBox
 from app.model.language import tr
 from app.model.situation import Situation, has_particles, is_running
 from app.session.chronicle import MEGABYTE, MEGABYTES
-from app.session.time_travel import TimeTravel
+from app.session.time_travel import TimeTravel, travel_of
 from app.session.timeline_commands import SetTimelineBudget
 from app.views.entry import Entry
 from app.views.panels.timeline_panel import TimelinePanel
@@ -33,7 +33,7 @@ class TimelinePart(Part):
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk)
-        self.travel = TimeTravel(desk.session)
+        self.travel = travel_of(desk.session)
         self.panel = TimelinePanel(self.travel, lambda: is_running(desk.session.situation))
         self._keys = _Keys(self.travel, desk.window)
         desk.stage.canvas.installEventFilter(self._keys)
