@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from app.session.mailbox import Mailbox
 from app.session.messages import Reconstruction
@@ -89,6 +89,8 @@ class Reconstructor:
     def _reconstruct(self, request: Request) -> None:
         try:
             result = request.engine.result(request.state, request.parameters)
+            if request.state.step == 0:  # gone back to the drawing, of which nothing has been found
+                result = replace(result, contours=(), bridges=())
             survey = self._surveyor.survey(result, thorough=request.last)
         except Exception as error:  # the thread's outermost frame: whatever happens must not end it
             sentence(error, "reconstructing contours")

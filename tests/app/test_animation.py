@@ -1,0 +1,257 @@
+"""Animations and strips: every frame shows the particles of its step, and giving up leaves nothing behind."""
+
+from __future__ import annotations
+
+import importlib.util
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QFileDialog
+
+from app.session.tasks import Task
+from app.views import theme
+from app.views.animation_dialog import AnimationDialog, AnimationPlan
+from app.views.parts.animation import AnimationPart
+from app.views.parts.tasks import TasksPart
+from app.views.parts.timeline import TimelinePart
+from app.views.step_choice import evenly, every, written
+from app.views.strip_dialog import StripDialog
+
+KEY = Qt.Key
+LEFT = Qt.MouseButton.LeftButton
+SIZE = (160, 160)
+
+
+@pytest.fixture
+def rested(ready, hand):
+    """A window whose run is over."""
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: ready.session.idle)
+    return ready
+
+
+def part(window) -> AnimationPart:
+    return window.part(AnimationPart)
+
+
+def write(window, hand, path: Path, steps: tuple[int, ...]) -> None:
+    task = part(window).write(1, AnimationPlan(steps, SIZE, 10, False, path.suffix), path)
+    assert task is not None
+    hand.wait(lambda: task.over and window.session.idle)
+
+
+def picture(path: Path) -> np.ndarray:
+    with PIL.Image.open(path) as opened:
+        return np.array(opened.convert("RGB"))
+
+
+def of_colour(pixels: np.ndarray, colour: str) -> int:
+    """Pixels about as coloured as that, though small discs are blended with what is below them."""
+    wanted = np.array(QColor(colour).getRgb()[:3])
+    return int((np.abs(pixels[..., :3].astype(int) - wanted).max(axis=-1) < 60).sum())
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".png"])
+def test_an_animation_has_a_frame_for_each_step_with_its_particles(rested, hand, tmp_path, suffix) -> None:
+    path = tmp_path / f"run{suffix}"
+    steps = (1, 11, 21, 31, 41)
+    before = (rested.session.status.step, rested.stage.canvas.layers.particles.count)
+    write(rested, hand, path, steps)
+    with PIL.Image.open(path) as animation:
+        assert (animation.n_frames, animation.size) == (len(steps), SIZE)
+        frames = []
+        for index in range(animation.n_frames):
+            animation.seek(index)
+            frames.append(np.array(animation.convert("RGB")))
+    for frame in frames:
+        assert of_colour(frame, theme.MOVING) + of_colour(frame, theme.RESTING) > 20
+    # a ring of particles grows from radius 10 towards the rim of the disc
+    assert all(not np.array_equal(one, other) for one, other in pairwise(frames))
+    assert (rested.session.status.step, rested.stage.canvas.layers.particles.count) == before
+    assert rested.session.status.phase == "finished"
+    assert list(tmp_path.glob("*run*")) == [path]
+
+
+def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_path) -> None:
+    path = tmp_path / "one.png"
+    write(rested, hand, path, (6,))
+    pixels = picture(path)
+    travel = rested.part(TimelinePart).travel
+    travel.go(1, 6)
+    hand.wait(lambda: rested.session.status.step == 6 and rested.session.idle)
+    layer = rested.stage.canvas.layers.particles
+    position = np.concatenate([layer._resting._position, layer._moving._position])
+    row, col = np.round((position + 0.5) * SIZE[0] / 64).astype(int).T
+    assert len(position) > 10
+    for at in zip(row, col, strict=True):
+        around = pixels[at[0] - 3 : at[0] + 4, at[1] - 3 : at[1] + 4]
+        assert of_colour(around, theme.MOVING) + of_colour(around, theme.RESTING) > 0
+
+
+def test_what_is_hidden_on_the_canvas_is_not_in_the_frames(rested, hand, tmp_path) -> None:
+    path = tmp_path / "bare.png"
+    for name in ("particles", "contours", "drawing"):
+        rested.stage.canvas.layers[name].set_shown(False)
+    write(rested, hand, path, (6,))
+    pixels = picture(path)
+    assert of_colour(pixels, theme.MOVING) + of_colour(pixels, theme.RESTING) + of_colour(pixels, theme.CLOSED) == 0
+    assert pixels.max() > 150  # the disc
+
+
+def test_giving_up_leaves_nothing_half_written(rested, hand, tmp_path, monkeypatch) -> None:
+    path = tmp_path / "run.gif"
+    last = rested.session.status.step
+    bar = rested.part(TasksPart).bar
+    seen: list[int] = []
+    advance = Task.advance
+
+    def give_up_after_three(task: Task, fraction: float) -> None:
+        seen.append(1)
+        if len(seen) == 3:
+            task.cancel()
+        advance(task, fraction)
+
+    monkeypatch.setattr(Task, "advance", give_up_after_three)
+    plan = AnimationPlan(every(0, last, 1), SIZE, 10, False, ".gif")
+    task = part(rested).write(1, plan, path)
+    hand.wait(lambda: task.over and rested.session.idle)
+    assert task.cancelled
+    assert len(seen) == 3
+    assert not bar.isVisible()
+    assert [file.name for file in tmp_path.iterdir() if "run" in file.name] == []
+    hand.wait(lambda: all(filming.over for filming in part(rested)._filming))
+    assert rested.session.status.step == last
+
+
+def test_a_run_that_is_gone_is_told_and_nothing_is_written(rested, hand, tmp_path) -> None:
+    path = tmp_path / "run.gif"
+    task = part(rested).write(1, AnimationPlan(every(0, 60, 1), SIZE, 10, False, ".gif"), path)
+    rested.session.reset()
+    hand.wait(lambda: task.over and rested.session.idle)
+    assert "gone" in rested.stage.messages.text
+    assert not path.exists()
+
+
+def test_the_dialog_leads_to_a_file(rested, hand, tmp_path, monkeypatch) -> None:
+    path = tmp_path / "chosen"
+    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
+    (dialog,) = rested.findChildren(AnimationDialog)
+    for field, keys in ((dialog.first, "2"), (dialog.last, "12"), (dialog.stride, "5"), (dialog.width_field, "100")):
+        field.setFocus()
+        field.selectAll()
+        hand.qtbot.keyClicks(field, keys)
+        hand.qtbot.keyClick(field, KEY.Key_Tab)
+    assert dialog.plan == AnimationPlan((2, 7, 12), (100, 100), 15, False, ".gif")
+    assert dialog.summary.startswith("3 frames of 100 × 100 px")
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
+    hand.qtbot.mouseClick(dialog.export, LEFT)
+    written_to = path.with_suffix(".gif")
+    hand.wait(written_to.exists)
+    with PIL.Image.open(written_to) as animation:
+        assert animation.n_frames == 3
+    hand.wait(lambda: rested.session.idle)
+    assert "chosen.gif" in rested.stage.messages.text
+
+
+def test_the_dialog_says_what_films_need(rested, hand, tmp_path, monkeypatch) -> None:
+    find = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name, *rest: None if name == "imageio_ffmpeg" else find(name, *rest)
+    )
+    dialog = part(rested).ask_for_animation()
+    dialog.format.setFocus()
+    hand.qtbot.keyClick(dialog.format, KEY.Key_End)
+    assert dialog.plan.suffix == ".mp4"
+    assert "pip install imageio-ffmpeg" in dialog.summary
+    assert not dialog.export.isEnabled()
+    hand.qtbot.keyClick(dialog.format, KEY.Key_Home)
+    assert dialog.export.isEnabled()
+    dialog.reject()
+    plan = AnimationPlan((1, 2), SIZE, 10, False, ".mp4")
+    assert part(rested).write(1, plan, tmp_path / "film.mp4") is None
+    assert "imageio-ffmpeg" in rested.stage.messages.text
+    assert list(tmp_path.glob("film*")) == []
+
+
+def test_only_what_the_canvas_shows_is_drawn_where_that_is_asked_for(rested, hand, tmp_path) -> None:
+    rested.stage.canvas.zoom(4.0)
+    dialog = part(rested).ask_for_animation()
+    dialog.width_field.setValue(120)
+    whole = dialog.plan
+    dialog.zoomed.setFocus()
+    hand.qtbot.keyClick(dialog.zoomed, KEY.Key_Space)
+    zoomed = dialog.plan
+    dialog.reject()
+    path = tmp_path / "zoomed.png"
+    task = part(rested).write(1, replace(zoomed, steps=(1,), suffix=".png"), path)
+    hand.wait(lambda: task.over and rested.session.idle)
+    pixels = picture(path)
+    assert whole.size == (120, 120)
+    assert pixels.shape[:2][::-1] == zoomed.size
+    middle = pixels[pixels.shape[0] // 2, pixels.shape[1] // 2]
+    assert middle.min() > 150  # the inside of the disc fills it
+    assert np.median(pixels) > 150
+
+
+def test_a_strip_shows_the_steps_that_are_written_and_is_saved(rested, hand, tmp_path, monkeypatch) -> None:
+    path = tmp_path / "strip.png"
+    rested.actions_by_name["export_strip"].trigger()
+    (dialog,) = rested.findChildren(StripDialog)
+    hand.wait(lambda: dialog.pixels is not None)
+    four = dialog.pixels.shape
+    assert four[1] == 4 * 320 + 5 * 8
+    dialog.steps.setFocus()
+    dialog.steps.selectAll()
+    hand.qtbot.keyClicks(dialog.steps, "0, 9999")
+    assert "“9999” is not a step of this branch" in dialog.trouble
+    assert not dialog.export.isEnabled()
+    dialog.steps.selectAll()
+    hand.qtbot.keyClicks(dialog.steps, "0, 12 30")
+    assert dialog.trouble == ""
+    dialog.columns.setValue(3)
+    hand.wait(dialog.export.isEnabled)
+    assert dialog.pixels.shape[1] == 3 * 320 + 4 * 8
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
+    hand.qtbot.mouseClick(dialog.export, LEFT)
+    hand.wait(path.exists)
+    hand.wait(lambda: rested.session.idle)
+    saved = picture(path)
+    np.testing.assert_array_equal(saved, dialog.pixels)
+    third = saved[8 : 8 + 320, 2 * 328 + 8 : 3 * 328]
+    assert of_colour(third, theme.MOVING) + of_colour(third, theme.RESTING) > 50
+    assert (saved[8 + 322 :] < 128).any()  # the captions
+    dialog.reject()
+    hand.wait(lambda: not rested.findChildren(StripDialog))
+
+
+def test_the_window_stays_as_it_is_while_frames_are_drawn(rested, hand, tmp_path) -> None:
+    travel = rested.part(TimelinePart).travel
+    travel.go(1, 20)
+    hand.wait(lambda: rested.session.status.step == 20 and rested.session.idle)
+    shapes, canvas = rested.session.document, rested.stage.canvas
+    seen: list[int] = []
+    rested.session.snapshot_changed.connect(lambda snapshot: seen.append(snapshot.state.step))
+    looks = {layer.name: layer.view_state() for layer in canvas.layers}
+    write(rested, hand, tmp_path / "run.gif", every(0, 40, 8))
+    assert seen == []
+    assert rested.session.document is shapes
+    assert {layer.name: layer.view_state() for layer in canvas.layers} == looks
+    assert (rested.session.status.step, rested.session.status.phase) == (20, "paused")
+
+
+def test_steps_are_chosen_evenly_one_in_so_many_or_as_written() -> None:
+    assert evenly(0, 90, 4) == (0, 30, 60, 90)
+    assert evenly(3, 4, 9) == (3, 4)
+    assert every(0, 10, 4) == (0, 4, 8, 10)
+    assert every(5, 5, 3) == (5,)
+    assert written("4, 0;7  7", 0, 9) == (4, 0, 7, 7)
+    for text in ("", " , ", "a", "1.5", "-1", "10"):
+        with pytest.raises(ValueError, match="step"):
+            written(text, 0, 9)

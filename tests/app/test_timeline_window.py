@@ -1,0 +1,326 @@
+"""The timeline in the window: scrubbed, stepped through, branched and compared by mouse and keys."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+
+from app.session.chronicle import MEGABYTE
+from app.session.commands import Command
+from app.session.run import Run
+from app.session.workshop import Workshop
+from app.views.parts.preferring import PreferringPart
+from app.views.parts.running import RunningPart
+from app.views.parts.timeline import BUDGET, TimelinePart
+from app.views.preferences_dialog import PreferencesDialog
+from cpm_core import Engine, Parameters
+from cpm_core.initialization import circle
+from cpm_core.particles import State
+
+KEY = Qt.Key
+SHIFT, CONTROL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
+LEFT = Qt.MouseButton.LeftButton
+
+
+@pytest.fixture
+def fresh(ready) -> list[State]:
+    """The states of the same run, taken without a window."""
+    engine = Engine(ready.pointer_readout._image, Parameters())
+    states = [engine.start(circle((32.0, 32.0), 10.0))]
+    while not states[-1].stop_reason:
+        states.append(engine.step(states[-1], Parameters()))
+    return states
+
+
+@pytest.fixture
+def rested(ready, hand):
+    """A window whose run is over."""
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: ready.session.idle)
+    return ready
+
+
+def travel(window):
+    return window.part(TimelinePart).travel
+
+
+def shown(window) -> np.ndarray:
+    """Positions of the particles on the canvas, in the order of rows and columns."""
+    layer = window.stage.canvas.layers.particles
+    position = np.concatenate([layer._resting._position, layer._moving._position])
+    return position[np.lexsort(position.T)]
+
+
+def ordered(state: State) -> np.ndarray:
+    return state.position[np.lexsort(state.position.T)]
+
+
+def settle(window, hand, step: int) -> None:
+    hand.wait(lambda: window.session.status.step == step and window.session.idle)
+
+
+def scrub(window, hand, branch: int, *steps: int) -> None:
+    """Press on the first step and drag through the others."""
+    view = window.panels["timeline"].view
+    points = [view.point(branch, step).toPoint() for step in steps]
+    hand.qtbot.mousePress(view, LEFT, pos=points[0])
+    for point in points[1:]:
+        hand.qtbot.mouseMove(view, point)
+    hand.qtbot.mouseRelease(view, LEFT, pos=points[-1])
+
+
+def go_on_otherwise(window, hand) -> None:
+    """Change the damping by its slider, and run to the end."""
+    hand.qtbot.keyClick(window.panels["parameters"].rows["beta"].slider, KEY.Key_PageUp)
+    assert window.session.document.parameters.beta > Parameters().beta
+    window.stage.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: window.session.idle)
+
+
+def test_scrubbing_back_shows_the_very_particles_of_that_step(rested, hand, fresh) -> None:
+    assert rested.session.status.step == fresh[-1].step
+    scrub(rested, hand, 1, 10, 25, 60, 40)
+    step = travel(rested).place[1]
+    assert abs(step - 40) <= 1  # a pixel of the timeline may be more than a step
+    settle(rested, hand, step)
+    assert rested.session.status.phase == "paused"
+    np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
+    assert rested.panels["run"].status.value("Step") == str(step)
+    assert len(rested.part(RunningPart)._snapshot.trace.step) == step
+
+
+def test_going_on_otherwise_from_an_earlier_step_keeps_both_branches(rested, hand, fresh) -> None:
+    panel = rested.panels["timeline"]
+    panel.step.setFocus()
+    panel.step.selectAll()
+    hand.qtbot.keyClicks(panel.step, "40")
+    hand.qtbot.keyClick(panel.step, KEY.Key_Return)
+    settle(rested, hand, 40)
+    np.testing.assert_array_equal(shown(rested), ordered(fresh[40]))
+    go_on_otherwise(rested, hand)
+    kept, new = travel(rested).outline.branches
+    assert (kept.last, new.parent, new.first) == (fresh[-1].step, kept.identity, 40)
+    engine, state = Engine(rested.pointer_readout._image, Parameters()), fresh[40]
+    for _ in range(20):
+        state = engine.step(state, rested.session.document.parameters)
+    scrub(rested, hand, new.identity, 45)
+    panel.view.setFocus()
+    while travel(rested).place[1] != 60:
+        hand.key(KEY.Key_Right if travel(rested).place[1] < 60 else KEY.Key_Left)
+    settle(rested, hand, 60)
+    np.testing.assert_array_equal(shown(rested), ordered(state))
+    hand.key(KEY.Key_Up)
+    hand.wait(lambda: travel(rested).outline.branch == kept.identity and rested.session.idle)
+    np.testing.assert_array_equal(shown(rested), ordered(fresh[60]))
+    assert not np.array_equal(ordered(state), ordered(fresh[60]))
+
+
+def test_a_branch_compared_with_is_seen_beside_and_the_difference_told(rested, hand, fresh) -> None:
+    scrub(rested, hand, 1, 40)
+    hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
+    go_on_otherwise(rested, hand)
+    panel, ghost = rested.panels["timeline"], rested.stage.canvas.layers["ghost"]
+    assert (ghost.count, ghost.contours) == (0, 0)
+    panel.compare.setFocus()
+    hand.qtbot.keyClick(panel.compare, KEY.Key_Down)
+    hand.wait(lambda: ghost.contours > 0)
+    end = min(rested.session.status.step, fresh[-1].step)
+    np.testing.assert_array_equal(np.sort(ghost._particles._position, axis=0), np.sort(fresh[end].position, axis=0))
+    assert "px apart on average" in panel.difference
+    assert f"{fresh[end].count} particles" in panel.difference
+    hand.canvas.setFocus()
+    for _ in range(3):
+        hand.key(KEY.Key_Comma)
+    step = travel(rested).place[1]
+    settle(rested, hand, step)
+    hand.wait(lambda: ghost.count == fresh[step].count)
+    hand.qtbot.keyClick(panel.compare, KEY.Key_Up)
+    hand.wait(lambda: ghost.count == 0)
+    assert panel.difference == ""
+
+
+def test_steps_backwards_return_exactly_and_forwards_repeat_the_branch(rested, hand, fresh) -> None:
+    hand.canvas.setFocus()
+    last = fresh[-1].step
+    for back in range(1, 6):
+        hand.key(KEY.Key_Comma)
+        settle(rested, hand, last - back)
+        np.testing.assert_array_equal(shown(rested), ordered(fresh[last - back]))
+    for forward in range(1, 3):
+        hand.key(KEY.Key_Period)
+        settle(rested, hand, last - 5 + forward)
+        np.testing.assert_array_equal(shown(rested), ordered(fresh[last - 5 + forward]))
+    assert len(travel(rested).outline.branches) == 1
+    assert travel(rested).last(1) == last
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    assert rested.session.status.step == last
+    assert len(travel(rested).outline.branches) == 1
+
+
+def test_keys_go_ten_steps_and_to_both_ends(rested, hand, fresh) -> None:
+    hand.canvas.setFocus()
+    rested.session.select(None)
+    last = fresh[-1].step
+    hand.key(KEY.Key_Comma, SHIFT)
+    settle(rested, hand, last - 10)
+    hand.key(KEY.Key_Comma, SHIFT)
+    settle(rested, hand, last - 20)
+    hand.key(KEY.Key_Period, SHIFT)
+    settle(rested, hand, last - 10)
+    hand.key(KEY.Key_Home)
+    settle(rested, hand, 0)
+    np.testing.assert_array_equal(shown(rested), ordered(fresh[0]))
+    assert hand.canvas.layers.contours.counts == (0, 0)
+    hand.key(KEY.Key_Comma)
+    hand.wait(lambda: rested.session.idle)
+    assert rested.session.status.step == 0
+    hand.key(KEY.Key_End)
+    hand.wait_for_phase("finished")
+    settle(rested, hand, last)
+
+
+def test_going_back_while_it_runs_holds_it(ready, hand) -> None:
+    ready.session.set_pace(60.0)
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: ready.session.status.step >= 12)
+    scrub(ready, hand, 1, 5)
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.status.phase == "paused"
+    assert abs(ready.session.status.step - 5) <= 1
+    assert travel(ready).last(1) >= 12
+
+
+@dataclass(frozen=True)
+class Wait(Command):
+    """Holds the worker until it is let."""
+
+    gate: threading.Event
+
+    def obey(self, shop: Workshop) -> None:
+        assert self.gate.wait(20)
+
+
+def test_of_many_places_on_the_way_only_the_last_is_gone_to(rested, hand, monkeypatch) -> None:
+    gone: list[int] = []
+    go_to, gate = Run.go_to, threading.Event()
+    monkeypatch.setattr(Run, "go_to", lambda run, *at: gone.append(at[1]) or go_to(run, *at))
+    rested.session.post(Wait(gate))
+    scrub(rested, hand, 1, *range(5, 60))
+    step = travel(rested).place[1]
+    assert abs(step - 59) <= 1
+    assert rested.panels["timeline"].step.value() == step  # shown at once, before anything has been worked out
+    gate.set()
+    settle(rested, hand, step)
+    assert gone == [step]
+
+
+def test_recorded_steps_are_played_to_the_end(rested, hand, fresh) -> None:
+    scrub(rested, hand, 1, fresh[-1].step - 6)
+    begun = travel(rested).place[1]
+    settle(rested, hand, begun)
+    seen: list[int] = []
+    rested.session.snapshot_changed.connect(lambda snapshot: seen.append(snapshot.state.step))
+    hand.qtbot.mouseClick(rested.panels["timeline"].buttons["play"], LEFT)
+    assert travel(rested).playing
+    settle(rested, hand, fresh[-1].step)
+    hand.wait(lambda: not travel(rested).playing)
+    assert seen == list(range(begun + 1, fresh[-1].step + 1))
+
+
+def test_branches_are_named_and_deleted(rested, hand, fresh) -> None:
+    scrub(rested, hand, 1, 40)
+    hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
+    panel = rested.panels["timeline"]
+    assert not panel.delete.isEnabled()
+    go_on_otherwise(rested, hand)
+    panel.name.setFocus()
+    panel.name.selectAll()
+    hand.qtbot.keyClicks(panel.name, "stiffer")
+    hand.qtbot.keyClick(panel.name, KEY.Key_Return)
+    hand.wait(lambda: [branch.name for branch in travel(rested).outline.branches] == ["Branch 1", "stiffer"])
+    fork = travel(rested).outline.branches[1].first
+    hand.qtbot.mouseClick(panel.delete, LEFT)
+    hand.wait(lambda: len(travel(rested).outline.branches) == 1 and rested.session.idle)
+    assert rested.session.status.step == fork
+    np.testing.assert_array_equal(shown(rested), ordered(fresh[fork]))
+    assert not panel.delete.isEnabled()
+
+
+def test_a_reset_forgets_the_timeline(rested, hand) -> None:
+    panel = rested.panels["timeline"]
+    assert panel.view.accessibleDescription().startswith("Branch 1, step")
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_R)
+    assert travel(rested).outline.branches == ()
+    assert not panel.step.isEnabled()
+    assert not any(button.isEnabled() for button in panel.buttons.values())
+    hand.key(KEY.Key_Comma)
+    assert rested.session.status.phase == "ready"
+
+
+def test_a_press_on_a_name_changes_the_branch_and_keeps_the_step(rested, hand) -> None:
+    scrub(rested, hand, 1, 40)
+    hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
+    go_on_otherwise(rested, hand)
+    step = min(branch.last for branch in travel(rested).outline.branches) - 2
+    scrub(rested, hand, 2, step)
+    step = travel(rested).place[1]
+    settle(rested, hand, step)
+    view = rested.panels["timeline"].view
+    y = view.point(1, 0).toPoint().y()
+    hand.qtbot.mouseClick(view, LEFT, pos=QPoint(14, y))
+    hand.wait(lambda: travel(rested).outline.branch == 1 and rested.session.idle)
+    assert rested.session.status.step == step
+
+
+def test_memory_is_preferred_in_the_dialog_and_kept_to_at_once(rested, hand, fresh) -> None:
+    used = travel(rested).outline.used
+    assert used > 0
+    hand.key(KEY.Key_Comma, CONTROL)
+    (dialog,) = rested.findChildren(PreferencesDialog)
+    field, told = dialog.rows["Memory for steps"], dialog.rows["In use now"]
+    assert f"{used / MEGABYTE:.1f} MB" in told.text()
+    field.setFocus()
+    field.selectAll()
+    hand.qtbot.keyClicks(field, "16")
+    hand.qtbot.keyClick(field, KEY.Key_Tab)
+    assert rested.preferences.get(BUDGET, 0) == 16
+    hand.wait(lambda: travel(rested).outline.budget == 16 * MEGABYTE)
+    hand.qtbot.keyClick(dialog, KEY.Key_Escape)
+    hand.wait(lambda: not rested.findChildren(PreferencesDialog))
+    travel(rested).by(-1)
+    settle(rested, hand, fresh[-1].step - 1)
+
+
+def test_with_hardly_any_memory_every_step_is_still_exact(rested, hand, fresh) -> None:
+    chronicle = rested.session._runner._run.chronicle
+    chronicle.set_budget(1)
+    for step in (40, 3, 57, 56):
+        travel(rested).go(1, step)
+        settle(rested, hand, step)
+        np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
+    assert travel(rested).outline.kept <= 2
+
+
+def test_every_part_of_the_window_has_the_rows_that_it_brings(rested) -> None:
+    dialog = rested.part(PreferringPart).show()
+    labels = {row.label for part in rested.parts.values() for row in part.preferences()}
+    assert {"Memory for steps", "In use now"} <= labels == set(dialog.rows)
+    dialog.reject()
+
+
+def test_the_state_gone_back_to_is_the_whole_state(rested, hand, fresh) -> None:
+    travel(rested).go(1, 33)
+    settle(rested, hand, 33)
+    state = rested.part(RunningPart)._snapshot.state
+    for name in ("position", "velocity", "force", "distance", "identity"):
+        np.testing.assert_array_equal(getattr(state.particles, name), getattr(fresh[33].particles, name))
+    assert replace(state, particles=fresh[33].particles).annealed == fresh[33].annealed
