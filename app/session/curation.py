@@ -12,6 +12,7 @@ from app.model import marking
 from app.model.document import Document
 from app.model.language import tr
 from app.model.marking import Target
+from app.session.ground_truth import GroundTruth
 from app.session.survey import Survey
 from cpm_core.contour import Contour
 from cpm_core.contour_table import Measures
@@ -79,6 +80,7 @@ class Curation(QObject):
         self._survey: Survey | None = None
         self._marks: tuple[Mark, ...] = ()
         self._by_key: dict[int, Item] = {}
+        self.truth = GroundTruth(session, self)
         session.surveyed.connect(self._use_survey)
         session.document_changed.connect(self._use_document)
         session.image_changed.connect(lambda *_: self.select(()))

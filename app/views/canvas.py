@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QResizeEvent, QWheelEvent
 
 from app.session.session import Session
@@ -74,6 +74,11 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         """Move what is seen by pixels of the screen."""
         width, height = self.view.viewPixelSize()
         self.view.translateBy(x=right * width, y=down * height)
+        self._fitted = False
+
+    def look_at(self, place: Position, span: float) -> None:
+        """Show a square of `span` px of the image around a place (row, col)."""
+        self.view.setRange(QRectF(place[1] - span / 2, place[0] - span / 2, span, span), padding=0.0)
         self._fitted = False
 
     def position(self, point: QPointF) -> Position:

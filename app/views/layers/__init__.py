@@ -19,6 +19,7 @@ from app.views.layers.particles import ParticleLayer
 from app.views.layers.potential import PotentialLayer
 from app.views.layers.scale_bar import ScaleBarLayer
 from app.views.layers.trails import TrailLayer
+from app.views.layers.truth import TruthLayer
 
 LAYERS: tuple[type[Layer], ...] = (
     ParticleLayer,
@@ -26,6 +27,7 @@ LAYERS: tuple[type[Layer], ...] = (
     ForceLayer,
     ContourLayer,
     GhostLayer,
+    TruthLayer,
     DrawingLayer,
     EdgeMapLayer,
     PotentialLayer,

@@ -10,11 +10,13 @@ from app.views.parts.editing import EditingPart
 from app.views.parts.files import FilesPart
 from app.views.parts.helping import HelpingPart
 from app.views.parts.looks import LooksPart
+from app.views.parts.mosaic import MosaicPart
 from app.views.parts.parameters import ParametersPart
 from app.views.parts.preferring import PreferringPart
 from app.views.parts.running import RunningPart
 from app.views.parts.tasks import TasksPart
 from app.views.parts.timeline import TimelinePart
+from app.views.parts.truth import TruthPart
 from app.views.parts.viewing import ViewingPart
 
 PARTS: tuple[type[Part], ...] = (
@@ -27,6 +29,8 @@ PARTS: tuple[type[Part], ...] = (
     TasksPart,
     ParametersPart,
     ContoursPart,
+    TruthPart,
+    MosaicPart,
     ViewingPart,
     LooksPart,
     PreferringPart,

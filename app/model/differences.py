@@ -1,0 +1,95 @@
+"""Differences: the pieces of contours and of the ground truth that are far from each other, the worst first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.comparison import Comparison
+from cpm_core.contour import Contour
+from cpm_core.curation import Position
+from cpm_core.reconstruction.measures import distance_to
+from cpm_core.truth import Truth
+
+Array = NDArray[np.float64]
+
+_APART = 0.6
+"""Distance of neighbouring points beyond which a new piece begins: along a boundary they are a quarter of a pixel apart
+[px]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Difference:
+    """A piece of boundary that has nothing beside it.
+
+    Attributes
+    ----------
+    kind : {"missing", "wrong"}
+        A piece of the true boundary without a contour, or a piece of a contour without a true boundary.
+    points : ndarray, shape (K, 2)
+        The piece [px].
+    farthest : float
+        How far off it is at most [px].
+    place : tuple of float
+        Where that is (row, col) [px].
+    """
+
+    kind: Literal["missing", "wrong"]
+    points: Array
+    farthest: float
+    place: Position
+
+
+def differences(contours: Sequence[Contour], truth: Truth, comparison: Comparison) -> tuple[Difference, ...]:
+    """The pieces farther off than the tolerance, the farthest first.
+
+    Parameters
+    ----------
+    contours : sequence of Contour
+        What was compared.
+    truth : Truth
+        With what.
+    comparison : Comparison
+        What came of it.
+    """
+    found = [
+        _difference("wrong", contour.points[piece], away[piece])
+        for contour, away in zip(contours, comparison.distances, strict=True)
+        for piece in _stretches(away > comparison.tolerance, contour.closed)
+    ]
+    missing = comparison.missing
+    if len(missing):
+        away = distance_to(missing, contours)
+        cuts = np.flatnonzero(np.linalg.norm(np.diff(missing, axis=0), axis=1) > _APART) + 1
+        pieces = zip(np.split(missing, cuts), np.split(away, cuts), strict=True)
+        found += [_difference("missing", points, far) for points, far in pieces]
+    return tuple(sorted(found, key=lambda difference: -difference.farthest))
+
+
+def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -> Difference:
+    worst = int(away.argmax())
+    row, col = points[worst].tolist()
+    return Difference(kind, points, float(away[worst]), (row, col))
+
+
+def _stretches(far: NDArray[np.bool_], closed: bool) -> list[NDArray[np.intp]]:
+    """Indices of vertices in a row that are far off, around the end of a closed contour too; neighbours included."""
+    if not far.any():
+        return []
+    count = len(far)
+    if far.all():
+        return [np.r_[np.arange(count), 0] if closed else np.arange(count)]
+    first = int(np.argmin(far)) if closed else 0  # a vertex that is near, so that no stretch goes around the end
+    order = (first + np.arange(count)) % count
+    runs = np.split(order, np.flatnonzero(np.diff(far[order])) + 1)
+    wide = []
+    for run in (run for run in runs if far[run[0]]):
+        low, high = run[0] - 1, run[-1] + 1
+        before = [low % count] if closed or low >= 0 else []
+        behind = [high % count] if closed or high < count else []
+        wide.append(np.array([*before, *run, *behind], dtype=np.intp))
+    return wide

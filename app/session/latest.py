@@ -1,0 +1,74 @@
+"""Work that only the newest of is worth doing, on a thread that lasts as long as there is any."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+
+from PySide6.QtCore import QObject, Signal
+
+log = logging.getLogger(__name__)
+
+
+class Latest(QObject):
+    """Does the newest piece of work that it is given, and tells what came of it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the thread.
+    parent : QObject, optional
+        Owner.
+    """
+
+    done = Signal(object)
+    """What a piece of work has come to."""
+
+    def __init__(self, name: str, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._name = name
+        self._lock = threading.Lock()
+        self._waiting: Callable[[], object] | None = None
+        self._thread: threading.Thread | None = None
+
+    @property
+    def idle(self) -> bool:
+        """Whether there is nothing to do."""
+        return self._thread is None
+
+    def ask(self, work: Callable[[], object]) -> None:
+        """Do this instead of whatever is still waiting."""
+        with self._lock:
+            self._waiting = work
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._work, name=self._name, daemon=True)
+                self._thread.start()
+
+    def forget(self) -> None:
+        """Drop what is waiting."""
+        with self._lock:
+            self._waiting = None
+
+    def close(self) -> None:
+        """Drop what is waiting and wait for what is being done."""
+        self.forget()
+        thread = self._thread
+        if thread is not None:
+            thread.join()
+
+    def _work(self) -> None:
+        while (work := self._next()) is not None:
+            try:
+                came = work()
+            except Exception as error:  # the thread's outermost frame: whatever happens must not end it
+                log.error("unexpected trouble in %s", self._name, exc_info=error)
+            else:
+                self.done.emit(came)
+
+    def _next(self) -> Callable[[], object] | None:
+        with self._lock:
+            work, self._waiting = self._waiting, None
+            if work is None:
+                self._thread = None
+            return work

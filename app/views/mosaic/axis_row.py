@@ -1,0 +1,60 @@
+"""One of the two parameters of a mosaic, with its values."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit
+
+from app.model.controls import Control
+from app.model.language import tr
+from app.model.mosaic import Axis, in_text, read_values, sensible_values
+from cpm_core.parameters import Parameters
+
+
+class AxisRow(QObject):
+    """A choice among all parameters, and a line for the values of the one chosen.
+
+    Parameters
+    ----------
+    title : str
+        What it is the parameter of.
+    controls : tuple of Control
+        What there is.
+    first : str
+        Name of the one that is chosen at first.
+    """
+
+    changed = Signal()
+    """Another parameter has been chosen."""
+
+    def __init__(self, title: str, controls: tuple[Control, ...], first: str) -> None:
+        super().__init__()
+        self._controls = controls
+        self._title = title
+        self.choice = QComboBox()
+        self.choice.addItems([control.label for control in controls])
+        self.choice.setCurrentIndex(next(i for i, control in enumerate(controls) if control.name == first))
+        self.choice.setAccessibleName(title)
+        self.values = QLineEdit()
+        self.values.setAccessibleName(tr("Values"))
+        self.values.setToolTip(tr("The values to be tried, with commas between them."))
+        self.choice.currentIndexChanged.connect(self.changed)
+
+    @property
+    def control(self) -> Control:
+        """The parameter chosen."""
+        return self._controls[self.choice.currentIndex()]
+
+    def add_to(self, grid: QGridLayout, row: int) -> None:
+        """Lay it out."""
+        grid.addWidget(QLabel(self._title), row, 0)
+        grid.addWidget(self.choice, row, 1)
+        grid.addWidget(self.values, row, 2)
+
+    def suggest(self, parameters: Parameters, contrast: float, count: int) -> None:
+        """Offer values around the present one."""
+        self.values.setText(in_text(sensible_values(self.control, parameters, contrast, count)))
+
+    def axis(self) -> Axis:
+        """What has been chosen; raises `ValueError` when the values make no sense."""
+        return Axis(self.control, read_values(self.control, self.values.text()))

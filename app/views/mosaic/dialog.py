@@ -1,0 +1,254 @@
+"""The dialog of the mosaic."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtGui import QCloseEvent, QKeyEvent
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDialog,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.model.controls import controls
+from app.model.document import NOTHING_TO_START_FROM
+from app.model.language import tr
+from app.model.mosaic import COUNTS, Plan, Tile, pick, plan
+from app.model.shades import Shades
+from app.model.time_left import in_words
+from app.session.session import Session
+from app.session.sweep import Done, Sweep
+from app.views.mosaic.axis_row import AxisRow
+from app.views.mosaic.enlarged import EnlargedTile
+from app.views.mosaic.picture import Picture
+from app.views.mosaic.tile import TileView
+
+_ARROWS = {
+    Qt.Key.Key_Up: (-1, 0),
+    Qt.Key.Key_Down: (1, 0),
+    Qt.Key.Key_Left: (0, -1),
+    Qt.Key.Key_Right: (0, 1),
+}
+
+
+class MosaicDialog(QDialog):
+    """Runs the image with some values of two parameters, and takes over those of the tile that is picked.
+
+    Parameters
+    ----------
+    parent : QWidget
+        The window.
+    session : Session
+        What is run and edited.
+    sweep : Sweep
+        Who runs it.
+    shades : ndarray
+        The image as it is shown.
+    crop : QRectF
+        The part of it that tiles show, in px of the image.
+    """
+
+    def __init__(self, parent: QWidget, session: Session, sweep: Sweep, shades: Shades, crop: QRectF) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle(tr("Mosaic of two parameters"))
+        self._session = session
+        self._sweep = sweep
+        self._picture = Picture(shades, crop)
+        self._plan: Plan | None = None
+        self.tiles: dict[tuple[int, int], TileView] = {}
+        offered = controls()
+        self.down = AxisRow(tr("Rows"), offered, "beta")
+        self.across = AxisRow(tr("Columns"), offered, "ratio")
+        self.count = QComboBox()
+        self.start_button = QPushButton(tr("Run"))
+        self.cancel_button = QPushButton(tr("Cancel"))
+        self.bar = QProgressBar()
+        self.words = QLabel()
+        self._board = QWidget()
+        self._grid = QGridLayout(self._board)
+        self._lay_out()
+        self._connect()
+        self._suggest()
+        self._show_progress()
+
+    def sizeHint(self) -> QSize:
+        """Room for five by five tiles, unless the screen is small."""
+        return QSize(1000, 820).boundedTo(self.screen().availableSize() - QSize(40, 60))
+
+    # What Qt calls
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Give up what has not been run."""
+        self._sweep.cancel()
+        super().closeEvent(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Arrow keys go from tile to tile; Esc closes."""
+        focused = self.focusWidget()
+        if isinstance(focused, TileView) and (move := _ARROWS.get(Qt.Key(event.key()))):
+            tile = focused.tile
+            neighbour = self.tiles.get((tile.row + move[0], tile.col + move[1]))
+            if neighbour is not None:
+                neighbour.setFocus()
+        elif event.key() == Qt.Key.Key_Escape:
+            self.close()
+        elif isinstance(focused, TileView):
+            event.ignore()
+        else:
+            super().keyPressEvent(event)
+
+    # Inside
+
+    def _lay_out(self) -> None:
+        form = QGridLayout()
+        form.setHorizontalSpacing(10)
+        self.down.add_to(form, 0)
+        self.across.add_to(form, 1)
+        for number in COUNTS:
+            self.count.addItem(tr("{count} values each").format(count=number), number)
+        self.count.setAccessibleName(tr("Number of values"))
+        form.addWidget(self.count, 0, 3)
+        form.addWidget(self.start_button, 1, 3)
+        form.setColumnStretch(2, 1)
+        self.start_button.setDefault(True)
+        foot = QHBoxLayout()
+        self.words.setMinimumWidth(120)
+        foot.addWidget(self.words, 1)
+        self.bar.setMaximumWidth(240)
+        self.bar.setTextVisible(False)
+        foot.addWidget(self.bar)
+        foot.addWidget(self.cancel_button)
+        self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid.setSpacing(6)
+        area = QScrollArea()
+        area.setWidgetResizable(True)
+        area.setWidget(self._board)
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        layout = QVBoxLayout(self)
+        layout.addLayout(form)
+        layout.addWidget(area, 1)
+        layout.addLayout(foot)
+
+    def _connect(self) -> None:
+        sweep, tasks = self._sweep, self._session.tasks
+        self.count.currentIndexChanged.connect(self._suggest)
+        for row in (self.down, self.across):
+            row.changed.connect(partial(self._suggest_for, row))
+        self.start_button.clicked.connect(self._start)
+        self.cancel_button.clicked.connect(sweep.cancel)
+        sweep.began.connect(self._begin)
+        sweep.finished.connect(self._finish)
+        sweep.ended.connect(self._end)
+        tasks.advanced.connect(self._show_progress)
+        self._session.document_changed.connect(self._mark)
+        self._session.image_changed.connect(self.close)
+
+    def _suggest(self) -> None:
+        for row in (self.down, self.across):
+            self._suggest_for(row)
+
+    def _suggest_for(self, row: AxisRow) -> None:
+        document = self._session.document
+        contrast = document.image.contrast if document.image else 255.0
+        row.suggest(document.parameters, contrast, self.count.currentData())
+
+    def _start(self) -> None:
+        document = self._session.document
+        try:
+            if not document.starts:
+                raise ValueError(NOTHING_TO_START_FROM)
+            laid = plan(document.parameters, self.down.axis(), self.across.axis())
+        except ValueError as error:
+            self._say(str(error))
+            return
+        self._plan = laid
+        self._clear()
+        for tile in laid.tiles:
+            view = self.tiles[tile.row, tile.col] = TileView(tile, laid.caption(tile), self._picture)
+            view.picked.connect(self._pick)
+            view.enlarged.connect(self._enlarge)
+            self._grid.addWidget(view, tile.row, tile.col)
+        self._mark()
+        self.tiles[0, 0].setFocus()
+        self._sweep.start(laid, document)
+        self._show_progress()
+
+    def _clear(self) -> None:
+        for view in self.tiles.values():
+            self._grid.removeWidget(view)
+            view.hide()
+            view.deleteLater()
+        self.tiles.clear()
+
+    def _view(self, tile: Tile) -> TileView | None:
+        """The view of a tile, unless it belongs to a mosaic before."""
+        view = self.tiles.get((tile.row, tile.col))
+        return view if view is not None and view.tile is tile else None
+
+    def _begin(self, tile: Tile) -> None:
+        view = self._view(tile)
+        if view is not None:
+            view.begin()
+
+    def _finish(self, done: Done) -> None:
+        view = self._view(done.tile)
+        if view is not None:
+            view.finish(done)
+            self._show_progress()
+
+    def _end(self) -> None:
+        for view in self.tiles.values():
+            view.give_up()
+        self._show_progress()
+
+    def _pick(self, tile: Tile) -> None:
+        chosen = self._plan
+        if chosen is not None:
+            caption = chosen.caption(tile)
+            self._session.edit(
+                tr("take {values}").format(values=caption), lambda document: pick(document, chosen, tile)
+            )
+            self._say(tr("{values} are set now; Undo (Ctrl+Z in the window) takes it back.").format(values=caption))
+
+    def _enlarge(self, done: Done) -> None:
+        if self._plan is not None:
+            large = EnlargedTile(self, done, self._plan.caption(done.tile), self._picture)
+            large.accepted.connect(partial(self._pick, done.tile))
+            large.open()
+
+    def _mark(self) -> None:
+        """Mark the tile whose parameters are in use, if there is one."""
+        chosen, document = self._plan, self._session.document
+        for view in self.tiles.values():
+            view.mark(chosen is not None and pick(document, chosen, view.tile) == document)
+
+    def _show_progress(self) -> None:
+        task = self._sweep.task
+        done = sum(view.done is not None for view in self.tiles.values())
+        self.bar.setVisible(task is not None)
+        self.cancel_button.setEnabled(task is not None)
+        self.bar.setRange(0, max(1, len(self.tiles)))
+        self.bar.setValue(done)
+        if task is not None:
+            told = tr("{done} of {count} tiles").format(done=done, count=len(self.tiles))
+            self._say(", ".join(filter(None, (told, in_words(task.seconds_left)))))
+        elif not self.tiles:
+            self._say(tr("Choose two parameters and press Run: each tile is a run of its own."))
+        elif done < len(self.tiles):
+            self._say(tr("Given up after {done} of {count} tiles.").format(done=done, count=len(self.tiles)))
+        else:
+            self._say(tr("Click a tile to take its values."))
+
+    def _say(self, sentence: str) -> None:
+        self.words.setText(sentence)
+        self.words.setToolTip(sentence)

@@ -1,0 +1,187 @@
+"""A tile of the mosaic."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QResizeEvent
+from PySide6.QtWidgets import QSizePolicy, QToolButton, QWidget
+
+from app.model.language import tr
+from app.model.mosaic import Tile
+from app.session.sweep import Done
+from app.views.mosaic.picture import Picture
+
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_RIM = 6.0
+_ROUND = 5.0
+
+
+class TileView(QWidget):
+    """Shows one run: its picture, its two values, and what was found.
+
+    Parameters
+    ----------
+    tile : Tile
+        Which one.
+    caption : str
+        Its values in words.
+    picture : Picture
+        The image.
+    """
+
+    picked = Signal(object)
+    """The user wants its parameters: Tile."""
+    enlarged = Signal(object)
+    """The user wants to see it larger: Done."""
+
+    def __init__(self, tile: Tile, caption: str, picture: Picture) -> None:
+        super().__init__()
+        self.tile = tile
+        self.caption = caption
+        self.done: Done | None = None
+        self.state = tr("waiting")
+        self._picture = picture
+        self._chosen = False
+        self._over = False
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setCursor(Qt.CursorShape.PointingHandCursor)
+        self.setAccessibleName(caption)
+        self.setToolTip(
+            tr("{caption}: click or Enter takes these values, Space shows it larger.").format(caption=caption)
+        )
+        self.larger = QToolButton(self)
+        self.larger.setText("⤢")
+        self.larger.setToolTip(tr("Show it larger (Space)."))
+        self.larger.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.larger.setCursor(Qt.CursorShape.ArrowCursor)
+        self.larger.hide()
+        self.larger.clicked.connect(self._enlarge)
+
+    def sizeHint(self) -> QSize:
+        """A square with room for two lines."""
+        return QSize(190, 210)
+
+    def minimumSizeHint(self) -> QSize:
+        """No smaller than its words."""
+        widest = max(self.fontMetrics().horizontalAdvance(text) for text in (self.caption, "00 contours, 0000 steps"))
+        return QSize(max(110, widest + 16), 120)
+
+    def begin(self) -> None:
+        """It is being run."""
+        self.state = tr("running…")
+        self.update()
+
+    def finish(self, done: Done) -> None:
+        """It has been run."""
+        self.done = done
+        self.state = words(done)
+        self.setAccessibleDescription(self.state)
+        if done.trouble:
+            self.setToolTip(done.trouble)
+        self.update()
+
+    def give_up(self) -> None:
+        """It is not going to be run."""
+        if self.done is None:
+            self.state = tr("given up")
+            self.update()
+
+    def mark(self, chosen: bool) -> None:
+        """Show whether its parameters are in use."""
+        if chosen != self._chosen:
+            self._chosen = chosen
+            self.update()
+
+    # What Qt calls
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take the focus and wait for the button to come up."""
+        self.setFocus()
+        event.accept()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Pick it."""
+        if event.button() == Qt.MouseButton.LeftButton and self.rect().contains(event.position().toPoint()):
+            self._pick()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Enter picks, Space enlarges."""
+        if event.key() in _ENTER:
+            self._pick()
+        elif event.key() == Qt.Key.Key_Space:
+            self._enlarge()
+        else:
+            super().keyPressEvent(event)
+
+    def event(self, event: QEvent) -> bool:
+        """Offer to enlarge it while the pointer is over it."""
+        if event.type() in (QEvent.Type.Enter, QEvent.Type.Leave):
+            self._over = event.type() == QEvent.Type.Enter
+            self.larger.setVisible(self._over and self.done is not None and self.done.result is not None)
+            self.update()
+        if event.type() in (QEvent.Type.FocusIn, QEvent.Type.FocusOut):
+            self.update()
+        return super().event(event)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep the button in the corner."""
+        self.larger.adjustSize()
+        self.larger.move(self.width() - self.larger.width() - 10, 10)
+        super().resizeEvent(event)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw picture, words and rim."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        palette = self.palette()
+        role = QPalette.ColorRole
+        rim = QRectF(self.rect()).adjusted(1.5, 1.5, -1.5, -1.5)
+        marked = self._chosen or self.hasFocus() or self._over
+        width = 3.0 if self._chosen else 1.6 if self.hasFocus() else 1.0
+        painter.setPen(QPen(palette.color(role.Highlight if marked else role.Mid), width))
+        painter.setBrush(palette.color(role.Base))
+        painter.drawRoundedRect(rim, _ROUND, _ROUND)
+        lines = 2 * self.fontMetrics().height() + 4
+        room = rim.adjusted(_RIM, _RIM, -_RIM, -_RIM - lines)
+        result = self.done.result if self.done else None
+        self._picture.draw(painter, room, result.contours if result else (), pale=result is None)
+        self._write(painter, QRectF(rim.left() + _RIM, room.bottom() + 3, rim.width() - 2 * _RIM, lines))
+        painter.end()
+
+    # Inside
+
+    def _write(self, painter: QPainter, room: QRectF) -> None:
+        palette, metrics = self.palette(), self.fontMetrics()
+        half = room.height() / 2
+        caption = f"✓ {self.caption}" if self._chosen else self.caption
+        bold = painter.font()
+        bold.setBold(True)
+        for index, (text, font, colour) in enumerate(
+            (
+                (caption, bold, palette.color(QPalette.ColorRole.Text)),
+                (self.state, self.font(), QColor(palette.color(QPalette.ColorRole.PlaceholderText))),
+            )
+        ):
+            painter.setFont(font)
+            painter.setPen(colour)
+            line = QRectF(QPointF(room.left(), room.top() + index * half), QSize(int(room.width()), int(half)))
+            shown = metrics.elidedText(text, Qt.TextElideMode.ElideRight, int(room.width()))
+            painter.drawText(line, Qt.AlignmentFlag.AlignCenter, shown)
+
+    def _pick(self) -> None:
+        self.picked.emit(self.tile)
+
+    def _enlarge(self) -> None:
+        if self.done is not None and self.done.result is not None:
+            self.enlarged.emit(self.done)
+
+
+def words(done: Done) -> str:
+    """What was found, in one line."""
+    if done.result is None:
+        return done.trouble
+    count = len(done.result.contours)
+    found = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
+    told = tr("{found}, {steps} steps").format(found=found, steps=done.result.steps)
+    return told if done.dice is None else tr("{told}, Dice {dice:.3f}").format(told=told, dice=done.dice)
