@@ -75,7 +75,8 @@ class Plan:
 
     def caption(self, tile: Tile) -> str:
         """The values of a tile in words."""
-        return f"{self.down.control.symbol} = {tile.down:g}, {self.across.control.symbol} = {tile.across:g}"
+        down, across = self.down.control.symbol, self.across.control.symbol
+        return f"{down} = {tile.down:.4g}, {across} = {tile.across:.4g}"
 
 
 def plan(parameters: Parameters, down: Axis, across: Axis) -> Plan:
@@ -129,11 +130,12 @@ def sensible_values(control: Control, parameters: Parameters, contrast: float, c
     middle = float(present) if isinstance(present, int | float) else 0.5 * (low + high)
     middle = min(max(middle, low), high)
     apart = max(step, _rounded(_SPREAD * (high - low) / (count - 1), step))
-    first = middle - apart * ((count - 1) // 2)
-    first += max(0, math.ceil((low - first) / apart - 1e-9)) * apart
-    first -= max(0, math.ceil((first + (count - 1) * apart - high) / apart - 1e-9)) * apart
-    values = (round(first + index * apart, 9) for index in range(count))
-    return tuple(value for value in values if low - 1e-9 <= value <= high + 1e-9)
+    before = min((count - 1) // 2, math.floor((middle - low) / apart + 1e-9))
+    behind = min(count - 1 - before, math.floor((high - middle) / apart + 1e-9))
+    before = min(count - 1 - behind, math.floor((middle - low) / apart + 1e-9))
+    others = (_rounded(middle + index * apart, step) for index in range(-before, behind + 1) if index)
+    within = {round(min(max(value, low), high), 9) for value in others}
+    return tuple(sorted(within | {middle}))
 
 
 def read_values(control: Control, text: str) -> tuple[float, ...]:

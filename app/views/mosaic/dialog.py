@@ -80,6 +80,7 @@ class MosaicDialog(QDialog):
         self._connect()
         self._suggest()
         self._show_progress()
+        self.resize(self.sizeHint())
 
     def sizeHint(self) -> QSize:
         """Room for five by five tiles, unless the screen is small."""
@@ -173,8 +174,9 @@ class MosaicDialog(QDialog):
             return
         self._plan = laid
         self._clear()
+        lines = 2 if self._session.curation.truth.truth is None else 3
         for tile in laid.tiles:
-            view = self.tiles[tile.row, tile.col] = TileView(tile, laid.caption(tile), self._picture)
+            view = self.tiles[tile.row, tile.col] = TileView(tile, laid.caption(tile), self._picture, lines)
             view.picked.connect(self._pick)
             view.enlarged.connect(self._enlarge)
             self._grid.addWidget(view, tile.row, tile.col)

@@ -36,7 +36,7 @@ class EnlargedTile(QDialog):
         self.take = buttons.addButton(tr("Take these values"), QDialogButtonBox.ButtonRole.AcceptRole)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
-        about = QLabel(f"<b>{caption}</b> · {words(done)}")
+        about = QLabel(f"<b>{caption}</b> · {words(done).replace(chr(10), ', ')}")
         layout = QVBoxLayout(self)
         layout.addWidget(_Canvas(done, picture), 1)
         layout.addWidget(about)

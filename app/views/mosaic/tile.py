@@ -2,8 +2,18 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QResizeEvent
+from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import (
+    QFont,
+    QFontMetrics,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QPen,
+    QResizeEvent,
+)
 from PySide6.QtWidgets import QSizePolicy, QToolButton, QWidget
 
 from app.model.language import tr
@@ -27,6 +37,8 @@ class TileView(QWidget):
         Its values in words.
     picture : Picture
         The image.
+    lines : int
+        Lines of text that there is to be room for.
     """
 
     picked = Signal(object)
@@ -34,13 +46,14 @@ class TileView(QWidget):
     enlarged = Signal(object)
     """The user wants to see it larger: Done."""
 
-    def __init__(self, tile: Tile, caption: str, picture: Picture) -> None:
+    def __init__(self, tile: Tile, caption: str, picture: Picture, lines: int = 2) -> None:
         super().__init__()
         self.tile = tile
         self.caption = caption
         self.done: Done | None = None
         self.state = tr("waiting")
         self._picture = picture
+        self._lines = lines
         self._chosen = False
         self._over = False
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -64,7 +77,8 @@ class TileView(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         """No smaller than its words."""
-        widest = max(self.fontMetrics().horizontalAdvance(text) for text in (self.caption, "00 contours, 0000 steps"))
+        texts = (f"✓ {self.caption}", tr("{found}, {steps} steps").format(found="000 contours", steps="0000"))
+        widest = max(map(QFontMetrics(self._bold()).horizontalAdvance, texts))
         return QSize(max(110, widest + 16), 120)
 
     def begin(self) -> None:
@@ -142,7 +156,7 @@ class TileView(QWidget):
         painter.setPen(QPen(palette.color(role.Highlight if marked else role.Mid), width))
         painter.setBrush(palette.color(role.Base))
         painter.drawRoundedRect(rim, _ROUND, _ROUND)
-        lines = 2 * self.fontMetrics().height() + 4
+        lines = self._lines * self.fontMetrics().height() + 4
         room = rim.adjusted(_RIM, _RIM, -_RIM, -_RIM - lines)
         result = self.done.result if self.done else None
         self._picture.draw(painter, room, result.contours if result else (), pale=result is None)
@@ -152,22 +166,21 @@ class TileView(QWidget):
     # Inside
 
     def _write(self, painter: QPainter, room: QRectF) -> None:
-        palette, metrics = self.palette(), self.fontMetrics()
-        half = room.height() / 2
         caption = f"✓ {self.caption}" if self._chosen else self.caption
-        bold = painter.font()
-        bold.setBold(True)
-        for index, (text, font, colour) in enumerate(
-            (
-                (caption, bold, palette.color(QPalette.ColorRole.Text)),
-                (self.state, self.font(), QColor(palette.color(QPalette.ColorRole.PlaceholderText))),
-            )
-        ):
+        height = self.fontMetrics().height()
+        for index, text in enumerate((caption, *self.state.splitlines())):
+            role = QPalette.ColorRole.PlaceholderText if index else QPalette.ColorRole.Text
+            font = self.font() if index else self._bold()
             painter.setFont(font)
-            painter.setPen(colour)
-            line = QRectF(QPointF(room.left(), room.top() + index * half), QSize(int(room.width()), int(half)))
-            shown = metrics.elidedText(text, Qt.TextElideMode.ElideRight, int(room.width()))
+            painter.setPen(self.palette().color(role))
+            line = QRectF(room.left(), room.top() + index * height, room.width(), height)
+            shown = QFontMetrics(font).elidedText(text, Qt.TextElideMode.ElideRight, int(room.width()))
             painter.drawText(line, Qt.AlignmentFlag.AlignCenter, shown)
+
+    def _bold(self) -> QFont:
+        font = QFont(self.font())
+        font.setBold(True)
+        return font
 
     def _pick(self) -> None:
         self.picked.emit(self.tile)
@@ -178,10 +191,10 @@ class TileView(QWidget):
 
 
 def words(done: Done) -> str:
-    """What was found, in one line."""
+    """What was found, and in a second line how well it agrees with the truth where there is one."""
     if done.result is None:
         return done.trouble
     count = len(done.result.contours)
     found = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
     told = tr("{found}, {steps} steps").format(found=found, steps=done.result.steps)
-    return told if done.dice is None else tr("{told}, Dice {dice:.3f}").format(told=told, dice=done.dice)
+    return told if done.dice is None else "\n".join((told, tr("Dice {dice:.4f}").format(dice=done.dice)))
