@@ -62,6 +62,19 @@ class Curation(QObject):
     ----------
     session : Session
         Where contours come from and marks are kept.
+
+    Attributes
+    ----------
+    items : tuple of Item
+        The contours, longest first.
+    selected : frozenset of int
+        Keys of those selected.
+    hovered : int or None
+        Key of the one that the pointer is over.
+    rejected_seen : bool
+        Whether those rejected are shown, and can be picked.
+    truth : GroundTruth
+        What they are compared with.
     """
 
     changed = Signal()
@@ -76,6 +89,7 @@ class Curation(QObject):
         self.items: tuple[Item, ...] = ()
         self.selected: frozenset[int] = frozenset()
         self.hovered: int | None = None
+        self.rejected_seen = True
         self._session = session
         self._survey: Survey | None = None
         self._marks: tuple[Mark, ...] = ()
@@ -103,9 +117,9 @@ class Curation(QObject):
         """What is selected."""
         return tuple(item for item in self.items if item.key in self.selected)
 
-    def under(self, place: Position, reach: float, rejected: bool = True) -> int | None:
-        """Key of the contour nearest to a place (row, col) within `reach` [px]; of those rejected only if asked for."""
-        items = [item for item in self.items if rejected or not item.curated.rejected]
+    def under(self, place: Position, reach: float) -> int | None:
+        """Key of the contour nearest to a place (row, col) within `reach` [px], as far as it is seen."""
+        items = [item for item in self.items if self.rejected_seen or not item.curated.rejected]
         near = passing([item.contour for item in items], place, reach)
         return items[near[0][0]].key if near else None
 

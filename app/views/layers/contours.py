@@ -83,7 +83,7 @@ class ContourLayer(Layer):
     def set_show_rejected(self, shown: bool) -> None:
         """Show what has been rejected, or hide it."""
         if shown != self.show_rejected:
-            self.show_rejected = shown
+            self.show_rejected = self._curation.rejected_seen = shown
             self._show()
             self.changed.emit()
 

@@ -32,13 +32,6 @@ from app.views.mosaic.enlarged import EnlargedTile
 from app.views.mosaic.picture import Picture
 from app.views.mosaic.tile import TileView
 
-_ARROWS = {
-    Qt.Key.Key_Up: (-1, 0),
-    Qt.Key.Key_Down: (1, 0),
-    Qt.Key.Key_Left: (0, -1),
-    Qt.Key.Key_Right: (0, 1),
-}
-
 
 class MosaicDialog(QDialog):
     """Runs the image with some values of two parameters, and takes over those of the tile that is picked.
@@ -94,17 +87,9 @@ class MosaicDialog(QDialog):
         super().closeEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Arrow keys go from tile to tile; Esc closes."""
-        focused = self.focusWidget()
-        if isinstance(focused, TileView) and (move := _ARROWS.get(Qt.Key(event.key()))):
-            tile = focused.tile
-            neighbour = self.tiles.get((tile.row + move[0], tile.col + move[1]))
-            if neighbour is not None:
-                neighbour.setFocus()
-        elif event.key() == Qt.Key.Key_Escape:
+        """Esc closes."""
+        if event.key() == Qt.Key.Key_Escape:
             self.close()
-        elif isinstance(focused, TileView):
-            event.ignore()
         else:
             super().keyPressEvent(event)
 
@@ -179,6 +164,7 @@ class MosaicDialog(QDialog):
             view = self.tiles[tile.row, tile.col] = TileView(tile, laid.caption(tile), self._picture, lines)
             view.picked.connect(self._pick)
             view.enlarged.connect(self._enlarge)
+            view.left.connect(self._go_to)
             self._grid.addWidget(view, tile.row, tile.col)
         self._mark()
         self.tiles[0, 0].setFocus()
@@ -221,6 +207,10 @@ class MosaicDialog(QDialog):
                 tr("take {values}").format(values=caption), lambda document: pick(document, chosen, tile)
             )
             self._say(tr("{values} are set now; Undo (Ctrl+Z in the window) takes it back.").format(values=caption))
+
+    def _go_to(self, row: int, col: int) -> None:
+        if (row, col) in self.tiles:
+            self.tiles[row, col].setFocus()
 
     def _enlarge(self, done: Done) -> None:
         if self._plan is not None:

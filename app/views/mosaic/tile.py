@@ -22,6 +22,12 @@ from app.session.sweep import Done
 from app.views.mosaic.picture import Picture
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_ARROWS = {
+    Qt.Key.Key_Up: (-1, 0),
+    Qt.Key.Key_Down: (1, 0),
+    Qt.Key.Key_Left: (0, -1),
+    Qt.Key.Key_Right: (0, 1),
+}
 _RIM = 6.0
 _ROUND = 5.0
 
@@ -45,6 +51,9 @@ class TileView(QWidget):
     """The user wants its parameters: Tile."""
     enlarged = Signal(object)
     """The user wants to see it larger: Done."""
+
+    left = Signal(int, int)
+    """The user goes on to another tile: row and column of it."""
 
     def __init__(self, tile: Tile, caption: str, picture: Picture, lines: int = 2) -> None:
         super().__init__()
@@ -120,11 +129,13 @@ class TileView(QWidget):
             self._pick()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Enter picks, Space enlarges."""
+        """Enter picks, Space enlarges, arrow keys go on."""
         if event.key() in _ENTER:
             self._pick()
         elif event.key() == Qt.Key.Key_Space:
             self._enlarge()
+        elif move := _ARROWS.get(Qt.Key(event.key())):
+            self.left.emit(self.tile.row + move[0], self.tile.col + move[1])
         else:
             super().keyPressEvent(event)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, QSortFilterProxyModel, Qt
+from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, QSortFilterProxyModel, Qt
 from PySide6.QtGui import QColor, QFont, QGuiApplication, QPalette
 
 from app.session.curation import Curation, Item
@@ -31,10 +31,12 @@ class ContourModel(QAbstractTableModel):
     ----------
     curation : Curation
         Where contours come from and names go to.
+    parent : QObject
+        The view, which it is not to outlive.
     """
 
-    def __init__(self, curation: Curation) -> None:
-        super().__init__(curation)
+    def __init__(self, curation: Curation, parent: QObject) -> None:
+        super().__init__(parent)
         self._curation = curation
         self._items: list[Item] = []
         self._rows: dict[int, int] = {}
@@ -151,8 +153,8 @@ class ContourModel(QAbstractTableModel):
 class Sorted(QSortFilterProxyModel):
     """The same rows in the order of a column; equal ones by their number."""
 
-    def __init__(self, model: ContourModel) -> None:
-        super().__init__(model)
+    def __init__(self, model: ContourModel, parent: QObject) -> None:
+        super().__init__(parent)
         self.setSourceModel(model)
         self.setSortRole(VALUE)
         self.setDynamicSortFilter(True)

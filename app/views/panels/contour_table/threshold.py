@@ -108,7 +108,9 @@ class Threshold(QWidget):
         known, below, before = self._known
         now = np.asarray(values, dtype=float)
         if moment is not None and moment == known and below < self._value:
-            now = np.concatenate([now, before[before < self._value]])
+            # What the newest threshold leaves out may still be there: contours follow a moment later.
+            left_out = (before < self._value) & ~np.isin(before, now)
+            now = np.concatenate([now, before[left_out]])
             self._known = (moment, below, np.sort(now))
         else:
             self._known = (moment, self._value, np.sort(now))

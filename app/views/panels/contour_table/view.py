@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIndex, Qt
+from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIndex, QPersistentModelIndex, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableView
+from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
 
 from app.model.language import tr
 from app.session.curation import Curation
@@ -14,6 +14,15 @@ from app.views.panels.contour_table.model import ContourModel, Sorted
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _PAD = 18
+
+
+class NameDelegate(QStyledItemDelegate):
+    """Lets a name be written while reconstructions change what stands around it."""
+
+    def setEditorData(self, editor: QWidget, index: QModelIndex | QPersistentModelIndex) -> None:
+        """Begin with the name there is; what has been written since is left alone."""
+        if not (isinstance(editor, QLineEdit) and editor.isModified()):
+            super().setEditorData(editor, index)
 
 
 class ContourTable(QTableView):
@@ -29,9 +38,10 @@ class ContourTable(QTableView):
         super().__init__()
         self._curation = curation
         self._showing = False
-        self._rows = ContourModel(curation)
-        self._sorted = Sorted(self._rows)
+        self._rows = ContourModel(curation, self)
+        self._sorted = Sorted(self._rows, self)
         self.setModel(self._sorted)
+        self.setItemDelegate(NameDelegate(self))
         self.setAccessibleName(tr("Contours"))
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
@@ -104,7 +114,7 @@ class ContourTable(QTableView):
         return self._rows.key(self._sorted.mapToSource(index).row())
 
     def _name(self, row: int) -> None:
-        if row >= 0:
+        if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
             self.edit(self._sorted.index(row, NAME))
 
     def _show(self) -> None:

@@ -1,0 +1,325 @@
+"""The table of contours and the canvas: one selection, and what is said in one is seen in the other and in files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtWidgets import QLineEdit, QMenu
+
+from app.model import edits
+from app.session.survey import Surveyor
+from app.views.main_window import MainWindow
+from app.views.panels.contour_table.columns import COLUMNS, NAME
+from app.views.panels.contour_table.view import ContourTable
+from app.views.parts.contours import ContoursPart
+from cpm_core.shapes import Circle
+from tests.app.conftest import Hand
+
+KEY = Qt.Key
+SHIFT = Qt.KeyboardModifier.ShiftModifier
+LEFT = Qt.MouseButton.LeftButton
+
+OUTER, INNER, SINGLE, WEAK = (48.0, 68.0), (48.0, 52.0), (28.0, 114.0), (76.0, 110.0)
+"""Places on the four contours: a disc in a disc, and two others, the last of which is weak."""
+
+DISCS = ((48, 40, 28, 90.0), (48, 40, 12, 90.0), (28, 100, 14, 180.0), (76, 100, 10, 60.0))
+
+
+@pytest.fixture
+def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
+    """A window in which four contours have been found and their table is open."""
+    row, col = np.indices((96, 128))
+    values = np.full(row.shape, 20.0)
+    for at_row, at_col, radius, rise in DISCS:
+        values += np.where(np.hypot(row - at_row, col - at_col) < radius, rise, 0.0)
+    path = tmp_path / "discs.npy"
+    np.save(path, values)
+    session = window.session
+    session.open(path)
+    hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
+    for at_row, at_col, radius, _ in DISCS:
+        circle = Circle((float(at_row), float(at_col)), 0.75 * radius)
+        session.edit("draw", lambda document, circle=circle: edits.add_shape(document, circle))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    window.docks["contours"].show()
+    window.docks["contours"].raise_()
+    assert len(session.curation.items) == 4
+    return window
+
+
+@pytest.fixture
+def table(found: MainWindow) -> ContourTable:
+    return found.panels["contours"].table
+
+
+def cell(table: ContourTable, row: int, column: str) -> QRect:
+    number = next(index for index, one in enumerate(COLUMNS) if one.name == column)
+    table.scrollTo(table.model().index(row, number))
+    return table.visualRect(table.model().index(row, number))
+
+
+def click_row(hand: Hand, table: ContourTable, row: int, modifier=Qt.KeyboardModifier.NoModifier) -> None:
+    hand.qtbot.mouseClick(table.viewport(), LEFT, modifier, cell(table, row, "name").center())
+
+
+def click_heading(hand: Hand, table: ContourTable, column: str) -> None:
+    number = next(index for index, one in enumerate(COLUMNS) if one.name == column)
+    header = table.horizontalHeader()
+    table.scrollTo(table.model().index(0, number))
+    at = QPoint(header.sectionViewportPosition(number) + header.sectionSize(number) // 2, header.height() // 2)
+    hand.qtbot.mouseClick(header.viewport(), LEFT, pos=at)
+
+
+def pick(hand: Hand, place: tuple[float, float], modifier=Qt.KeyboardModifier.NoModifier) -> None:
+    """Click on a contour with the contour tool."""
+    hand.qtbot.mousePress(hand.canvas.viewport(), LEFT, modifier, hand.at(*place))
+    hand.qtbot.mouseRelease(hand.canvas.viewport(), LEFT, modifier, hand.at(*place))
+
+
+def exported(hand: Hand, window: MainWindow, tmp_path: Path) -> list[dict]:
+    """The contours of a file written now."""
+    path = tmp_path / "out.json"
+    path.unlink(missing_ok=True)
+    window.session.export(path)
+    hand.wait(path.exists)
+    hand.wait(lambda: window.session.idle)
+    return json.loads(path.read_text(encoding="utf-8"))["contours"]
+
+
+def test_the_table_tells_of_each_contour_what_is_drawn(found, table) -> None:
+    assert table.column("kind") == ["closed"] * 4
+    radii = [28.0, 14.0, 12.0, 10.0]
+    for length, radius in zip(table.column("length"), radii, strict=True):
+        assert float(length) == pytest.approx(2 * np.pi * radius, rel=0.05)
+    for area, radius in zip(table.column("area"), radii, strict=True):
+        assert float(area.replace(",", "")) == pytest.approx(np.pi * radius**2, rel=0.07)
+    assert table.column("inside") == ["–", "–", "1", "–"]
+    assert "4 closed, 0 open" in found.panels["contours"].summary.text()
+
+
+def test_a_click_on_a_heading_sorts_by_it_and_another_the_other_way_round(found, table, hand) -> None:
+    click_heading(hand, table, "strength")
+    strengths = list(map(float, table.column("strength")))
+    assert strengths == sorted(strengths)
+    assert table.column("number")[0] == "4"
+    click_heading(hand, table, "strength")
+    assert list(map(float, table.column("strength"))) == sorted(strengths, reverse=True)
+
+
+def test_what_is_selected_in_the_table_is_selected_on_the_canvas_and_the_other_way_round(found, table, hand) -> None:
+    curation, layer = found.session.curation, hand.canvas.layers.contours
+    click_row(hand, table, 0)
+    assert [item.measures.number for item in curation.chosen] == [1]
+    assert layer._chosen.count == 1
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_V)
+    pick(hand, SINGLE)
+    assert [index.row() for index in table.selectionModel().selectedRows()] == [1]
+    pick(hand, INNER, SHIFT)
+    assert sorted(index.row() for index in table.selectionModel().selectedRows()) == [1, 2]
+    assert layer._chosen.count == 2
+    pick(hand, SINGLE, SHIFT)
+    assert [index.row() for index in table.selectionModel().selectedRows()] == [2]
+    pick(hand, (5.0, 5.0))
+    assert not curation.selected
+    assert not table.selectionModel().hasSelection()
+
+
+def test_the_contour_under_the_pointer_is_highlighted(found, hand) -> None:
+    hand.key(KEY.Key_V)
+    hand.move(40.0, 80.0)
+    hand.move(*SINGLE)
+    assert found.session.curation[found.session.curation.hovered].measures.number == 2
+    assert hand.canvas.layers.contours._hovered.count == 1
+    assert hand.canvas.viewport().cursor().shape() == Qt.CursorShape.PointingHandCursor
+    hand.move(5.0, 5.0)
+    assert hand.canvas.layers.contours._hovered.count == 0
+
+
+@pytest.mark.parametrize("key", [KEY.Key_X, KEY.Key_Delete])
+def test_a_contour_rejected_on_the_canvas_is_marked_in_its_row_and_missing_in_the_file(
+    found, table, hand, tmp_path, key
+) -> None:
+    hand.key(KEY.Key_V)
+    pick(hand, SINGLE)
+    hand.key(key)
+    assert table.column("verdict") == ["–", "✗ rejected", "–", "–"]
+    assert hand.canvas.layers.contours.counts == (3, 0)
+    assert hand.canvas.layers.contours.rejected == 1
+    assert len(exported(hand, found, tmp_path)) == 3
+    assert found.actions_by_name["undo"].text().startswith("Undo reject")
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert table.column("verdict") == ["–"] * 4
+    assert len(exported(hand, found, tmp_path)) == 4
+
+
+def test_the_same_key_once_more_takes_a_verdict_back(found, table, hand) -> None:
+    click_row(hand, table, 0)
+    hand.key(KEY.Key_K)
+    assert table.column("verdict")[0] == "✓ kept"
+    hand.key(KEY.Key_X)
+    assert table.column("verdict")[0] == "✗ rejected"
+    hand.key(KEY.Key_X)
+    assert table.column("verdict")[0] == "–"
+    assert found.session.document.marks == ()
+
+
+def test_several_rows_are_judged_at_once_and_undone_at_once(found, table, hand) -> None:
+    click_row(hand, table, 0)
+    click_row(hand, table, 2, SHIFT)
+    hand.qtbot.mouseClick(found.panels["contours"].buttons["reject"], LEFT)
+    assert table.column("verdict") == ["✗ rejected"] * 3 + ["–"]
+    assert "3 rejected" in found.panels["contours"].summary.text()
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert table.column("verdict") == ["–"] * 4
+
+
+def test_a_double_click_names_a_contour_and_the_name_is_exported(found, table, hand, tmp_path) -> None:
+    at = cell(table, 1, "name").center()
+    hand.qtbot.mouseClick(table.viewport(), LEFT, pos=at)
+    hand.qtbot.mouseDClick(table.viewport(), LEFT, pos=at)
+    editor = table.viewport().findChild(QLineEdit) or table.findChild(QLineEdit)
+    assert editor is not None
+    hand.qtbot.keyClicks(editor, "xenon")  # the first letter is a key of the window as well
+    hand.qtbot.keyClick(editor, KEY.Key_Return)
+    hand.wait(lambda: table.column("name")[1] == "xenon")
+    assert table.column("verdict")[1] == "–"
+    assert [text for _, text, _ in hand.canvas.layers.contours._names.texts] == ["xenon"]
+    assert "xenon" in [contour["name"] for contour in exported(hand, found, tmp_path)]
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert table.column("name")[1] == ""
+
+
+def test_enter_names_a_contour_on_the_canvas_and_escape_does_not(found, table, hand) -> None:
+    field = found.part(ContoursPart).name_field
+    hand.key(KEY.Key_V)
+    pick(hand, SINGLE)
+    hand.key(KEY.Key_Return)
+    hand.wait(field.isVisible)
+    hand.qtbot.keyClicks(field, "not this")
+    hand.qtbot.keyClick(field, KEY.Key_Escape)
+    assert not field.isVisible()
+    assert found.session.document.marks == ()
+    hand.key(KEY.Key_Return)
+    hand.qtbot.keyClicks(field, "aorta")
+    hand.qtbot.keyClick(field, KEY.Key_Return)
+    assert not field.isVisible()
+    assert table.column("name")[1] == "aorta"
+
+
+def test_a_colour_is_chosen_from_the_menu_drawn_and_exported(found, table, hand, tmp_path) -> None:
+    click_row(hand, table, 0)
+    menu = QMenu()
+    found.part(ContoursPart)._fill_colours(menu)
+    assert menu.actions()[0].text() == "Orange"
+    menu.actions()[0].trigger()
+    layer = hand.canvas.layers.contours
+    assert {colour: curves.count for colour, curves in layer._own.items()} == {"#e69f00": 1}
+    assert layer._curves[True].count == 3
+    assert "#e69f00" in [contour["colour"] for contour in exported(hand, found, tmp_path)]
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert layer._curves[True].count == 4
+
+
+def test_rejected_contours_are_hidden_by_the_menu_and_then_out_of_reach(found, hand) -> None:
+    hand.key(KEY.Key_V)
+    pick(hand, SINGLE)
+    hand.key(KEY.Key_X)
+    found.actions_by_name["show_rejected"].trigger()
+    layer = hand.canvas.layers.contours
+    assert (layer.rejected, layer.view_state()["rejected"]) == (0, False)
+    pick(hand, SINGLE)
+    assert not found.session.curation.selected
+    found.actions_by_name["show_rejected"].trigger()
+    assert layer.rejected == 1
+    pick(hand, SINGLE)
+    assert len(found.session.curation.selected) == 1
+
+
+@pytest.mark.parametrize("name", ["min_strength", "min_length"])
+def test_a_slider_leaves_out_the_least_at_once_and_is_undone_in_one_step(found, table, hand, name) -> None:
+    threshold = found.panels["contours"].thresholds[name]
+    threshold.slider.setFocus()
+    for _ in range(100):
+        hand.qtbot.keyClick(threshold.slider, KEY.Key_Right)
+        hand.wait(lambda: found.session.idle)
+        if len(table.column("number")) == 3:
+            break
+        for _ in range(4):
+            hand.qtbot.keyClick(threshold.slider, KEY.Key_Right)
+    assert len(table.column("number")) == 3
+    assert all(float(length) > 2 * np.pi * 11 for length in table.column("length")), "the weakest is the shortest, too"
+    assert threshold.histogram._counts.sum() == 4, "what has been left out is still seen in the histogram"
+    assert getattr(found.session.document.parameters, name) > 0.0
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    hand.wait(lambda: len(table.column("number")) == 4)
+    assert getattr(found.session.document.parameters, name) == 0.0
+
+
+def test_selection_order_and_a_name_being_written_outlast_a_reconstruction(found, table, hand) -> None:
+    click_heading(hand, table, "strength")
+    click_row(hand, table, 2)
+    chosen = table.column("number")[2]
+    hand.qtbot.keyClick(table, KEY.Key_F2)
+    editor = table.findChild(QLineEdit)
+    assert editor is not None
+    hand.qtbot.keyClicks(editor, "half a na")
+    counted = []
+    found.session.curation.changed.connect(lambda: counted.append(1))
+    found.session.edit("x", lambda document: edits.set_parameter(document, "min_length", 65.0))
+    hand.wait(lambda: bool(counted) and found.session.idle)
+    assert len(table.column("number")) == 3, "the smallest is gone"
+    assert editor.text() == "half a na"
+    assert editor.isVisible()
+    strengths = list(map(float, table.column("strength")))
+    assert strengths == sorted(strengths)
+    assert [item.measures.number for item in found.session.curation.chosen] == [int(chosen)]
+    hand.qtbot.keyClick(editor, KEY.Key_Return)
+    hand.wait(lambda: found.session.curation.chosen[0].contour.name == "half a na")
+
+
+def test_marks_stay_with_their_contours_in_a_run_from_another_start(found, table, hand) -> None:
+    click_row(hand, table, 1)
+    hand.key(KEY.Key_X)
+    found.session.edit("more", lambda document: edits.add_shape(document, Circle((28.0, 100.0), 5.0)))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: found.session.status.phase == "finished" and not found.session.status.stale)
+    hand.wait(lambda: found.session.idle)
+    rejected = [item for item in found.session.curation.items if item.curated.rejected]
+    assert len(rejected) == 1
+    assert np.hypot(*(rejected[0].contour.points.mean(axis=0) - (28, 100))) < 1.0
+
+
+def test_shift_n_goes_through_the_contours_longest_first(found, hand) -> None:
+    numbers = []
+    for _ in range(5):
+        hand.key(KEY.Key_N, SHIFT)
+        numbers.append(found.session.curation.chosen[0].measures.number)
+    assert numbers == [1, 2, 3, 4, 1]
+
+
+def test_nothing_is_offered_for_contours_where_none_is_selected(window, hand) -> None:
+    for name in ("keep", "reject", "name_contour"):
+        assert not window.actions_by_name[name].isEnabled()
+    assert not any(button.isEnabled() for button in window.panels["contours"].buttons.values())
+    assert window.panels["contours"].summary.text().startswith("No contours yet")
+
+
+def test_lengths_are_told_in_the_unit_of_the_image(found, table) -> None:
+    result = replace(found.session.curation.result, spacing=(0.5, 0.5), unit="mm")
+    found.session.curation._use_survey(Surveyor().survey(result, thorough=False))
+    header: Callable[[int], str] = lambda index: table.model().headerData(index, Qt.Orientation.Horizontal)  # noqa: E731
+    assert [header(index) for index in range(NAME + 3, NAME + 5)] == ["Length [mm]", "Area [mm²]"]
+    assert float(table.column("length")[0]) == pytest.approx(np.pi * 28.0, rel=0.05)

@@ -1,0 +1,36 @@
+"""Marks as edits of the document: pure, small, and gone when they say nothing."""
+
+from __future__ import annotations
+
+from app.model import marking
+from app.model.document import Document
+from app.model.marking import Target
+from cpm_core.curation import Mark
+
+HERE, THERE = (10.0, 12.0), (40.0, 41.0)
+
+
+def test_a_first_word_on_a_contour_puts_a_mark_on_it_and_later_ones_change_that_mark() -> None:
+    document = marking.judge(Document(), [Target(None, HERE)], "rejected")
+    assert document.marks == (Mark(HERE, "rejected"),)
+    named = marking.rename(document, [Target(document.marks[0], THERE)], " aorta ")
+    assert named.marks == (Mark(HERE, "rejected", "aorta"),)
+    assert marking.paint(named, [Target(named.marks[0], HERE)], "#e69f00").marks[0].colour == "#e69f00"
+    assert document.marks == (Mark(HERE, "rejected"),)
+
+
+def test_a_mark_that_says_nothing_any_more_is_gone() -> None:
+    document = marking.judge(Document(), [Target(None, HERE), Target(None, THERE)], "kept")
+    assert len(document.marks) == 2
+    document = marking.judge(document, [Target(document.marks[0], HERE)], "")
+    assert document.marks == (Mark(THERE, "kept"),)
+    assert marking.rename(Document(), [Target(None, HERE)], "  ") == Document()
+
+
+def test_everything_can_be_forgotten_at_once() -> None:
+    document = marking.judge(Document(), [Target(None, HERE), Target(None, THERE)], "kept")
+    assert marking.clear_marks(document) == Document()
+
+
+def test_marks_change_nothing_that_a_run_starts_from() -> None:
+    assert marking.judge(Document(), [Target(None, HERE)], "kept").recipe == Document().recipe
