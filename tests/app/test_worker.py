@@ -83,7 +83,7 @@ class FakeEngine:
         return following
 
     def result(self, state: FakeState, parameters: Parameters) -> SimpleNamespace:
-        return SimpleNamespace(contours=(), steps=state.step)
+        return SimpleNamespace(contours=(), steps=state.step, spacing=(1.0, 1.0))
 
 
 class Bench:

@@ -32,7 +32,7 @@ class AxisRow(QObject):
         self._controls = controls
         self._title = title
         self.choice = QComboBox()
-        self.choice.addItems([control.label for control in controls])
+        self.choice.addItems([f"{control.title}  {control.symbol}" for control in controls])
         self.choice.setCurrentIndex(next(i for i, control in enumerate(controls) if control.name == first))
         self.choice.setAccessibleName(title)
         self.values = QLineEdit()
