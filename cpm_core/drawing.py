@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cpm_core.charges import PlacedCharge
 from cpm_core.image import Image
 from cpm_core.regions import Regions
-from cpm_core.shapes import Barrier, Region, Shape, Start
+from cpm_core.shapes import Barrier, Charge, Region, Shape, Start
 from cpm_core.sowing import Sowable, Sower
 
 
@@ -29,8 +29,7 @@ def regions_of(shapes: Iterable[Shape]) -> Regions | None:
 
 def charges_of(shapes: Iterable[Shape]) -> tuple[PlacedCharge, ...]:
     """The charges placed."""
-    placed = (getattr(shape, "placed", None) for shape in shapes)
-    return tuple(charge for charge in placed if isinstance(charge, PlacedCharge))
+    return tuple(shape.placed for shape in shapes if isinstance(shape, Charge))
 
 
 def seeds_of(shapes: Iterable[Shape], image: Image, smoothing: float | str) -> NDArray[np.float64]:

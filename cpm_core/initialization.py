@@ -16,9 +16,11 @@ Array = NDArray[np.float64]
 
 _LEAST_ON_CIRCLE = 5
 
+STRONG = 0.10
+"""Fraction of the largest edge strength above which an edge counts as strong."""
+
 _LARGEST_RADIUS = 1e5
 """Radius beyond which a circle reaches out of any image that could be worked on [px]."""
-
 
 _LONGEST_STROKE = 1e6
 """Length beyond which a stroke is longer than a person could draw [px]."""
@@ -105,6 +107,33 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
     return np.stack([np.interp(places, reached, axis) for axis in corners.T], axis=1)
 
 
+def loop(points: ArrayLike, spacing: float = 2.0) -> Array:
+    """Particles evenly along a path that ends where it begins.
+
+    Parameters
+    ----------
+    points : array_like, shape (K, 2)
+        Corners, in order [px]; the last is joined to the first.
+    spacing : float
+        Distance from particle to particle along the path [px]; stretched or shrunk so that it comes out even.
+
+    Returns
+    -------
+    ndarray, shape (N, 2)
+        Positions (row, col), none of them twice.
+
+    Raises
+    ------
+    ValueError
+        As `stroke` does.
+    """
+    corners = np.asarray(points, dtype=float)
+    if corners.ndim != 2 or 0 in corners.shape:
+        return stroke(corners, spacing)
+    along = stroke(np.concatenate([corners, corners[:1]]), spacing)
+    return along[:-1] if len(along) > 1 else along
+
+
 def uniform_grid(shape: tuple[int, ...], spacing: float = 8.0) -> Array:
     """Particles spread evenly over an image (section 5.2).
 
@@ -128,7 +157,7 @@ def uniform_grid(shape: tuple[int, ...], spacing: float = 8.0) -> Array:
     return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
 
 
-def gradient_threshold(values: ArrayLike, fraction: float = 0.10, smoothing: float = 1.0) -> Array:
+def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: float = 1.0) -> Array:
     r"""Particles on every pixel whose edge strength is above a fraction of the largest (section 5.2).
 
     Parameters
@@ -147,8 +176,12 @@ def gradient_threshold(values: ArrayLike, fraction: float = 0.10, smoothing: flo
     """
     if not 0.0 <= fraction <= 1.0:
         raise ValueError(f"fraction is {fraction:g} but must be from 0 to 1.")
-    f = edge_map(values, smoothing)
-    return np.argwhere(f > fraction * f.max()).astype(float)
+    return above(edge_map(values, smoothing), fraction)
+
+
+def above(strength: Array, fraction: float) -> Array:
+    """Pixels, shape (N, D), whose edge strength is above a fraction of the largest there is."""
+    return np.argwhere(strength > fraction * strength.max()).astype(float)
 
 
 def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:

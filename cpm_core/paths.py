@@ -43,6 +43,26 @@ def distance(path: Sequence[Position], position: Position) -> float:
     return float(_off(np.array(position), corners[:-1], corners[1:]).min())
 
 
+def distances(path: Sequence[Position], positions: Array) -> Array:
+    """Distances of positions, shape (N, 2), from the nearest place on a path, shape (N,) [px]."""
+    corners = np.array(path, dtype=float)
+    nearest = np.hypot(*(positions - corners[0]).T)
+    for begin, end in pairwise(corners):
+        np.minimum(nearest, _off(positions, begin[None], end[None]), out=nearest)
+    return np.asarray(nearest)
+
+
+def inside(path: Sequence[Position], positions: Array) -> NDArray[np.bool_]:
+    """Which positions, shape (N, 2), a path winds around whose last corner is joined to its first, shape (N,)."""
+    row, col = np.asarray(positions, dtype=float).reshape(-1, 2).T
+    winding = np.zeros(len(row), np.int64)
+    for (row_0, col_0), (row_1, col_1) in pairwise((*path, path[0])):
+        side = (row_1 - row_0) * (col - col_0) - (row - row_0) * (col_1 - col_0)
+        winding += (row_0 <= row) & (row < row_1) & (side > 0.0)
+        winding -= (row_1 <= row) & (row < row_0) & (side < 0.0)
+    return np.asarray(winding != 0)
+
+
 def area(path: Sequence[Position]) -> float:
     """Area inside a path whose last corner is joined to its first [px²]."""
     row, col = np.array(path, dtype=float).T

@@ -8,14 +8,14 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.edge_map import automatic_smoothing
+from cpm_core.edge_map import automatic_smoothing, edge_map
 from cpm_core.image import Image
 from cpm_core.regions import Regions
-from cpm_core.shapes import Everywhere
+from cpm_core.shapes import Everywhere, Threshold
 
 Array = NDArray[np.float64]
 
-Sowable = Everywhere
+Sowable = Everywhere | Threshold
 """Starts whose positions depend on the image."""
 
 Sown = Mapping[Sowable, Array]
@@ -37,6 +37,7 @@ class Sower:
         self._image = image
         self._automatic: float | None = None
         self._kept: dict[Sowable, tuple[float, Array]] = {}
+        self._strength: tuple[float, Array] | None = None
 
     def sow(self, starts: Iterable[Sowable], smoothing: float | str, regions: Regions | None = None) -> Sown:
         """Positions for each of the starts, those in the regions of interest only.
@@ -51,14 +52,25 @@ class Sower:
             What limits the particles.
         """
         sigma = self._smoothing(smoothing)
-        return {start: _within(regions, self._positions(start, sigma)) for start in starts}
+        found = {start: self._positions(start, sigma) for start in starts}
+        # What is no longer drawn is not asked for again soon, but for the starts that have no place to be dragged from.
+        self._kept = {
+            start: kept for start, kept in self._kept.items() if start in found or isinstance(start, Everywhere)
+        }
+        return {start: _within(regions, positions) for start, positions in found.items()}
 
     def _positions(self, start: Sowable, smoothing: float) -> Array:
         key = smoothing if start.follows_smoothing else 0.0
         if start not in self._kept or self._kept[start][0] != key:
             # What was found with another smoothing is not asked for again soon.
-            self._kept[start] = (key, start.sow(self._image.values, smoothing))
+            self._kept[start] = (key, start.sow(self._image.values, lambda: self._edges(smoothing)))
         return self._kept[start][1]
+
+    def _edges(self, smoothing: float) -> Array:
+        """Edge strength of the image, kept because an area is dragged about with the same smoothing."""
+        if self._strength is None or self._strength[0] != smoothing:
+            self._strength = (smoothing, edge_map(self._image.values, smoothing))
+        return self._strength[1]
 
     def _smoothing(self, smoothing: float | str) -> float:
         if not isinstance(smoothing, str):

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.model.language import tr
+from cpm_core.charges import PlacedCharge
 from cpm_core.curation import Mark
+from cpm_core.drawing import charges_of, regions_of, starts_of
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.regions import Regions
-from cpm_core.shapes import Barrier, Limit, Region, Shape, Start
+from cpm_core.shapes import Points, Region, Shape, Start
 from cpm_core.sowing import NOWHERE, Sowable, Sown
 
 NOTHING_TO_START_FROM = tr(
@@ -50,7 +54,7 @@ class Document:
     image : ImageReference or None
         None until the first image is open.
     shapes : tuple of Shape
-        The initialization, and the regions of interest and barriers that limit it, in the order drawn.
+        The initialization, the regions of interest and barriers that limit it, and placed charges, in the order drawn.
     parameters : Parameters
         Parameters of the model.
     marks : tuple of Mark
@@ -65,7 +69,7 @@ class Document:
     @property
     def starts(self) -> tuple[Start, ...]:
         """The shapes that give particles; without one there is nothing to run."""
-        return tuple(shape for shape in self.shapes if not isinstance(shape, Limit))
+        return starts_of(self.shapes)
 
     @property
     def sowable(self) -> tuple[Sowable, ...]:
@@ -84,9 +88,7 @@ class Document:
     @property
     def regions(self) -> Regions | None:
         """What holds particles back; None when nothing of the kind is drawn."""
-        interest = tuple(shape.points for shape in self.shapes if isinstance(shape, Region))
-        barriers = tuple(shape.points for shape in self.shapes if isinstance(shape, Barrier))
-        return Regions(interest=interest, barriers=barriers) if interest or barriers else None
+        return regions_of(self.shapes)
 
     def seeds(self, sown: Sown = NOWHERE) -> NDArray[np.float64]:
         """Positions of the particles that the drawing gives, shape (N, 2), in px of the image.
@@ -106,7 +108,28 @@ class Document:
         return np.concatenate([sown[start] if isinstance(start, Sowable) else start.seeds() for start in self.starts])
 
     @property
+    def charges(self) -> tuple[PlacedCharge, ...]:
+        """The charges placed, as the engine takes them."""
+        return charges_of(self.shapes)
+
+    @property
+    def sources(self) -> Counter[Hashable]:
+        """What gives particles, and how often: each point by itself, every other start as a whole."""
+        found: Counter[Hashable] = Counter()
+        for start in self.starts:
+            found.update(start.positions if isinstance(start, Points) else (start,))
+        return found
+
+    @property
+    def late(self) -> tuple[object, ...]:
+        """Image and parameters that act only when a run starts."""
+        acting = (getattr(self.parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "run")
+        return (self.image, *acting)
+
+    @property
     def recipe(self) -> tuple[object, ...]:
-        """Everything that acts only when a run starts; a run with another recipe is out of date."""
-        late = tuple(getattr(self.parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "run")
-        return (self.image, self.shapes, late)
+        """Everything that acts only when a run starts; a run with another recipe is out of date.
+
+        Regions of interest, barriers and placed charges are no part of it: a run obeys them at once.
+        """
+        return (self.late, self.sources)

@@ -6,8 +6,9 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,12 +31,15 @@ from cpm_core.drawing import charges_of, regions_of, seeds_of, starts_of
 from cpm_core.formats import export, load_image, load_points
 from cpm_core.formats.session_file import SessionFile, find_image, load_session
 from cpm_core.image import Image
-from cpm_core.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
+from cpm_core.initialization import circle, stroke
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.regions import Regions
 from cpm_core.result import Result
 from cpm_core.segmentation import segment
-from cpm_core.shapes import Barrier, Region
+from cpm_core.shapes import Barrier, Everywhere, Kind, Region
+
+_AUTOMATIC: Mapping[str, Kind] = MappingProxyType({"grid": "grid", "gradient": "edges", "centers": "centers"})
+"""What the starts that need no drawing are called here, and elsewhere."""
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -53,7 +57,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     start.add_argument("--points", metavar="FILE.csv", action="append", default=[], help="points: row,col on each line")
     start.add_argument(
         "--auto",
-        choices=("grid", "gradient", "centers"),
+        choices=tuple(_AUTOMATIC),
         help="everywhere, on the strongest edges, or in the middle of what lies between edges",
     )
     place = parser.add_argument_group("place (each may be repeated)")
@@ -176,16 +180,7 @@ def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
 
 def _automatic(kind: str | None, image: Image, parameters: Parameters) -> list[NDArray[np.float64]]:
     """Particles that need no drawing."""
-    if kind == "grid":
-        return [uniform_grid(image.shape)]
-    if kind == "centers":
-        return [divergence_centers(image.values)]
-    if kind == "gradient":
-        sigma = parameters.smoothing
-        return [
-            gradient_threshold(image.values, smoothing=sigma) if sigma != "auto" else gradient_threshold(image.values)
-        ]
-    return []
+    return [seeds_of((Everywhere(_AUTOMATIC[kind]),), image, parameters.smoothing)] if kind else []
 
 
 def _tell_result(result: Result, seconds: float, written: Sequence[str], *, as_json: bool) -> None:

@@ -1,4 +1,4 @@
-"""The shapes that a person draws: starts, which give particles, and limits, which hold particles back.
+"""The shapes that a person draws: starts, which give particles; limits, which hold them back; and placed charges.
 
 Each is frozen, knows how it is moved, grown and led by its handles, and how far off a position lies; none knows of a
 window. A new one is a module of its own and a line in the unions below.
@@ -10,22 +10,42 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cpm_core.shapes.barrier import Barrier
+from cpm_core.shapes.charge import Charge
 from cpm_core.shapes.circle import SMALLEST_RADIUS, Circle
+from cpm_core.shapes.ellipse import Ellipse
 from cpm_core.shapes.everywhere import KINDS, Everywhere, Kind
+from cpm_core.shapes.grid import Grid
 from cpm_core.shapes.points import Points
+from cpm_core.shapes.polygon import Polygon
 from cpm_core.shapes.region import Region
 from cpm_core.shapes.stroke import Stroke
+from cpm_core.shapes.threshold import Threshold
 
-Start = Circle | Points | Stroke | Everywhere
+Start = Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere
 """Shapes that give particles."""
 
 Limit = Region | Barrier
 """Shapes that hold particles back."""
 
-Shape = Start | Limit
+Shape = Start | Limit | Charge
 
 SHAPES: Mapping[str, type[Shape]] = MappingProxyType(
-    {kind.__name__.lower(): kind for kind in (Circle, Points, Stroke, Everywhere, Region, Barrier)}
+    {
+        kind.__name__.lower(): kind
+        for kind in (
+            Circle,
+            Ellipse,
+            Polygon,
+            Stroke,
+            Points,
+            Grid,
+            Threshold,
+            Everywhere,
+            Region,
+            Barrier,
+            Charge,
+        )
+    }
 )
 """Shapes by the names under which files keep them."""
 
@@ -34,13 +54,18 @@ __all__ = [
     "SHAPES",
     "SMALLEST_RADIUS",
     "Barrier",
+    "Charge",
     "Circle",
+    "Ellipse",
     "Everywhere",
+    "Grid",
     "Kind",
     "Limit",
     "Points",
+    "Polygon",
     "Region",
     "Shape",
     "Start",
     "Stroke",
+    "Threshold",
 ]

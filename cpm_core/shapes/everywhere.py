@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, get_args
@@ -11,7 +11,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.initialization import divergence_centers, gradient_threshold, uniform_grid
+from cpm_core.initialization import STRONG, above, divergence_centers, uniform_grid
 from cpm_core.paths import Position
 
 Kind = Literal["grid", "edges", "centers"]
@@ -46,20 +46,20 @@ class Everywhere:
         """Whether its positions depend on the smoothing."""
         return self.kind == "edges"
 
-    def sow(self, values: NDArray[np.float64], smoothing: float) -> NDArray[np.float64]:
+    def sow(self, values: NDArray[np.float64], strength: Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
         """Positions of its particles on an image, shape (N, 2).
 
         Parameters
         ----------
         values : ndarray, shape (H, W)
             Grey values of the image.
-        smoothing : float
-            Gaussian before the gradient [px].
+        strength : callable
+            Gives the edge strength of the image, shape (H, W).
         """
         if self.kind == "grid":
             return uniform_grid(values.shape)
         if self.kind == "edges":
-            return gradient_threshold(values, smoothing=smoothing)
+            return above(strength(), STRONG)
         return divergence_centers(values)
 
     @property

@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from cpm_core import paths
-from cpm_core.paths import MOST_HANDLES, Position
+from cpm_core.paths import Position
+from cpm_core.shapes.area import Area
 
 
 @dataclass(frozen=True, slots=True)
-class Region:
+class Region(Area):
     """A region of interest, which particles do not leave.
 
     Attributes
@@ -26,31 +23,6 @@ class Region:
 
     points: tuple[Position, ...]
 
-    @property
-    def outline(self) -> NDArray[np.float64]:
-        """Its line for drawing, shape (K, 2), closed."""
-        return np.array((*self.points, self.points[0]))
-
-    def moved(self, by: Position) -> Region:
-        """The same region of interest displaced by (rows, cols)."""
-        return Region(paths.moved(self.points, by))
-
-    def grown(self, by: float) -> Region:
-        """Itself: its corners are what it is reshaped by."""
-        return self
-
-    def handles(self) -> tuple[Position, ...]:
-        """Its corners; there are none of one with so many that they would hide it."""
-        return self.points if len(self.points) <= MOST_HANDLES else ()
-
-    def led(self, handle: Position, to: Position) -> Region:
-        """The same region of interest with the corner next to a handle led to a position."""
-        return Region(paths.led(self.points, handle, to))
-
-    def distance(self, position: Position) -> float:
-        """Distance of a position from its line [px]."""
-        return paths.distance((*self.points, self.points[0]), position)
-
     def encloses(self, position: Position) -> bool:
-        """It is taken hold of by its line only."""
+        """It is taken hold of by its line only, for what is drawn lies within it."""
         return False

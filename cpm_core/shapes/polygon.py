@@ -1,0 +1,32 @@
+"""Particles along a line that ends where it begins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core import initialization
+from cpm_core.paths import Position
+from cpm_core.shapes.area import Area
+
+
+@dataclass(frozen=True, slots=True)
+class Polygon(Area):
+    """Particles along a line that ends where it begins.
+
+    Attributes
+    ----------
+    points : tuple of tuple of float
+        Corners (row, col) in px of the image, at least three; the last is joined to the first.
+    """
+
+    title: ClassVar[str] = "polygon"
+
+    points: tuple[Position, ...]
+
+    def seeds(self) -> NDArray[np.float64]:
+        """Positions of its particles, shape (N, 2)."""
+        return initialization.loop(self.points)

@@ -1,0 +1,226 @@
+"""Shapes: where their particles lie, how they are moved, grown and led, and how far off a position is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cpm_core import Image, gradient_threshold, paths
+from cpm_core.charges import STRONGEST
+from cpm_core.edge_map import automatic_smoothing, edge_map
+from cpm_core.shapes import SHAPES, Charge, Circle, Ellipse, Everywhere, Grid, Points, Polygon, Region, Threshold
+from cpm_core.sowing import Sowable, Sower
+
+coordinates = st.floats(-100, 200, allow_nan=False).map(lambda number: round(number, 3))
+positions = st.tuples(coordinates, coordinates)
+radii = st.floats(2, 80)
+ellipses = st.builds(Ellipse, positions, st.tuples(radii, radii), st.floats(-math.pi, math.pi))
+charges = st.builds(Charge, positions, st.floats(0.5, STRONGEST) | st.floats(-STRONGEST, -0.5))
+
+
+@st.composite
+def stars(draw) -> tuple[tuple[float, float], ...]:
+    """Corners all around a middle, at any distance from it."""
+    row, col = draw(positions)
+    reach = draw(st.lists(st.floats(5, 60), min_size=3, max_size=9))
+    angles = 2 * math.pi * np.arange(len(reach)) / len(reach)
+    return tuple((row + r * math.sin(a), col + r * math.cos(a)) for r, a in zip(reach, angles.tolist(), strict=True))
+
+
+polygons, grids = st.builds(Polygon, stars()), st.builds(Grid, stars(), st.floats(2, 20))
+thresholds = st.builds(Threshold, stars(), st.floats(0.05, 0.9))
+areas = polygons | grids | thresholds | st.builds(Region, stars())
+seeded = ellipses | polygons | grids
+
+
+def around(outline: np.ndarray) -> np.ndarray:
+    """Many places along a line."""
+    share = np.linspace(0.0, 1.0, 200)[:, None]
+    pairs = pairwise(outline)
+    return np.concatenate([begin + share * (end - begin) for begin, end in pairs])
+
+
+def wound_around(corners, position) -> bool:
+    """Whether the angles under which a position sees the sides add up to a turn at least."""
+    at = np.array([*corners, corners[0]]) - position
+    angle = np.unwrap(np.arctan2(at[:, 0], at[:, 1]))
+    return abs(angle[-1] - angle[0]) > math.pi
+
+
+@given(seeded | areas | charges, positions, positions)
+def test_a_moved_shape_is_as_far_from_a_moved_position(shape, by, position) -> None:
+    there = (position[0] + by[0], position[1] + by[1])
+    assert shape.moved(by).distance(there) == pytest.approx(shape.distance(position), abs=1e-6)
+    assert shape.moved(by).moved((-by[0], -by[1])).distance(position) == pytest.approx(shape.distance(position))
+
+
+@given(ellipses | polygons, positions)
+def test_particles_move_with_their_shape_and_lie_two_px_apart_along_its_line(shape, by) -> None:
+    seeds = shape.seeds()
+    np.testing.assert_allclose(shape.moved(by).seeds(), seeds + by, atol=1e-6)
+    line = shape.outline
+    assert paths.distances([tuple(p) for p in line.tolist()], seeds).max() < 1e-6
+    along = np.hypot(*np.diff(line, axis=0).T).sum()
+    count = max(1, round(along / 2.0))
+    assert len(seeds) == count
+    step = np.hypot(*(seeds - np.roll(seeds, 1, axis=0)).T)
+    assert step.max() <= along / count + 1e-6
+
+
+@given(ellipses | areas, positions)
+def test_the_distance_is_that_of_the_nearest_place_on_the_line(shape, position) -> None:
+    nearest = np.hypot(*(around(shape.outline) - position).T).min()
+    assert shape.distance(position) == pytest.approx(nearest, abs=0.05)
+
+
+@given(areas, positions)
+def test_an_area_holds_what_its_line_winds_around(shape, position) -> None:
+    if paths.distance((*shape.points, shape.points[0]), position) > 1e-6:
+        inside = wound_around(shape.points, position)
+        assert bool(paths.inside(shape.points, np.array([position]))[0]) == inside
+        assert shape.encloses(position) == (inside and not isinstance(shape, Region))
+
+
+@given(ellipses, positions)
+def test_an_ellipse_holds_what_lies_nearer_than_its_rim_on_the_same_ray(ellipse, position) -> None:
+    down, right = position[0] - ellipse.center[0], position[1] - ellipse.center[1]
+    away, turned = math.hypot(down, right), math.atan2(down, right) - ellipse.angle
+    first, second = ellipse.radii
+    rim = first * second / math.hypot(second * math.cos(turned), first * math.sin(turned))
+    if abs(away - rim) > 1e-6:
+        assert ellipse.encloses(position) == (away < rim)
+
+
+@given(ellipses, positions)
+def test_a_handle_of_an_ellipse_changes_one_radius_or_its_direction_alone(ellipse, to) -> None:
+    first, second, _, _, turning = ellipse.handles()
+    one, other = ellipse.led(first, to), ellipse.led(second, to)
+    assert (one.center, one.angle, one.radii[1]) == (ellipse.center, ellipse.angle, ellipse.radii[1])
+    assert (other.center, other.angle, other.radii[0]) == (ellipse.center, ellipse.angle, ellipse.radii[0])
+    turned = ellipse.led(turning, to)
+    assert (turned.center, turned.radii) == (ellipse.center, ellipse.radii)
+    if math.dist(ellipse.center, to) > 1e-3:
+        end = turned.handles()[0]
+        towards = [(to[i] - turned.center[i]) / math.dist(turned.center, to) for i in range(2)]
+        assert [(end[i] - turned.center[i]) / turned.radii[0] for i in range(2)] == pytest.approx(towards, abs=1e-6)
+
+
+@given(ellipses)
+def test_every_handle_led_where_it_lies_leaves_an_ellipse_as_it_is(ellipse) -> None:
+    for handle in ellipse.handles():
+        led = ellipse.led(handle, handle)
+        assert led.radii == pytest.approx(ellipse.radii)
+        assert math.cos(led.angle - ellipse.angle) == pytest.approx(1.0)
+
+
+@given(radii, positions)
+def test_an_ellipse_of_equal_radii_is_a_circle(radius, center) -> None:
+    circle, ellipse = Circle(center, radius), Ellipse(center, (radius, radius), 0.3)
+    assert ellipse.distance((center[0] + 2 * radius, center[1])) == pytest.approx(
+        circle.distance((center[0] + 2 * radius, center[1])), abs=1e-3 * radius
+    )
+    assert abs(len(ellipse.seeds()) - len(circle.seeds())) <= 1
+
+
+@given(polygons | st.builds(Region, stars()), st.floats(0.5, 5))
+def test_an_area_that_is_grown_holds_its_middle_and_reaches_farther_by_so_much(shape, by) -> None:
+    middle = np.mean(shape.points, axis=0)
+    farthest = max(math.dist(middle, point) for point in shape.points)
+    grown = shape.grown(by)
+    np.testing.assert_allclose(np.mean(grown.points, axis=0), middle, atol=1e-6)
+    assert max(math.dist(middle, point) for point in grown.points) == pytest.approx(farthest + by)
+    np.testing.assert_allclose(grown.grown(-by).points, shape.points, atol=1e-6)
+
+
+@given(grids)
+def test_the_particles_of_a_grid_lie_in_its_area_at_its_spacing_and_leave_no_room(grid) -> None:
+    seeds = grid.seeds()
+    if len(seeds) == 1:
+        return
+    assert paths.inside(grid.points, seeds).all()
+    off = (seeds - seeds[0]) / grid.spacing
+    np.testing.assert_allclose(off, np.round(off), atol=1e-6)
+    assert len(np.unique(np.round(off), axis=0)) == len(seeds)
+    low, high = np.min(grid.points, axis=0), np.max(grid.points, axis=0)
+    reach = np.ceil((high - low) / grid.spacing) + 1
+    steps = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in reach), indexing="ij"), axis=-1).reshape(-1, 2)
+    every = seeds[0] + grid.spacing * steps
+    well_inside = paths.inside(grid.points, every) & (paths.distances(grid.outline.tolist(), every) > 1e-6)
+    assert len(seeds) >= np.count_nonzero(well_inside)
+
+
+@given(charges, st.integers(-30, 30))
+def test_a_charge_keeps_its_sign_and_place_and_within_its_bounds_whatever_is_added(charge, steps) -> None:
+    grown = charge.grown(float(steps))
+    assert grown.position == charge.position
+    assert math.copysign(1, grown.strength) == math.copysign(1, charge.strength)
+    assert 0.5 <= abs(grown.strength) <= STRONGEST
+    assert grown.placed.strength == grown.strength
+
+
+@pytest.fixture(scope="module")
+def values() -> np.ndarray:
+    row, col = np.indices((60, 80))
+    strong = np.where(np.hypot(row - 30, col - 20) < 10, 200.0, 20.0)
+    return strong + np.where(np.hypot(row - 30, col - 60) < 10, 30.0, 0.0)
+
+
+def test_a_threshold_is_told_by_the_strongest_edge_of_its_own_area(values) -> None:
+    area = Threshold(((15.0, 42.0), (15.0, 78.0), (45.0, 78.0), (45.0, 42.0)), 0.5)
+    sown = Sower(Image(values)).sow((area,), 1.0)[area]
+    strength = edge_map(values, 1.0)
+    row, col = np.indices(values.shape)
+    within = (row >= 15) & (row < 45) & (col >= 42) & (col < 78)
+    expected = np.argwhere(within & (strength > 0.5 * strength[within].max()))
+    np.testing.assert_array_equal(np.unique(sown, axis=0), expected)
+    assert len(expected) > 20
+
+
+@given(st.floats(-20, 80), st.floats(-20, 100))
+def test_a_threshold_anywhere_gives_pixels_of_the_image_alone(values, row, col) -> None:
+    area = Threshold(((row, col), (row, col + 25.0), (row + 25.0, col)), 0.2)
+    sown = area.sow(values, lambda: edge_map(values, 1.0))
+    assert ((sown >= 0) & (sown < values.shape)).all()
+    assert paths.inside(area.points, sown).all()
+
+
+def test_dragging_an_area_about_asks_for_the_edges_once(values, monkeypatch) -> None:
+    asked = []
+    monkeypatch.setattr("cpm_core.sowing.edge_map", lambda *given: asked.append(given) or edge_map(*given))
+    sower = Sower(Image(values))
+    area = Threshold(((5.0, 5.0), (5.0, 40.0), (50.0, 40.0)))
+    for step in range(6):
+        sower.sow((area.moved((float(step), 0.0)), Everywhere("edges")), 1.5)
+    assert len(asked) == 1
+    sower.sow((area,), 2.0)
+    assert len(asked) == 2
+    assert len(sower._kept) == 2
+
+
+@pytest.mark.parametrize("smoothing", [0.0, 1.7, "auto"])
+def test_strong_edges_are_those_of_the_smoothing_in_use(values, smoothing) -> None:
+    noisy = values + np.random.default_rng(1).normal(0, 20, values.shape)
+    sigma = automatic_smoothing(noisy) if smoothing == "auto" else smoothing
+    sown = Sower(Image(noisy)).sow((Everywhere("edges"),), smoothing)[Everywhere("edges")]
+    np.testing.assert_array_equal(sown, gradient_threshold(noisy, smoothing=sigma))
+
+
+def test_every_shape_is_a_small_frozen_value_of_plain_numbers_under_a_name_of_its_own() -> None:
+    assert list(SHAPES) == [
+        "circle", "ellipse", "polygon", "stroke", "points", "grid", "threshold", "everywhere", "region", "barrier",
+        "charge",
+    ]  # fmt: skip
+    for kind in SHAPES.values():
+        assert fields(kind)
+        assert isinstance(kind.title, str | property)
+    corners = ((0.0, 0.0), (0.0, 9.0), (9.0, 9.0))
+    made = [Ellipse((1.0, 2.0), (3.0, 4.0)), Polygon(corners), Grid(corners), Threshold(corners), Charge((1.0, 2.0))]
+    assert len({hash(shape) for shape in made}) == len(made)
+    assert [isinstance(shape, Sowable) for shape in made] == [False, False, False, True, False]
+    assert Points(()).seeds().shape == (0, 2)
