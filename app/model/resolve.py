@@ -10,7 +10,7 @@ from app.model.language import tr
 from app.model.naming import describe
 from app.model.situation import Situation
 from app.model.status import RunStatus
-from cpm_core.shapes import Everywhere, Shape
+from cpm_core.shapes import Barrier, Charge, Everywhere, Grid, Points, Shape, Stroke, Threshold
 
 FULL_SPEED = "full speed"
 PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
@@ -100,22 +100,23 @@ def _state(document: Document, status: RunStatus) -> str:
 def _hint(document: Document, status: RunStatus, selected: int | None) -> str:
     if status.phase == "empty":
         return "Open an image (Ctrl+O) or drop one here."
+    shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
     if status.started:
-        return _hint_on_run(status)
+        return _hint_on_run(status) or (_what_a_charge_does(shape) if isinstance(shape, Charge) else "")
     if not document.shapes:
         return "Drag on the image to draw a circle in or around an object."
     if not document.starts:
         return "Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G)."
-    if selected is not None and selected < len(document.shapes):
-        return _what_can_be_done_to(document.shapes[selected])
+    if shape is not None:
+        return _what_can_be_done_to(shape)
     return "Press Space to let the particles go."
 
 
 def _hint_on_run(status: RunStatus) -> str:
     if status.stale:
         if status.phase == "running":
-            return "The drawing or the scales have changed: Reset (R) to start from them."
-        return "The drawing or the scales have changed: Run starts anew from them."
+            return "A start or the scales have changed: Reset (R) to begin from them."
+        return "A start or the scales have changed: Run starts anew from them."
     if status.steered:
         return "The parameters have changed: Resume (Space) goes on with them, Reset (R) starts over."
     return ""
@@ -124,8 +125,24 @@ def _hint_on_run(status: RunStatus) -> str:
 def _what_can_be_done_to(shape: Shape) -> str:
     name = describe(shape)
     if isinstance(shape, Everywhere):
-        return f"Press Space to let the particles go; Delete takes back the {name}."
-    return f"Arrow keys or the select tool (S) move the {name}; Delete removes it."
+        return tr("Press Space to let the particles go; Delete takes back the {shape}.").format(shape=name)
+    if isinstance(shape, Charge):
+        return _what_a_charge_does(shape)
+    told = {
+        Grid: tr("Arrow keys or the select tool (S) move the {shape}, < and > change its spacing; Delete removes it."),
+        Threshold: tr(
+            "< and > change how strong an edge must be for the {shape}, arrow keys move it; Delete removes it."
+        ),
+        Stroke: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
+        Points: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
+        Barrier: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
+    }.get(type(shape), tr("Arrow keys or the select tool (S) move the {shape}, < and > resize it; Delete removes it."))
+    return told.format(shape=name)
+
+
+def _what_a_charge_does(charge: Charge) -> str:
+    told = tr("Drag the {shape} or move it with arrow keys; < and > make it weaker and stronger; Delete removes it.")
+    return told.format(shape=describe(charge))
 
 
 def _sentence(text: str) -> str:

@@ -5,10 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
+from cpm_core import paths
 from cpm_core.charges import PlacedCharge
 from cpm_core.engine import Engine
 from cpm_core.parameters import Parameters
 from cpm_core.particles import State
+from cpm_core.paths import Position
 from cpm_core.regions import Regions
 
 
@@ -35,3 +39,28 @@ class Stepped:
         """Take the step."""
         state = state.resumed() if state.stop_reason else state
         return engine.step(state, self.parameters, self.charges)
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """Particles put into the run at seeds, shape (N, 2), of which the bytes are kept: they are compared at once."""
+
+    seeds: bytes
+    regions: Regions | None = None
+
+    def again(self, engine: Engine, state: State) -> State:
+        """Put them in."""
+        return engine.joined(state, np.frombuffer(self.seeds).reshape(-1, 2))
+
+
+@dataclass(frozen=True, slots=True)
+class Erased:
+    """Particles taken out of the run that lie no further from a path than a radius."""
+
+    path: tuple[Position, ...]
+    radius: float
+    regions: Regions | None = None
+
+    def again(self, engine: Engine, state: State) -> State:
+        """Take them out."""
+        return engine.erased(state, lambda places: paths.distances(self.path, places) <= self.radius)

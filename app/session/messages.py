@@ -145,6 +145,13 @@ class Failed(Report):
     sentence: str
 
 
+@dataclass(frozen=True, slots=True)
+class WentOn(Report):
+    """A run that had ended goes on with something that was put into it."""
+
+    generation: int
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Sowing(Report):
     """Positions from which particles start all over the image opened as `generation`, or why there are none."""

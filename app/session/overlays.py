@@ -27,5 +27,5 @@ OVERLAYS: Mapping[str, Overlay] = MappingProxyType(
         "iso_lines": lambda engine, parameters, charges: iso_lines(engine.potential(parameters, charges)),
     }
 )
-"""Shades of the edge map and of the potential, shape (H, W); direction in which edges pull, shape (2, H, W); lines of
-equal potential, shape (M, 2), with a row of NaN behind each."""
+"""Shades of the edge map and of the potential, shape (H, W); direction in which edges and placed charges pull, shape
+(2, H, W); lines of equal potential, shape (M, 2), with a row of NaN behind each."""

@@ -21,6 +21,7 @@ from app.session.messages import (
     Sowing,
     Trouble,
     WarmedUp,
+    WentOn,
 )
 from app.session.runner import Runner
 from cpm_core.sowing import Sown
@@ -171,6 +172,9 @@ class Progress:
                 if generation == self._audience.generation:
                     self._known = replace(self._known, phase="paused" if self._known.count else "ready")
                     self._audience.say(sentence, True)
+            case WentOn(generation):
+                if generation == self._audience.generation:
+                    self._known = replace(self._known, phase="running")
             case Sowing(generation, sown, sentence):
                 self._busy.pop("sowing", None)
                 if sentence:

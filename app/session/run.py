@@ -8,7 +8,7 @@ import numpy as np
 
 from app.model.document import Document
 from app.session.chronicle import Chronicle
-from app.session.deeds import Stepped
+from app.session.deeds import Deed, Erased, Joined, Stepped
 from app.session.gauge import Gauge
 from app.session.mailbox import Mailbox
 from app.session.messages import Overlays, Snapshot
@@ -16,10 +16,12 @@ from app.session.overlays import OVERLAYS
 from app.session.pacer import Pacer
 from app.session.reconstructor import Reconstructor, Request
 from app.session.trace import Recorder
+from cpm_core.charges import PlacedCharge
 from cpm_core.engine import Engine
 from cpm_core.image import Image
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.particles import State
+from cpm_core.paths import Position
 from cpm_core.regions import Regions
 from cpm_core.result import Result
 from cpm_core.sowing import NOWHERE, Sower, Sown
@@ -58,7 +60,7 @@ class Run:
         self._overlays = overlays
         self._reconstructor = reconstructor
         self._engine: Engine | None = None
-        self._regions: Regions | None = None
+        self._charges: tuple[PlacedCharge, ...] = ()
         self._sower: Sower | None = None
         self._state: State | None = None
         self._parameters = Parameters()
@@ -91,7 +93,7 @@ class Run:
         """Change to another image, with the engine that has been built for it."""
         self.discard(generation)
         self.image_generation = generation
-        self._engine, self._regions, self._parameters = engine, None, parameters
+        self._engine, self._charges, self._parameters = engine, (), parameters
         self._sower = Sower(engine.image)
         self._refresh_overlays()
 
@@ -101,12 +103,12 @@ class Run:
         if self._engine is None:
             raise ValueError("There is no image to run on: open one first.")
         seeds = document.seeds(self.sow(document))
-        self._parameters = document.parameters
-        regions = document.regions
-        if document.parameters.scales != self._engine.scales or regions != self._regions:
-            self._engine = self._build(self._engine.image, document.parameters, regions)
-            self._regions = regions
-            self._refresh_overlays()
+        self._parameters, self._charges = document.parameters, document.charges
+        if document.parameters.scales != self._engine.scales:
+            self._engine = self._build(self._engine.image, document.parameters, document.regions)
+        elif document.regions != self._engine.regions:
+            self._engine = self._engine.with_regions(document.regions)
+        self._refresh_overlays()
         self._state = self._engine.start(seeds)
         self.chronicle.begin(self._engine, self._state, self._recorder)
         self._send()
@@ -146,6 +148,42 @@ class Run:
         if not self.stepping:
             self._reconstruct()
 
+    def place(self, charges: tuple[PlacedCharge, ...]) -> bool:
+        """Let the particles feel these from the next step on; whether a run goes on with them that had ended."""
+        self._charges = charges
+        self._refresh_overlays()
+        return self._go_on()
+
+    def limit(self, regions: Regions | None) -> bool:
+        """Hold the particles back by these from the next step on; whether a run goes on with them that had ended."""
+        if self._engine is None or regions == self._engine.regions:
+            return False
+        self._engine = self._engine.with_regions(regions)
+        self._refresh_overlays()
+        return self._go_on()
+
+    def join(self, document: Document) -> bool:
+        """Add the particles of a document's starts; whether a run goes on with them that had ended."""
+        if self._engine is None or self._state is None:
+            return False
+        ended = bool(self._state.stop_reason)
+        self._do(Joined(document.seeds(self.sow(document)).tobytes(), self._engine.regions))
+        return ended and self._keep_going()
+
+    def erase(self, path: tuple[Position, ...], radius: float) -> None:
+        """Take away the particles near a path."""
+        if self._engine is not None and self._state is not None:
+            self._do(Erased(path, radius, self._engine.regions))
+            if self._state.stop_reason:
+                self._remaining = 0.0
+
+    def _do(self, deed: Deed) -> None:
+        """Change the particles where the run stands."""
+        if self._engine is not None and self._state is not None:
+            self._state = deed.again(self._engine, self._state)
+            self.chronicle.amend(deed, self._state, self._recorder)
+            self._send()
+
     def set_overlays(self, names: frozenset[str]) -> None:
         """Keep these up to date."""
         self._wanted, self._shown = names, ()
@@ -156,11 +194,12 @@ class Run:
         if self._engine is None or self._state is None:
             self._remaining = 0.0
             return
-        self._state = self._engine.step(self._state, self._parameters)
+        self._state = self._engine.step(self._state, self._parameters, self._charges)
         self._remaining = 0.0 if self._state.stop_reason else self._remaining - 1
         self.pacer.stepped()
         self._recorder.record(self._state, self.gauge.potential(self._engine, self._state, self._parameters))
-        self.chronicle.record(Stepped(self._parameters, (), self._regions), self._state, self._recorder)
+        deed = Stepped(self._parameters, self._charges, self._engine.regions)
+        self.chronicle.record(deed, self._state, self._recorder)
         self._send()
 
     def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
@@ -202,6 +241,19 @@ class Run:
         found = self.chronicle.moment(branch, step, wanted)
         return None if found is None else self._snapshot(*found)
 
+    def _go_on(self) -> bool:
+        """Set a run going again that has ended."""
+        if self._state is None or not self._state.stop_reason:
+            return False
+        self._state = self._state.resumed()
+        self._send()
+        return self._keep_going()
+
+    def _keep_going(self) -> bool:
+        self._remaining = float("inf")
+        self.pacer.begin()
+        return True
+
     def _send(self) -> None:
         if self._state is not None:
             self._snapshots.put(self._snapshot(self._state, self._recorder))
@@ -229,9 +281,9 @@ class Run:
         if self._engine is None or not self._wanted:
             return
         made_of = [getattr(self._parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "field"]
-        key = (self._engine, self._wanted, *made_of)
+        key = (self._engine, self._wanted, self._charges, *made_of)
         if key == self._shown:
             return
-        arrays = {name: OVERLAYS[name](self._engine, self._parameters, ()) for name in self._wanted}
+        arrays = {name: OVERLAYS[name](self._engine, self._parameters, self._charges) for name in self._wanted}
         self._overlays.put(Overlays(self.image_generation, arrays))
         self._shown = key

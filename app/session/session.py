@@ -34,6 +34,7 @@ from app.session.commands import (
 from app.session.core import Core
 from app.session.curation import Curation
 from app.session.editor import Editor
+from app.session.live import Live
 from app.session.messages import Opened
 from app.session.opening import Opener
 from app.session.pacer import Pacer
@@ -68,7 +69,7 @@ class Session(Announcements):
         self._numbered = 0
         self._generation = 0
         self._image_generation = 0
-        self._recipe: tuple[object, ...] = ()
+        self.live = Live(self)
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
         self._timer = QTimer(self)
@@ -103,7 +104,7 @@ class Session(Announcements):
     def status(self) -> RunStatus:
         """How the run stands."""
         status = self._progress.status
-        stale = status.started and self.document.recipe != self._recipe
+        stale = status.started and self.live.outdated(self.document)
         steered = status.phase == "finished" and status.steering != self.document.parameters.steering
         doing = next((task.name for task in self.tasks.current), "")
         return replace(status, stale=stale, steered=steered, busy=doing or status.busy)
@@ -144,13 +145,14 @@ class Session(Announcements):
             Edits in a row with the same gesture are undone together.
         """
         try:
-            self._change(lambda: self._editor.edit(name, edit, gesture))
+            self._change(lambda: self._editor.edit(name, edit, gesture), settled=not gesture)
         except ValueError as error:
             self.say(str(error), True)
 
     def seal(self) -> None:
         """End a gesture: the next edit is undone by itself."""
         self._editor.seal()
+        self.live.settle()
 
     def undo(self) -> None:
         """Take back the last edit."""
@@ -300,7 +302,7 @@ class Session(Announcements):
         over = status.phase == "finished" and not status.steered
         if status.phase == "ready" or over or status.stale:
             self._generation = self._next_generation()
-            self._recipe = self.document.recipe
+            self.live.begin(self.document)
             self._progress.forget()
             self.post(Start(self._generation, self._image_generation, self.document))
 
@@ -308,7 +310,7 @@ class Session(Announcements):
         self._numbered += 1
         return self._numbered
 
-    def _change(self, change: Callable[[], None]) -> None:
+    def _change(self, change: Callable[[], None], settled: bool = True) -> None:
         before = self.document
         change()
         if before.parameters != self.document.parameters:
@@ -317,6 +319,7 @@ class Session(Announcements):
             self._progress.busy("sowing", "Looking for places to start from…")
             self.post(Sow(self._image_generation, self.document))
         if before != self.document:
+            self.live.follow(before, self.document, settled)
             self.document_changed.emit(self.document)
             self.status_changed.emit()
 

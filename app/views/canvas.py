@@ -33,6 +33,9 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
     pointed = Signal(object)
     """Position (row, col) under the pointer, or None when it has left."""
 
+    taken = Signal()
+    """A button of the pointer has been pressed."""
+
     def __init__(self, session: Session) -> None:
         super().__init__(background=theme.CANVAS)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -45,6 +48,7 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         self.layers = Layers(self.view, session)
         self.tool: Tool | None = None
         self.grip: Grip | None = None
+        self.led_by_keys = False
         self._dragged: Tool | None = None
         self._shape: tuple[int, ...] | None = None
         self._panned_from: QPointF | None = None
@@ -55,6 +59,16 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
     def gesturing(self) -> bool:
         """Whether a tool is in the middle of something."""
         return self._dragged is not None or (self.tool is not None and self.tool.drafting)
+
+    @property
+    def dragging(self) -> bool:
+        """Whether the button is down for a tool."""
+        return self._dragged is not None
+
+    @property
+    def shape(self) -> tuple[int, ...] | None:
+        """Shape of the image; None while there is none."""
+        return self._shape
 
     def fit(self) -> None:
         """Show the whole image."""
@@ -99,18 +113,59 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
     def use(self, tool: Tool) -> None:
         """Hand the left button to another tool."""
         self.cancel()
+        if self.tool is not None:
+            self.tool.put_away()
         self.tool = tool
         self.viewport().setCursor(tool.cursor((-1e9, -1e9), 0.0))
+
+    # What pointer and keys do alike
+
+    def press_at(self, at: Position, reach: float | None = None) -> None:
+        """The left button goes down over a position; `reach` is how far off still counts [px of the image]."""
+        if self.tool is not None and self._shape is not None:
+            self._dragged = self._tool_at(at)
+            self._dragged.press(at, self._reach() if reach is None else reach)
+
+    def lead_to(self, at: Position) -> None:
+        """The pointer has come to a position."""
+        if self._dragged is not None:
+            self._dragged.drag(at)
+        elif self.tool is not None:
+            self.tool.hover(at)
+            self.viewport().setCursor(self._tool_at(at).cursor(at, self._reach()))
+        self.pointed.emit(at)
+
+    def let_go(self) -> None:
+        """The left button comes up."""
+        if self._dragged is not None:
+            tool, self._dragged = self._dragged, None
+            tool.release()
+
+    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+        """Keys are held that may bend what is drawn to a rule."""
+        tool = self._dragged or self.tool
+        if tool is not None:
+            tool.bend(modifiers)
+
+    def leave(self) -> None:
+        """Nothing lies under the pointer any more."""
+        if self.tool is not None:
+            self.tool.put_away()
+        self.pointed.emit(None)
+
+    def grips(self, at: Position) -> bool:
+        """Whether a handle lies at a position that comes before the tool in use."""
+        return self._tool_at(at) is not self.tool
 
     # What Qt calls
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin a gesture or a pan."""
         event.accept()
-        if event.button() == Qt.MouseButton.LeftButton and self.tool is not None and self._shape is not None:
-            at, reach = self.position(event.position()), self._reach()
-            self._dragged = self._tool_at(at)
-            self._dragged.press(at, reach)
+        self.taken.emit()
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.bend(event.modifiers())
+            self.press_at(self.position(event.position()))
         elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
             self._panned_from = event.position()
             self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
@@ -123,19 +178,16 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
             moved = self._panned_from - event.position()
             self._panned_from = event.position()
             self.pan(moved.x(), moved.y())
-        elif self._dragged is not None:
-            self._dragged.drag(at)
-        elif self.tool is not None:
-            self.tool.hover(at)
-            self.viewport().setCursor(self._tool_at(at).cursor(at, self._reach()))
-        self.pointed.emit(at)
+            self.pointed.emit(at)
+        elif not self.led_by_keys:
+            self.bend(event.modifiers())
+            self.lead_to(at)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """End it."""
         event.accept()
         if event.button() == Qt.MouseButton.LeftButton and self._dragged is not None:
-            tool, self._dragged = self._dragged, None
-            tool.release()
+            self.let_go()
         elif self._panned_from is not None:
             self._panned_from = None
             if self.tool is not None:
@@ -161,7 +213,8 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
 
     def leaveEvent(self, event: QEvent) -> None:
         """Tell that the pointer is gone."""
-        self.pointed.emit(None)
+        if not self.led_by_keys:
+            self.leave()
         super().leaveEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:

@@ -7,9 +7,11 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from app.model import edits
+from app.model.language import tr
 from app.model.naming import describe
 from app.session.session import Session
 from app.views.canvas import Canvas
+from app.views.crosshair import Crosshair
 from app.views.message_bar import MessageBar
 from app.views.tools import TOOLS
 from app.views.tools.select import SelectTool
@@ -28,6 +30,8 @@ _SIZES = {Qt.Key.Key_Less: -1.0, Qt.Key.Key_Greater: 1.0}
 _DRAFT_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Backspace)
 _PAN = 40.0
 _MIDDLE_FRACTION = 0.2
+_BESIDE_HINT = 16
+"""Least room to either side of the hint [px]."""
 
 
 class Stage(QWidget):
@@ -46,7 +50,7 @@ class Stage(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
         layout.addWidget(self.canvas, 1)
-        self.canvas.grip = SelectTool(session)
+        self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
         drawing = self.canvas.layers.drawing
         self._tools: dict[str, Tool] = {
@@ -63,12 +67,15 @@ class Stage(QWidget):
         self.canvas.use(self._tools[name])
         if name != "select":
             self._session.select(None)
+        self.crosshair.move(0.0, 0.0)
         self.show_hint(self._hint)
 
     def escape(self) -> None:
         """Give up what is being drawn; when nothing is, dismiss the message and select nothing."""
         if self.canvas.gesturing:
             self.canvas.cancel()
+        elif self.crosshair.at is not None:
+            self.crosshair.hide()
         else:
             self.messages.hide()
             self._session.select(None)
@@ -77,7 +84,8 @@ class Stage(QWidget):
         """Say what to do next, at the foot of the canvas; a tool that wants to say something comes first."""
         self._hint = text
         tool = self.canvas.tool
-        text = (tool.advice if tool is not None and self._session.document.image is not None else "") or text
+        if tool is not None and self._session.document.image is not None:
+            text = self.crosshair.advice or tool.advice or text
         if self.hint.text() != text or self.hint.isHidden() == bool(text):
             self.hint.setText(text)
             self.hint.setVisible(bool(text))
@@ -116,31 +124,44 @@ class Stage(QWidget):
     def _take_key(self, event: QKeyEvent) -> bool:
         key = Qt.Key(event.key())
         tool = self.canvas.tool
-        if tool is not None and tool.drafting and key in _DRAFT_KEYS:
+        keyed, held = self.crosshair.at is not None, event.modifiers()
+        ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
+        if tool is not None and tool.drafting and key in _DRAFT_KEYS and ends:
             (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
             return True
-        factor = 10.0 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
+        if key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            (self.crosshair.enter if keyed else self.crosshair.show)()
+            return True
+        factor = 10.0 if held & Qt.KeyboardModifier.ShiftModifier else 1.0
         index = self._session.selected
         if key in _ARROWS:
             row, col = _ARROWS[key]
-            if index is None:
+            if keyed:
+                self.crosshair.move(factor * row, factor * col)
+            elif index is None:
                 self.canvas.pan(_PAN * col, _PAN * row)
             else:
-                name = f"move {describe(self._session.document.shapes[index])}"
+                name = tr("move {shape}").format(shape=describe(self._session.document.shapes[index]))
                 by = (factor * row, factor * col)
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
             return True
         if key in _SIZES and index is not None:
             self._grow(index, _SIZES[key])
             return True
-        return False
+        return key in _SIZES and tool is not None and tool.resize(_SIZES[key])
 
     def _grow(self, index: int, by: float) -> None:
         shape = self._session.document.shapes[index]
-        name, grown = f"resize {describe(shape)}", shape.grown(by)
+        verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
+        name, grown = verb.format(shape=describe(shape)), shape.grown(by)
         self._session.edit(name, lambda document: edits.replace_shape(document, index, grown), f"grow {index}")
 
     def _place_hint(self) -> None:
-        self.hint.adjustSize()
         size = self.canvas.size()
+        room = size.width() - 2 * _BESIDE_HINT
+        self.hint.setWordWrap(False)
+        self.hint.adjustSize()
+        if self.hint.width() > room:
+            self.hint.setWordWrap(True)
+            self.hint.resize(room, self.hint.heightForWidth(room))
         self.hint.move((size.width() - self.hint.width()) // 2, size.height() - self.hint.height() - 14)

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QMenu, QSizePolicy, QToolBar, QToolButton
+from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QSizePolicy, QToolBar, QToolButton, QVBoxLayout, QWidget
 
+from app.model.language import tr
 from app.views.actions import Actions
 from app.views.icons import icon
 from app.views.theme import Theme
-from app.views.tools import TOOLS, ToolEntry
+from app.views.tools import START, TOOLS
 from cpm_core.shapes import KINDS
+
+_COLUMNS, _BUTTON = 2, 34
+"""Buttons beside each other, and the side of each [px]: all tools find room in a window of 720 px."""
 
 
 class ToolPalette(QToolBar):
-    """One button a tool, and one for the starts that need no drawing.
+    """One button a tool, by what they are for, and one for the starts that need no drawing.
 
     Parameters
     ----------
@@ -23,30 +29,46 @@ class ToolPalette(QToolBar):
     """
 
     def __init__(self, actions: Actions) -> None:
-        super().__init__("Tools")
+        super().__init__(tr("Tools"))
         self.setObjectName("palette")
         self.setMovable(False)
         self.toggleViewAction().setEnabled(False)
-        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-        self.setIconSize(QSize(24, 24))
-        for tool in TOOLS:
-            if tool.gap:
-                self.addSeparator()
-            self._add(actions[tool.name], tool)
-        self.addSeparator()
+        self.setIconSize(QSize(22, 22))
+        self.buttons: dict[str, QToolButton] = {}
         self.starts = self._make_starts([actions[f"start_{kind}"] for kind in KINDS])
-        self.addWidget(self.starts)
+        case = QWidget()
+        column = QVBoxLayout(case)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(2)
+        for number, (group, tools) in enumerate(groupby(TOOLS, lambda tool: tool.group)):
+            heading = QLabel(group)
+            heading.setObjectName("heading")
+            heading.setAlignment(Qt.AlignmentFlag.AlignHCenter)
+            heading.setContentsMargins(0, 6 if number else 0, 0, 0)
+            column.addWidget(heading)
+            buttons = [self._make(actions[tool.name], tool.name) for tool in tools]
+            grid = QGridLayout()
+            grid.setSpacing(2)
+            for index, button in enumerate(buttons):
+                grid.addWidget(button, index // _COLUMNS, index % _COLUMNS)
+            if group == START:
+                grid.addWidget(self.starts, grid.rowCount(), 0, 1, _COLUMNS)
+            column.addLayout(grid)
+        column.addStretch(1)
+        self.addWidget(case)
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the button that is no action."""
         self.starts.setIcon(icon("everywhere", theme.text, faded=theme.line))
 
-    def _add(self, action: QAction, tool: ToolEntry) -> None:
-        action.setIconText(tool.short)
-        self.addAction(action)
-        button = self.widgetForAction(action)
-        if isinstance(button, QToolButton):
-            self._dress(button, tool.name)
+    def _make(self, action: QAction, name: str) -> QToolButton:
+        button = QToolButton()
+        button.setDefaultAction(action)
+        button.setFixedSize(_BUTTON, _BUTTON)
+        button.setAccessibleName(action.text().replace("&", ""))
+        self._dress(button, name)
+        self.buttons[name] = button
+        return button
 
     def _make_starts(self, actions: list[QAction]) -> QToolButton:
         button = QToolButton()
@@ -54,17 +76,17 @@ class ToolPalette(QToolBar):
         menu.setToolTipsVisible(True)
         menu.addActions(actions)
         button.setMenu(menu)
-        button.setText("Auto start")
+        button.setText(tr("Auto"))
         button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-        button.setToolTip("Starts that need no drawing: everywhere, on strong edges, at centres.")
-        button.setAccessibleName("Starts that need no drawing")
+        button.setToolTip(tr("Starts that need no drawing: everywhere, on strong edges, at centres."))
+        button.setAccessibleName(tr("Starts that need no drawing"))
         self._dress(button, "starts")
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         return button
 
-    @staticmethod
-    def _dress(button: QToolButton, name: str) -> None:
+    def _dress(self, button: QToolButton, name: str) -> None:
         button.setObjectName(name)
+        button.setIconSize(self.iconSize())
+        button.setAutoRaise(True)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        # All as wide as the widest, so that icons and texts stand below each other.
-        button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)

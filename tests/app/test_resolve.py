@@ -9,7 +9,7 @@ from app.model.document import Document, ImageReference
 from app.model.resolve import resolve
 from app.model.situation import Situation, can_redo, can_step, can_undo, has_image, is_started
 from app.model.status import RunStatus
-from cpm_core.shapes import Barrier, Circle
+from cpm_core.shapes import Barrier, Charge, Circle
 
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
 DRAWN = Document(IMAGE, (Circle((32.0, 32.0), 10.0),))
@@ -64,8 +64,10 @@ def test_undo_and_redo_are_named_after_what_they_do() -> None:
     assert not can_redo(Situation(DRAWN))
 
 
-def test_the_recipe_changes_with_the_drawing_and_the_scales_but_not_with_live_parameters() -> None:
+def test_the_recipe_changes_with_starts_and_scales_but_not_with_what_acts_at_once() -> None:
     assert edits.clear_shapes(DRAWN).recipe != DRAWN.recipe
+    for shape in (Barrier(((1.0, 2.0), (3.0, 4.0))), Charge((5.0, 6.0))):
+        assert edits.add_shape(DRAWN, shape).recipe == DRAWN.recipe
     assert edits.set_parameter(DRAWN, "scales", 2).recipe != DRAWN.recipe
     assert edits.set_parameter(DRAWN, "beta", 1.0).recipe == DRAWN.recipe
 
@@ -75,7 +77,6 @@ def test_limits_alone_are_no_drawing_to_start_from() -> None:
     shown = resolve(Situation(document, RunStatus("ready")))
     assert shown.state == "Nothing to start from yet"
     assert "where particles start" in shown.hint
-    assert document.recipe != Document(IMAGE).recipe
 
 
 @pytest.mark.parametrize(

@@ -132,7 +132,8 @@ def test_a_changed_drawing_is_said_and_run_starts_anew_from_it(ready, hand) -> N
     hand.key(KEY.Key_Space)
     hand.wait(lambda: session.status.step >= 1)
     generation = session.generation
-    hand.drag((16, 16), (16, 20), (16, 22))
+    hand.key(KEY.Key_N)
+    hand.key(KEY.Key_Right)
     assert session.status.phase == "running"
     assert "Reset" in ready.stage.hint.text()
     hand.key(KEY.Key_Space)
@@ -220,7 +221,8 @@ def interrupted_disc() -> np.ndarray:
 def test_undoing_the_change_lets_the_run_go_on(ready, hand) -> None:
     hand.key(KEY.Key_Period)
     generation = ready.session.generation
-    hand.key(KEY.Key_K, CONTROL)
+    hand.key(KEY.Key_N)
+    hand.key(KEY.Key_Delete)
     assert ready.session.status.stale
     hand.key(KEY.Key_Z, CONTROL)
     assert not ready.session.status.stale

@@ -10,6 +10,7 @@ from app.views import theme
 from app.views.coordinates import to_xy
 from app.views.pens import line_pen
 from cpm_core.paths import Position
+from cpm_core.shapes import Circle
 
 _Z = 8.0
 
@@ -22,7 +23,9 @@ class Draft:
         self._path = pg.PlotCurveItem(antialias=True)
         self._closing = pg.PlotCurveItem(antialias=True)
         self._corners = pg.ScatterPlotItem(size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
-        for index, item in enumerate((self._halo, self._path, self._closing, self._corners)):
+        self._ring = pg.PlotCurveItem(antialias=True)
+        self._rim = pg.PlotCurveItem(pen=line_pen(theme.HALO, 3.4), antialias=True)
+        for index, item in enumerate((self._halo, self._path, self._closing, self._corners, self._rim, self._ring)):
             item.setZValue(_Z + 0.1 * index)
             view.addItem(item, ignoreBounds=True)
 
@@ -38,3 +41,10 @@ class Draft:
         self._closing.setData(*to_xy(line[[-1, 0]] if closed and len(line) > 2 else line[:0]))
         x, y = to_xy(np.array(corners, dtype=float).reshape(-1, 2))
         self._corners.setData(x=x, y=y)
+
+    def show_ring(self, center: Position | None, radius: float, colour: str) -> None:
+        """Show the ring in which a tool works; None shows none."""
+        rim = Circle(center, radius).outline if center is not None else np.empty((0, 2))
+        self._ring.setPen(line_pen(colour, 1.6))
+        for item in (self._rim, self._ring):
+            item.setData(*to_xy(rim))

@@ -9,6 +9,7 @@ from app.views.parts.drawing import DrawingPart
 from app.views.parts.editing import EditingPart
 from app.views.parts.files import FilesPart
 from app.views.parts.helping import HelpingPart
+from app.views.parts.keys import KeysPart
 from app.views.parts.looks import LooksPart
 from app.views.parts.mosaic import MosaicPart
 from app.views.parts.parameters import ParametersPart
@@ -34,5 +35,6 @@ PARTS: tuple[type[Part], ...] = (
     ViewingPart,
     LooksPart,
     PreferringPart,
+    KeysPart,
     HelpingPart,
 )

@@ -43,11 +43,10 @@ class DrawingPart(Part):
                 icon=tool.name,
                 group="tool",
                 checked=tool.name == FIRST_TOOL,
-                gap=tool.gap,
+                gap=index > 0 and tool.group != TOOLS[index - 1].group,
                 when=has_image,
-                short=tool.short,
             )
-            for tool in TOOLS
+            for index, tool in enumerate(TOOLS)
         ]
         starts = [
             Entry(
@@ -75,7 +74,15 @@ class DrawingPart(Part):
             gap=True,
             when=has_image,
         )
-        return (*tools, *starts, middle)
+        keyed = Entry(
+            name="cross_hair",
+            menu="Draw",
+            text=tr("Draw by &keys"),
+            do=self.desk.stage.crosshair.toggle,
+            tip=tr("Show a cross-hair that arrow keys move, for the tool in use; Enter on the image does the same."),
+            when=has_image,
+        )
+        return (*tools, *starts, middle, keyed)
 
     def _toggle(self, start: Everywhere) -> None:
         session = self.desk.session

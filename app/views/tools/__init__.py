@@ -4,16 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from app.model.language import tr
 from app.session.session import Session
 from app.views.layers.drawing import DrawingLayer
+from app.views.tools.charge import STRENGTH, ChargeTool
 from app.views.tools.circle import CircleTool
 from app.views.tools.contours import ContourTool
-from app.views.tools.path import BARRIER, REGION, STROKE, PathTool
+from app.views.tools.ellipse import EllipseTool
+from app.views.tools.eraser import EraserTool
+from app.views.tools.path import BARRIER, GRID, POLYGON, REGION, STROKE, THRESHOLD, PathKind, PathTool
 from app.views.tools.points import PointTool
 from app.views.tools.select import SelectTool
+from app.views.tools.spray import SprayTool
 from app.views.tools.tool import Tool
+
+Maker = Callable[[Session, DrawingLayer, Callable[[], None]], Tool]
+
+SELECT, START, LIMIT, CHARGE, CONTOUR = tr("Select"), tr("Start"), tr("Limit"), tr("Charge"), tr("Contour")
+"""What tools are for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,86 +36,160 @@ class ToolEntry:
         What it is called in code; also the name of its icon.
     text : str
         Text in the menu.
-    short : str
-        Text on its button.
     shortcut : str
         Its key.
     tip : str
         One sentence on what it does.
+    group : str
+        What it is for; tools of one group stand together.
     make : callable
         Makes it, of the session, the layer that shows drafts, and what is to be told when its advice has changed.
-    gap : bool
-        Whether a line is drawn above it.
     """
 
     name: str
     text: str
-    short: str
     shortcut: str
     tip: str
-    make: Callable[[Session, DrawingLayer, Callable[[], None]], Tool]
-    gap: bool = False
+    group: str
+    make: Maker
+
+
+def _plain(kind: Callable[[Session], Tool]) -> Maker:
+    return lambda session, drawing, advised: kind(session)
+
+
+def _ringed(kind: Callable[[Session, DrawingLayer], Tool]) -> Maker:
+    return lambda session, drawing, advised: kind(session, drawing)
+
+
+def _path(kind: PathKind) -> Maker:
+    return lambda session, drawing, advised: PathTool(session, kind, drawing, advised)
+
+
+def _charge(name: str, strength: float) -> Maker:
+    return _plain(partial(ChargeTool, name=name, strength=strength))
 
 
 TOOLS: tuple[ToolEntry, ...] = (
     ToolEntry(
         "select",
         tr("&Select tool"),
-        tr("Select"),
         "S",
         tr("Select, move and reshape what is drawn."),
-        lambda session, drawing, advised: SelectTool(session),
+        SELECT,
+        _plain(SelectTool),
+    ),
+    ToolEntry(
+        "eraser",
+        tr("&Eraser"),
+        "E",
+        tr("Drag to erase points, shapes and particles; < and > change its ring."),
+        SELECT,
+        _ringed(EraserTool),
     ),
     ToolEntry(
         "circle",
         tr("&Circle tool"),
-        tr("Circle"),
         "C",
         tr("Drag from the centre to draw a circle."),
-        lambda session, drawing, advised: CircleTool(session),
-        gap=True,
+        START,
+        _plain(CircleTool),
     ),
     ToolEntry(
-        "points",
-        tr("&Point tool"),
-        tr("Points"),
-        "P",
-        tr("Click to place a point."),
-        lambda session, drawing, advised: PointTool(session),
+        "ellipse",
+        tr("E&llipse tool"),
+        "L",
+        tr("Drag a box to draw an ellipse; Shift makes it round, Ctrl draws it from its centre."),
+        START,
+        _plain(EllipseTool),
+    ),
+    ToolEntry(
+        "polygon",
+        tr("P&olygon tool"),
+        "O",
+        tr("Click corners, or drag, along a closed line to start from."),
+        START,
+        _path(POLYGON),
     ),
     ToolEntry(
         "stroke",
         tr("S&troke tool"),
-        tr("Stroke"),
         "T",
         tr("Drag, or click corners, where to start."),
-        lambda session, drawing, advised: PathTool(session, STROKE, drawing, advised),
+        START,
+        _path(STROKE),
+    ),
+    ToolEntry(
+        "points",
+        tr("&Point tool"),
+        "P",
+        tr("Click to place a point."),
+        START,
+        _plain(PointTool),
+    ),
+    ToolEntry(
+        "spray",
+        tr("Spra&y tool"),
+        "Y",
+        tr("Drag to scatter points; < and > change the ring."),
+        START,
+        _ringed(SprayTool),
+    ),
+    ToolEntry(
+        "grid_area",
+        tr("&Grid tool"),
+        "G",
+        tr("Draw around what is to be covered with an even grid; < and > change its spacing."),
+        START,
+        _path(GRID),
+    ),
+    ToolEntry(
+        "threshold",
+        tr("T&hreshold tool"),
+        "H",
+        tr("Draw around where to start on strong edges; < and > change how strong."),
+        START,
+        _path(THRESHOLD),
     ),
     ToolEntry(
         "region",
         tr("Region of &interest tool"),
-        tr("Region"),
         "I",
         tr("Drag, or click corners, around what particles are to stay in."),
-        lambda session, drawing, advised: PathTool(session, REGION, drawing, advised),
-        gap=True,
+        LIMIT,
+        _path(REGION),
     ),
     ToolEntry(
         "barrier",
         tr("&Barrier tool"),
-        tr("Barrier"),
         "B",
         tr("Drag, or click corners, where no particle is to cross."),
-        lambda session, drawing, advised: PathTool(session, BARRIER, drawing, advised),
+        LIMIT,
+        _path(BARRIER),
+    ),
+    ToolEntry(
+        "attract",
+        tr("&Attracting charge"),
+        "A",
+        tr("Drop a charge that draws particles near it, and drag it while they run; < and > change its strength."),
+        CHARGE,
+        _charge("attract", STRENGTH),
+    ),
+    ToolEntry(
+        "repel",
+        tr("Repelling char&ge"),
+        "D",
+        tr("Drop a charge that drives particles away, and drag it while they run; < and > change its strength."),
+        CHARGE,
+        _charge("repel", -STRENGTH),
     ),
     ToolEntry(
         "contours",
         tr("C&ontour tool"),
-        tr("Contours"),
         "V",
         tr("Click a contour to select it; X rejects, K keeps, Enter names it."),
-        lambda session, drawing, advised: ContourTool(session),
-        gap=True,
+        CONTOUR,
+        _plain(ContourTool),
     ),
 )
-"""All tools, in the order shown: what selects, what starts and what limits stand together."""
+"""All tools, in the order shown: what selects, what starts, what limits and what acts on particles stand together."""

@@ -7,17 +7,19 @@ from PySide6.QtGui import QGuiApplication
 
 from app.model.language import tr
 from app.session.session import Session
-from app.views.tools.tool import Cursor
+from app.views.tools.tool import Cursor, Momentary
 from cpm_core.paths import Position
 
 
-class ContourTool:
+class ContourTool(Momentary):
     """Selects the contour under the pointer; with Shift or Ctrl, one more or one less."""
 
     name = "contours"
-    drafting = False
+    clicks = True
+    by_keys = tr("Enter selects the contour under it.")
 
     def __init__(self, session: Session) -> None:
+        super().__init__()
         self._curation = session.curation
 
     @property
@@ -41,15 +43,6 @@ class ContourTool:
 
     def release(self) -> None:
         """Nothing is left to be done."""
-
-    def hover(self, at: Position) -> None:
-        """What is highlighted follows with the shape of the pointer."""
-
-    def finish(self) -> None:
-        """Nothing is left to be ended."""
-
-    def take_back(self) -> None:
-        """Nothing is left to be taken back."""
 
     def cancel(self) -> None:
         """Highlight nothing any more."""

@@ -1,4 +1,4 @@
-"""The tools that draw a path, corner by corner or freehand: strokes, regions of interest and barriers."""
+"""The tools that draw a path, corner by corner or freehand: strokes, what is drawn around an area, and barriers."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from PySide6.QtCore import Qt
 
 from app.model import edits
+from app.model.language import tr
 from app.session.session import Session
 from app.views import theme
 from app.views.layers.drawing import DrawingLayer
 from cpm_core import paths
 from cpm_core.paths import Position
-from cpm_core.shapes import Barrier, Region, Shape, Stroke
+from cpm_core.shapes import Barrier, Grid, Polygon, Region, Shape, Stroke, Threshold
 
 _FINEST = 1.0
 """Least distance between two corners of a freehand path [px]."""
@@ -63,18 +64,52 @@ class PathKind:
 
 
 STROKE = PathKind(
-    "stroke", Stroke, "stroke", theme.DRAWING, False, "Drag, or click corner by corner, where particles are to start."
+    "stroke",
+    Stroke,
+    tr("stroke"),
+    theme.DRAWING,
+    False,
+    tr("Drag, or click corner by corner, where particles are to start."),
+)
+POLYGON = PathKind(
+    "polygon",
+    Polygon,
+    tr("polygon"),
+    theme.DRAWING,
+    True,
+    tr("Click corner by corner, or drag, along the line that particles are to start from."),
+)
+GRID = PathKind(
+    "grid_area",
+    Grid,
+    tr("grid"),
+    theme.DRAWING,
+    True,
+    tr("Drag, or click corner by corner, around what particles are to be spread over."),
+)
+THRESHOLD = PathKind(
+    "threshold",
+    Threshold,
+    tr("threshold"),
+    theme.DRAWING,
+    True,
+    tr("Drag, or click corner by corner, around what particles are to start in where edges are strong."),
 )
 REGION = PathKind(
     "region",
     Region,
-    "region of interest",
+    tr("region of interest"),
     theme.REGION,
     True,
-    "Drag, or click corner by corner, around what particles are to stay in.",
+    tr("Drag, or click corner by corner, around what particles are to stay in."),
 )
 BARRIER = PathKind(
-    "barrier", Barrier, "barrier", theme.BARRIER, False, "Drag, or click corner by corner, where nobody is to cross."
+    "barrier",
+    Barrier,
+    tr("barrier"),
+    theme.BARRIER,
+    False,
+    tr("Drag, or click corner by corner, where nobody is to cross."),
 )
 
 
@@ -95,6 +130,9 @@ class PathTool:
         Told that `advice` may have changed.
     """
 
+    clicks = True
+    by_keys = tr("Enter places a corner; Enter once more on the same place ends it.")
+
     def __init__(self, session: Session, kind: PathKind, drawing: DrawingLayer, advised: Callable[[], None]) -> None:
         self.kind = kind
         self.name = kind.name
@@ -107,6 +145,7 @@ class PathTool:
         self._first = False
         self._freehand = False
         self._reach = 0.0
+        self._bent = False
         self._advised = False
 
     @property
@@ -130,9 +169,16 @@ class PathTool:
         if not self._corners:
             return "" if self._advised else self.kind.advice
         if self._freehand and self._first:
-            return "Let go to end it; Esc gives up."
-        end = "Enter, a double click or the first corner" if self.kind.closed else "Enter or a double click"
-        return f"{end} ends it; Backspace takes the last corner back; Esc gives up."
+            return tr("Let go to end it; Esc gives up.")
+        if self.kind.closed:
+            return tr(
+                "Enter, a double click or the first corner ends it; Shift keeps to eight directions; "
+                "Backspace takes the last corner back; Esc gives up."
+            )
+        return tr(
+            "Enter or a double click ends it; Shift keeps to eight directions; Backspace takes the last corner back; "
+            "Esc gives up."
+        )
 
     def press(self, at: Position, reach: float) -> None:
         """Place a corner; the first one closes a region, the last one once more ends a line."""
@@ -141,6 +187,7 @@ class PathTool:
             if len(self._corners) >= self.kind.least:
                 self.finish()
             return
+        at = self._straight(at)
         self._first = not self._corners
         self._pressed, self._reach, self._freehand = at, reach, False
         self._pointer = None
@@ -166,8 +213,16 @@ class PathTool:
     def hover(self, at: Position) -> None:
         """Lead the path on to the pointer."""
         if self._corners:
-            self._pointer = at
+            self._pointer = self._straight(at)
             self._changed()
+
+    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+        """With Shift, sides keep to eight directions."""
+        self._bent = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
+
+    def resize(self, by: float) -> bool:
+        """It has no size."""
+        return False
 
     def finish(self) -> None:
         """Make a shape of the path."""
@@ -176,7 +231,8 @@ class PathTool:
         path, kind = paths.thinned(self._corners), self.kind
         self._forget()
         if kind.is_slip(path):
-            self._session.say(f"That is too little for a {kind.title}. {kind.advice}")
+            told = tr("That is too little for a {shape}. {advice}")
+            self._session.say(told.format(shape=kind.title, advice=kind.advice))
             return
         shape = kind.make(path)
         self._session.edit(f"draw {kind.title}", lambda document: edits.add_shape(document, shape))
@@ -193,9 +249,22 @@ class PathTool:
         """Give the path up."""
         self._forget()
 
+    def put_away(self) -> None:
+        """What has been begun stays."""
+
     def cursor(self, at: Position, reach: float) -> Qt.CursorShape:
         """A cross."""
         return Qt.CursorShape.CrossCursor
+
+    def _straight(self, at: Position) -> Position:
+        """The place nearest to the pointer in one of eight directions from the last corner, where that is wanted."""
+        if not (self._bent and self._corners):
+            return at
+        row, col = self._corners[-1]
+        down, right = at[0] - row, at[1] - col
+        angle = math.radians(45.0 * round(math.degrees(math.atan2(down, right)) / 45.0))
+        far = down * math.sin(angle) + right * math.cos(angle)
+        return (row + far * math.sin(angle), col + far * math.cos(angle))
 
     def _forget(self) -> None:
         self._advised = self._advised or bool(self._corners)

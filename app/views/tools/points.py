@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from app.model import edits
+from app.model.language import tr
 from app.session.session import Session
-from app.views.tools.tool import Cursor, Momentary, new_gesture
+from app.views.tools.tool import Momentary, new_gesture
 from cpm_core.paths import Position
 from cpm_core.shapes import Points
 
@@ -13,8 +14,11 @@ class PointTool(Momentary):
     """Places a point, which follows the pointer for as long as the button is down."""
 
     name = "points"
+    clicks = True
+    by_keys = tr("Enter places a point.")
 
     def __init__(self, session: Session) -> None:
+        super().__init__()
         self._session = session
         self._index: int | None = None
         self._gesture = ""
@@ -46,7 +50,3 @@ class PointTool(Momentary):
         if index is not None:
             self._session.edit("place point", lambda document: edits.delete_shape(document, index), self._gesture)
         self.release()
-
-    def cursor(self, at: Position, reach: float) -> Cursor:
-        """A cross."""
-        return Cursor.CrossCursor

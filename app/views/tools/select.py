@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from app.model import edits
 from app.model.hit_testing import hit
+from app.model.language import tr
 from app.model.naming import describe
 from app.session.session import Session
 from app.views.tools.tool import Cursor, Momentary, new_gesture
@@ -16,7 +17,10 @@ class SelectTool(Momentary):
 
     name = "select"
 
+    by_keys = tr("Enter takes hold of what lies under the cross-hair, arrow keys drag it, Enter lets go.")
+
     def __init__(self, session: Session) -> None:
+        super().__init__()
         self._session = session
         self._index: int | None = None
         self._part = ""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from PySide6.QtCore import Qt
 
+from app.model.language import tr
 from cpm_core.paths import Position
 
 Cursor = Qt.CursorShape
@@ -34,6 +35,14 @@ class Tool(Protocol):
     def advice(self) -> str:
         """One sentence on what to do with it, empty when that is plain."""
 
+    @property
+    def by_keys(self) -> str:
+        """One sentence on what Enter does with it at the cross-hair."""
+
+    @property
+    def clicks(self) -> bool:
+        """Whether it works by clicks: Enter is a click then, else the button goes down with it and up with the next."""
+
     def press(self, at: Position, reach: float) -> None:
         """The left button goes down; `reach` is how far off still counts [px]."""
 
@@ -46,6 +55,12 @@ class Tool(Protocol):
     def hover(self, at: Position) -> None:
         """The pointer moves with the button up."""
 
+    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+        """These keys are held now, which may bend what is drawn to a rule."""
+
+    def resize(self, by: float) -> bool:
+        """Make what it works with larger, for less than 0 smaller; whether it has a size."""
+
     def finish(self) -> None:
         """End what it is in the middle of."""
 
@@ -54,6 +69,9 @@ class Tool(Protocol):
 
     def cancel(self) -> None:
         """Give up the gesture, as if it had not been begun."""
+
+    def put_away(self) -> None:
+        """The pointer has left, or another tool is used: nothing of it is to be seen."""
 
     def cursor(self, at: Position, reach: float) -> Cursor:
         """Shape of the pointer over a position."""
@@ -70,13 +88,38 @@ class Momentary:
     """What all tools have in common whose gestures last as long as the button is down."""
 
     drafting = False
-    advice = ""
+    clicks = False
+    by_keys = tr("Enter takes hold, arrow keys drag, Enter lets go.")
+    guidance: ClassVar[str] = ""
+    """One sentence on how to begin with it, said until it has been used."""
+
+    def __init__(self) -> None:
+        self.used = False
+
+    @property
+    def advice(self) -> str:
+        """How to begin, until that is known."""
+        return "" if self.used else self.guidance
 
     def hover(self, at: Position) -> None:
         """Nothing follows the pointer."""
+
+    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+        """There is no rule."""
+
+    def resize(self, by: float) -> bool:
+        """It has no size."""
+        return False
 
     def finish(self) -> None:
         """Nothing is left to be ended."""
 
     def take_back(self) -> None:
         """Nothing is left to be taken back."""
+
+    def put_away(self) -> None:
+        """Nothing of it is seen."""
+
+    def cursor(self, at: Position, reach: float) -> Cursor:
+        """A cross."""
+        return Cursor.CrossCursor

@@ -1,0 +1,117 @@
+"""Steering: what is drawn, moved or taken back while a run exists acts in it at once.
+
+Regions of interest, barriers and placed charges hold for every run: the worker is told whenever they change, and of
+many changes in a row it obeys the last. Starts that are added bring their particles when the gesture ends that draws
+them. A start that is moved or removed has let its particles go already; the run is then out of date, no more.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable
+from dataclasses import replace
+from typing import Protocol
+
+from app.model import edits
+from app.model.document import Document
+from app.model.status import RunStatus
+from app.session.commands import Command
+from app.session.live_commands import Erase, Join, Limit, PlaceCharges
+from cpm_core.paths import Position
+from cpm_core.shapes import Points, Region, Start
+
+
+class Steered(Protocol):
+    """What is needed of a session."""
+
+    @property
+    def document(self) -> Document:
+        """What the user means."""
+
+    @property
+    def status(self) -> RunStatus:
+        """How the run stands."""
+
+    @property
+    def generation(self) -> int:
+        """Number of the current run."""
+
+    @property
+    def image_generation(self) -> int:
+        """Number under which the image was opened."""
+
+    def post(self, command: Command) -> None:
+        """Send a command to the worker."""
+
+
+class Live:
+    """Compares documents, and tells the worker what has changed for the run that exists.
+
+    Parameters
+    ----------
+    session : Steered
+        Whose document and run they are.
+    """
+
+    def __init__(self, session: Steered) -> None:
+        self._session = session
+        self._late: tuple[object, ...] = ()
+        self._obeyed: Counter[Hashable] = Counter()
+        self._settled: Counter[Hashable] = Counter()
+
+    def begin(self, document: Document) -> None:
+        """A run starts from a document."""
+        self._late = document.late
+        self._obeyed = self._settled = document.sources
+
+    def outdated(self, document: Document) -> bool:
+        """Whether a run that started from the document now would begin otherwise than the one that exists did.
+
+        What has only been added joins the run.
+        """
+        return document.late != self._late or bool(self._obeyed - document.sources)
+
+    def follow(self, before: Document, after: Document, settled: bool) -> None:
+        """The document has changed; unless it is `settled`, the gesture goes on that changes it."""
+        session = self._session
+        if before.charges != after.charges:
+            session.post(PlaceCharges(session.image_generation, after.charges))
+        if not session.status.started:
+            return
+        if before.regions != after.regions:
+            session.post(Limit(session.generation, after.regions))
+        if settled:
+            self.settle()
+
+    def settle(self) -> None:
+        """A gesture has ended: the starts that it has added join the run."""
+        document = self._session.document
+        drawn = document.sources
+        lost, gained = self._settled - drawn, drawn - self._settled
+        self._settled = drawn
+        if not self._session.status.started or lost.total() == gained.total():
+            return  # nothing, or a start that was moved or reshaped
+        new = (drawn - self._obeyed) & gained
+        if new:
+            self._obeyed = self._obeyed + new
+            self._session.post(Join(self._session.generation, _only(document, new)))
+
+    def erase(self, path: tuple[Position, ...], radius: float) -> Document:
+        """Take away the particles near a path, and tell what the document is without the shapes near it.
+
+        The run obeys that as well as the document, so that it is not out of date afterwards.
+        """
+        session = self._session
+        rest = edits.erase(session.document, path, radius)
+        self._obeyed = self._obeyed - (session.document.sources - rest.sources)
+        if session.status.started:
+            session.post(Erase(session.generation, path, radius))
+        return rest
+
+
+def _only(document: Document, sources: Counter[Hashable]) -> Document:
+    """The document with these sources alone, in its regions of interest."""
+    points = tuple(source for source in sources.elements() if isinstance(source, tuple))
+    starts = [source for source in sources.elements() if isinstance(source, Start)]
+    regions = [shape for shape in document.shapes if isinstance(shape, Region)]
+    return replace(document, shapes=(*starts, *([Points(points)] if points else []), *regions))

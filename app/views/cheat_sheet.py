@@ -1,0 +1,170 @@
+"""The cheat sheet: all keys at a glance, gathered from the entries of the menus, the panels and the canvas."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QKeyEvent, QKeySequence
+from PySide6.QtWidgets import (
+    QDialog,
+    QDockWidget,
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QMainWindow,
+    QScrollArea,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.model.language import tr
+from app.views.entry import Entry
+from app.views.menus import MENUS
+
+Lines = Sequence[tuple[tuple[str, ...], str]]
+"""Keys that do the same, and what they do."""
+
+_POINTER: Lines = (
+    ((tr("left button"),), tr("the tool in use")),
+    ((tr("middle or right button"),), tr("move the image")),
+    ((tr("wheel"),), tr("zoom around the pointer")),
+    (("Shift",), tr("round ellipses; sides of paths in eight directions")),
+    (("Ctrl",), tr("ellipse from its centre")),
+)
+_IMAGE: Lines = (
+    (("Enter",), tr("show the cross-hair for the tool in use")),
+    (("←↑↓→",), tr("move cross-hair, selected shape or image; Shift: by 10 px")),
+    (("Enter",), tr("at the cross-hair: press or let go; click for points and corners")),
+    (("Enter", "Enter"), tr("end a path on the same place")),
+    (("Ctrl+Enter",), tr("end a path")),
+    (("Backspace",), tr("take the last corner back")),
+    (("Esc",), tr("give up, put the cross-hair away, select nothing")),
+    (("<", ">"), tr("size of the selected shape or of the ring; strength of a charge; spacing of a grid")),
+)
+_COLUMNS = 3
+_MARGIN = 48
+"""Room that is left around it in the window [px]."""
+
+
+class CheatSheet(QDialog):
+    """All keys in groups; the same key that opens it, or Esc, closes it.
+
+    Parameters
+    ----------
+    window : QMainWindow
+        Over which it lies.
+    entries : iterable of Entry
+        All actions there are.
+    """
+
+    def __init__(self, window: QMainWindow, entries: Iterable[Entry]) -> None:
+        super().__init__(window)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle(tr("Keys"))
+        self.setObjectName("cheat_sheet")
+        inside = QWidget()
+        inside.setObjectName("scrolled")
+        columns = QHBoxLayout(inside)
+        columns.setSpacing(28)
+        for blocks in _balanced(groups(window, entries)):
+            column = QVBoxLayout()
+            column.setSpacing(14)
+            for title, lines in blocks:
+                column.addWidget(_block(title, lines))
+            column.addStretch(1)
+            columns.addLayout(column, 1)
+        area = QScrollArea()
+        area.setWidgetResizable(True)
+        area.setFrameShape(QFrame.Shape.NoFrame)
+        area.setWidget(inside)
+        foot = QLabel(tr("? or Esc closes this sheet."))
+        foot.setObjectName("dim")
+        layout = QVBoxLayout(self)
+        layout.addWidget(area)
+        layout.addWidget(foot)
+        wanted = inside.sizeHint() + (layout.sizeHint() - area.sizeHint())
+        self.resize(wanted.boundedTo(window.size() - QSize(_MARGIN, _MARGIN)))
+        self.move(window.geometry().center() - self.rect().center())
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Close by the key that has opened it as well."""
+        if event.key() == Qt.Key.Key_Question:
+            self.close()
+        else:
+            super().keyPressEvent(event)
+
+
+def groups(window: QMainWindow, entries: Iterable[Entry]) -> list[tuple[str, Lines]]:
+    """All keys by what they are for: those of each menu, of the panels, and of the canvas."""
+    found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in MENUS}
+    for entry in entries:
+        if entry.shortcuts:
+            keys = tuple(_shown(key) for key in entry.shortcuts)
+            found[entry.menu.partition(">")[0]].append((keys, _plain(entry.text)))
+    panels = [
+        ((_shown(dock.toggleViewAction().shortcut().toString()),), dock.windowTitle())
+        for dock in window.findChildren(QDockWidget)
+        if not dock.toggleViewAction().shortcut().isEmpty()
+    ]
+    menus = [(_plain(MENUS[name]), lines) for name, lines in found.items() if lines]
+    return [
+        *menus,
+        *([(tr("Panels"), panels)] if panels else []),
+        (tr("Keys on the image"), _IMAGE),
+        (tr("Pointer on the image"), _POINTER),
+    ]
+
+
+def _balanced(blocks: Sequence[tuple[str, Lines]]) -> list[list[tuple[str, Lines]]]:
+    """The same blocks in columns, in order, as low as that allows."""
+    heights = [len(lines) + 2 for _, lines in blocks]
+    for most in range(max(heights), sum(heights) + 1):
+        columns: list[list[tuple[str, Lines]]] = [[]]
+        room = most
+        for block, height in zip(blocks, heights, strict=True):
+            if height > room:
+                columns.append([])
+                room = most
+            columns[-1].append(block)
+            room -= height
+        if len(columns) <= _COLUMNS:
+            return columns
+    return [list(blocks)]
+
+
+def _block(title: str, lines: Lines) -> QWidget:
+    block = QWidget()
+    grid = QGridLayout(block)
+    grid.setContentsMargins(0, 0, 0, 0)
+    grid.setHorizontalSpacing(12)
+    grid.setVerticalSpacing(3)
+    heading = QLabel(title)
+    heading.setObjectName("heading")
+    grid.addWidget(heading, 0, 0, 1, 2)
+    for row, (keys, what) in enumerate(lines, start=1):
+        caps = QLabel("  ".join(f"<b>{_escaped(key)}</b>" for key in keys))
+        caps.setTextFormat(Qt.TextFormat.RichText)
+        meaning = QLabel(what)
+        meaning.setWordWrap(True)
+        meaning.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        grid.addWidget(caps, row, 0, Qt.AlignmentFlag.AlignTop)
+        grid.addWidget(meaning, row, 1)
+    grid.setColumnMinimumWidth(0, 96)
+    grid.setColumnStretch(1, 1)
+    return block
+
+
+def _shown(key: str) -> str:
+    """A key as this system writes it."""
+    return QKeySequence(key).toString(QKeySequence.SequenceFormat.NativeText)
+
+
+def _plain(text: str) -> str:
+    return text.replace("&", "").rstrip("…")
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

@@ -1,0 +1,32 @@
+"""The cheat sheet of keys."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from app.model.language import tr
+from app.views.cheat_sheet import CheatSheet
+from app.views.entry import Entry
+from app.views.part import Part
+
+
+class KeysPart(Part):
+    """What shows all keys."""
+
+    def entries(self) -> Sequence[Entry]:
+        """The cheat sheet."""
+        return (
+            Entry(
+                name="keys",
+                menu="Help",
+                text=tr("&Keys"),
+                do=self._show,
+                shortcuts=("?",),
+                tip=tr("All keys at a glance."),
+            ),
+        )
+
+    def _show(self) -> None:
+        for sheet in self.desk.window.findChildren(CheatSheet):
+            sheet.close()
+        CheatSheet(self.desk.window, self.desk.entries()).show()
