@@ -50,6 +50,7 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         self.grip: Grip | None = None
         self.led_by_keys = False
         self._dragged: Tool | None = None
+        self._pointer: Position | None = None
         self._shape: tuple[int, ...] | None = None
         self._panned_from: QPointF | None = None
         self._fitted = True
@@ -116,6 +117,8 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         if self.tool is not None:
             self.tool.put_away()
         self.tool = tool
+        if self._pointer is not None:
+            tool.hover(self._pointer)
         self.viewport().setCursor(tool.cursor((-1e9, -1e9), 0.0))
 
     # What pointer and keys do alike
@@ -128,6 +131,7 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
 
     def lead_to(self, at: Position) -> None:
         """The pointer has come to a position."""
+        self._pointer = at
         if self._dragged is not None:
             self._dragged.drag(at)
         elif self.tool is not None:
@@ -149,6 +153,7 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
 
     def leave(self) -> None:
         """Nothing lies under the pointer any more."""
+        self._pointer = None
         if self.tool is not None:
             self.tool.put_away()
         self.pointed.emit(None)

@@ -44,7 +44,9 @@ _IMAGE: Lines = (
     (("Esc",), tr("give up, put the cross-hair away, select nothing")),
     (("<", ">"), tr("size of the selected shape or of the ring; strength of a charge; spacing of a grid")),
 )
-_COLUMNS = 3
+_COLUMNS, _KEYS = 3, 148
+"""Columns, and width of the keys in each [px]."""
+
 _MARGIN = 48
 """Room that is left around it in the window [px]."""
 
@@ -88,6 +90,10 @@ class CheatSheet(QDialog):
         wanted = inside.sizeHint() + (layout.sizeHint() - area.sizeHint())
         self.resize(wanted.boundedTo(window.size() - QSize(_MARGIN, _MARGIN)))
         self.move(window.geometry().center() - self.rect().center())
+
+    def text(self) -> str:
+        """All that stands in it."""
+        return "\n".join(label.text() for label in self.findChildren(QLabel))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Close by the key that has opened it as well."""
@@ -152,7 +158,7 @@ def _block(title: str, lines: Lines) -> QWidget:
         meaning.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         grid.addWidget(caps, row, 0, Qt.AlignmentFlag.AlignTop)
         grid.addWidget(meaning, row, 1)
-    grid.setColumnMinimumWidth(0, 96)
+    grid.setColumnMinimumWidth(0, _KEYS)
     grid.setColumnStretch(1, 1)
     return block
 

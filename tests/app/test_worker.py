@@ -16,12 +16,14 @@ from app.model import edits
 from app.model.document import Document
 from app.session.commands import Adopt, Discard, Go, Halt, SetPace, SetParameters, Sow, Start, WarmUp
 from app.session.core import Core
+from app.session.live_commands import PlaceCharges
 from app.session.mailbox import Mailbox
-from app.session.messages import Failed, Opened, Snapshot, Sowing, Trouble
+from app.session.messages import Failed, Opened, Snapshot, Sowing, Trouble, WentOn
 from app.session.pacer import Pacer
 from app.session.runner import Runner
 from app.session.trace import Recorder
 from cpm_core import Image, Parameters, Regions, uniform_grid
+from cpm_core.charges import PlacedCharge
 from cpm_core.ground import Ground, unvisited
 from cpm_core.particles import Particles, State
 from cpm_core.shapes import Barrier, Everywhere, Points, Region
@@ -53,11 +55,16 @@ class FakeState:
 class FakeEngine:
     """An engine without physics."""
 
-    def __init__(self, image: Image, parameters: Parameters, regions: Regions | None) -> None:
+    def __init__(
+        self, image: Image, parameters: Parameters, regions: Regions | None, made: list[FakeEngine] | None = None
+    ) -> None:
         self.image = image
         self.regions = regions
-        self.regions = regions
         self.scales = parameters.scales
+        self.parameters = parameters
+        self.made = [] if made is None else made
+        self.made.append(self)
+        self.charges: list[tuple[PlacedCharge, ...]] = []
         self.states: list[FakeState] = []
         self.last_step = 10**9
         self.gate = threading.Event()
@@ -67,8 +74,12 @@ class FakeEngine:
         self.seeds = seeds
         return FakeState()
 
-    def step(self, state: FakeState, parameters: Parameters) -> FakeState:
+    def with_regions(self, regions: Regions | None) -> FakeEngine:
+        return FakeEngine(self.image, self.parameters, regions, self.made)
+
+    def step(self, state: FakeState, parameters: Parameters, charges: tuple[PlacedCharge, ...] = ()) -> FakeState:
         assert self.gate.wait(20)
+        self.charges.append(charges)
         if parameters.beta == 4.0:
             raise RuntimeError("kernel fell over")
         reason = "far enough" if state.step + 1 >= self.last_step else ""
@@ -102,8 +113,7 @@ class Bench:
         return Image(np.eye(64), source=path.name)
 
     def _build(self, image: Image, parameters: Parameters, regions: Regions | None) -> FakeEngine:
-        self.engines.append(FakeEngine(image, parameters, regions))
-        return self.engines[-1]
+        return FakeEngine(image, parameters, regions, self.engines)
 
     def _warm_up(self, unwanted: Callable[[], bool]) -> None:
         assert self.hold.wait(20)
@@ -239,6 +249,45 @@ def test_limits_go_to_another_engine_at_the_next_start_and_stay_until_they_chang
         bench.runner.post(Start(generation, 1, document))
         bench.settle()
     assert [engine.regions for engine in bench.engines] == [None, Regions(barriers=(barrier.points,)), None]
+
+
+def test_placed_charges_act_at_the_next_step_and_of_many_moves_the_last_wins(bench: Bench) -> None:
+    engine = bench.open()
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.settle()
+    bench.hold = threading.Event()
+    bench.runner.post(WarmUp())
+    charges = [(PlacedCharge((1.0, float(col)), 1.0),) for col in range(9)]
+    for placed in charges:
+        bench.runner.post(PlaceCharges(1, placed))
+    bench.runner.post(Go(2, steps=1))
+    bench.hold.set()
+    bench.settle()
+    bench.runner.post(PlaceCharges(1, ()))
+    bench.runner.post(PlaceCharges(0, charges[3]))
+    bench.runner.post(PlaceCharges(1, ()))
+    bench.runner.post(Go(2, steps=1))
+    bench.settle()
+    assert engine.charges == [charges[-1], ()]
+
+
+def test_a_run_that_has_ended_goes_on_when_a_charge_is_placed_and_a_halted_one_does_not(bench: Bench) -> None:
+    engine = bench.open()
+    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.runner.post(Go(2, steps=2))
+    bench.settle()
+    bench.runner.post(PlaceCharges(1, (PlacedCharge((1.0, 1.0), 1.0),)))
+    bench.settle()
+    assert len(engine.states) == 2
+    engine.last_step = 3
+    bench.runner.post(Go(2))
+    bench.settle()
+    assert engine.states[-1].stop_reason
+    engine.last_step = 6
+    bench.runner.post(PlaceCharges(1, ()))
+    bench.settle()
+    assert len(engine.states) == 6
+    assert [report.generation for report in bench.reports if isinstance(report, WentOn)] == [2]
 
 
 def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(bench: Bench) -> None:

@@ -27,6 +27,10 @@ class KeysPart(Part):
         )
 
     def _show(self) -> None:
-        for sheet in self.desk.window.findChildren(CheatSheet):
+        open_ones = [sheet for sheet in self.desk.window.findChildren(CheatSheet) if sheet.isVisible()]
+        for sheet in open_ones:
             sheet.close()
-        CheatSheet(self.desk.window, self.desk.entries()).show()
+        if not open_ones:
+            sheet = CheatSheet(self.desk.window, self.desk.entries())
+            sheet.show()
+            sheet.activateWindow()

@@ -18,7 +18,7 @@ from cpm_core.shapes import Points
 _APART = 2.0
 """Least distance between two points of one gesture [px], which is that of particles on drawn lines."""
 
-_DENSITY = 0.02
+_DENSITY = 0.05
 """Points that are tried for each px² of the ring, and each radius that it is moved by."""
 
 _MOST = 20_000

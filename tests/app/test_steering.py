@@ -1,0 +1,290 @@
+"""What is drawn while a run exists acts in it at once: charges, limits, new starts and the eraser; and so does undo."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.model import edits
+from app.views.parts.running import RunningPart
+from cpm_core.charges import RADIUS, PlacedCharge
+from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
+
+KEY = Qt.Key
+CONTROL = Qt.KeyboardModifier.ControlModifier
+
+
+@pytest.fixture
+def shown(ready):
+    """The newest snapshot."""
+    return lambda: ready.part(RunningPart)._snapshot
+
+
+@pytest.fixture
+def begun(ready, hand, shown):
+    """A run at its first step, on a single scale, held there."""
+    ready.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.status.phase == "paused"
+    return ready
+
+
+@pytest.fixture
+def rested(begun, hand):
+    """A run that has come to rest."""
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: begun.session.idle)
+    assert begun.session.status.converged
+    return begun
+
+
+def near(snapshot, place, distance) -> int:
+    return int(np.count_nonzero(np.hypot(*(snapshot.position - place).T) < distance))
+
+
+def test_particles_at_rest_go_to_a_charge_that_is_dropped_beside_them_and_back_when_it_is_undone(
+    rested, hand, shown
+) -> None:
+    generation = rested.session.generation
+    beside = (32.0, 32.0 + 18.0 + 0.7 * RADIUS)
+    assert near(shown(), beside, 8.0) == 0
+    hand.key(KEY.Key_A)
+    hand.click(*beside)
+    hand.key(KEY.Key_Greater)
+    hand.wait(lambda: near(shown(), beside, 8.0) > 3)
+    hand.wait_for_phase("finished")
+    assert rested.session.generation == generation
+    assert not rested.session.status.stale
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: rested.session.idle and rested.session.status.phase == "finished")
+    assert rested.session.document.charges == ()
+    assert near(shown(), beside, 8.0) == 0
+    assert rested.session.generation == generation
+
+
+def test_a_repelling_charge_drives_particles_off_their_edge(rested, hand, shown) -> None:
+    on_edge = (32.0, 50.0)
+    assert near(shown(), on_edge, 3.0) > 2
+    hand.key(KEY.Key_D)
+    hand.click(32, 39)
+    for _ in range(8):
+        hand.key(KEY.Key_Greater)
+    hand.wait(lambda: near(shown(), on_edge, 3.0) == 0)
+
+
+def test_a_charge_that_is_dragged_leads_particles_after_it_while_the_button_is_down(rested, hand, shown) -> None:
+    session = rested.session
+    hand.key(KEY.Key_A)
+    hand.press(32, 62)
+    hand.wait(lambda: near(shown(), (32.0, 62.0), 8.0) > 3)
+    for row in range(33, 53):
+        hand.move(row, 62)
+        hand.wait(lambda: shown().state.charges == (PlacedCharge(session.document.shapes[-1].position, 2.0),))
+    hand.wait(lambda: near(shown(), (52.0, 62.0), 8.0) > 3)
+    assert hand.canvas.dragging
+    hand.release(52, 62)
+    assert session.document.shapes[-1].position == pytest.approx((52, 62), abs=0.5)
+    hand.key(KEY.Key_Z, CONTROL)
+    assert session.document.charges == ()
+    hand.wait(lambda: shown().state.charges == ())
+
+
+def test_a_paused_run_waits_and_feels_the_charge_at_its_next_step(begun, hand, shown) -> None:
+    hand.key(KEY.Key_A)
+    hand.click(20, 20)
+    hand.wait(lambda: begun.session.idle)
+    assert begun.session.status.step == 1
+    assert begun.session.status.phase == "paused"
+    assert begun.actions_by_name["run"].text() == "Resume"
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: begun.session.idle)
+    assert shown().state.charges == begun.session.document.charges
+    assert len(begun.session.document.charges) == 1
+
+
+def test_the_field_is_shown_with_the_charge_that_is_dragged(begun, hand) -> None:
+    fields: list = []
+    begun.session.overlays_changed.connect(lambda overlays: fields.append(overlays.arrays["field"]))
+    hand.key(KEY.Key_5, CONTROL)
+    hand.wait(lambda: len(fields) == 1)
+    hand.key(KEY.Key_A)
+    hand.press(32, 10)
+    hand.wait(lambda: len(fields) == 2)
+    hand.move(32, 14)
+    hand.wait(lambda: len(fields) >= 3)
+    hand.release(32, 14)
+    plain, first, moved = fields[0], fields[1], fields[-1]
+    off = np.argwhere(np.abs(first - plain).sum(axis=0) > 0)
+    assert len(off)
+    assert np.hypot(*(off - (32, 10)).T).max() < 5 * RADIUS
+    toward = [(field - plain)[1, 32, 12] for field in (first, moved)]
+    assert toward[0] < 0 < toward[1]
+
+
+def test_a_barrier_drawn_into_a_run_holds_the_front_and_lets_it_on_when_it_is_taken_back(ready, hand, shown) -> None:
+    session = ready.session
+    session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))
+    session.edit("small", lambda document: edits.set_shapes(document, (Circle((32.0, 20.0), 3.0),)))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: session.idle)
+    hand.key(KEY.Key_B)
+    hand.click(2, 32)
+    hand.click(62, 32)
+    hand.key(KEY.Key_Return)
+    assert isinstance(session.document.shapes[-1], Barrier)
+    assert not session.status.stale
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    inside = np.hypot(*(shown().position - 32.0).T) < 20.0
+    assert shown().position[inside, 1].max() < 33.0
+    generation = session.generation
+    hand.key(KEY.Key_Delete)
+    hand.wait(lambda: shown().position[:, 1].max() > 48.0)
+    assert session.generation == generation
+
+
+def test_a_circle_drawn_into_a_run_brings_its_particles_when_the_button_comes_up(begun, hand, shown) -> None:
+    before = begun.session.status.count
+    hand.key(KEY.Key_C)
+    hand.press(8, 8)
+    hand.move(8, 10)
+    hand.move(8, 12)
+    hand.wait(lambda: begun.session.idle)
+    assert begun.session.status.count == before
+    hand.release(8, 12)
+    hand.wait(lambda: begun.session.status.count > before)
+    circle = begun.session.document.shapes[-1]
+    assert begun.session.status.count == before + len(circle.seeds())
+    joined = shown().position[-len(circle.seeds()) :]
+    np.testing.assert_allclose(np.sort(joined, axis=0), np.sort(circle.seeds(), axis=0), atol=1e-9)
+    assert not begun.session.status.stale
+    assert begun.actions_by_name["run"].text() == "Resume"
+
+
+def test_a_run_at_rest_goes_on_with_points_that_are_placed_into_it(rested, hand) -> None:
+    generation, step = rested.session.generation, rested.session.status.step
+    hand.key(KEY.Key_P)
+    hand.click(5, 5)
+    hand.wait(lambda: rested.session.status.step > step)
+    hand.wait_for_phase("finished")
+    assert rested.session.generation == generation
+    assert not rested.session.status.stale
+
+
+def test_what_is_taken_back_after_it_has_joined_makes_the_run_out_of_date_until_it_is_done_again(
+    begun, hand, shown
+) -> None:
+    session = begun.session
+    hand.key(KEY.Key_P)
+    hand.click(5, 5)
+    hand.wait(lambda: session.idle)
+    count = session.status.count
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: session.idle)
+    assert session.status.stale
+    assert session.status.count == count
+    assert "Run starts anew" in begun.stage.hint.text()
+    hand.key(KEY.Key_Y, CONTROL)
+    hand.wait(lambda: session.idle)
+    assert not session.status.stale
+    assert session.status.count == count
+
+
+def test_a_moved_start_brings_nothing_and_makes_the_run_out_of_date(begun, hand) -> None:
+    session = begun.session
+    count = session.status.count
+    hand.key(KEY.Key_S)
+    hand.drag((32, 32), (34, 34), (36, 36))
+    hand.wait(lambda: session.idle)
+    assert session.status.count == count
+    assert session.status.stale
+    hand.key(KEY.Key_Z, CONTROL)
+    assert not session.status.stale
+
+
+def test_a_start_everywhere_joins_a_run_with_places_that_are_worked_out_for_it(begun, hand) -> None:
+    before = begun.session.status.count
+    hand.key(KEY.Key_G, CONTROL)
+    hand.wait(lambda: begun.session.status.count > before + 20)
+    assert begun.session.document.sowable == (Everywhere("grid"),)
+    assert not begun.session.status.stale
+
+
+def test_erased_particles_vanish_and_so_does_the_shape_that_the_ring_touches(begun, hand, shown) -> None:
+    session = begun.session
+    hand.key(KEY.Key_X)
+    radius = hand.canvas.tool.radius
+    rim = session.document.shapes[0].handles()[1]
+    before = shown()
+    assert near(before, rim, radius) > 0
+    hand.click(*rim)
+    hand.wait(lambda: session.idle)
+    assert near(shown(), rim, radius - 0.5) == 0
+    gone = before.state.count - shown().state.count
+    assert 0 < gone <= near(before, rim, radius + 0.5)
+    assert session.document.shapes == ()
+    assert not session.status.stale
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: session.idle)
+    assert session.status.count > before.state.count - gone
+    assert not session.status.stale
+
+
+def test_erasing_every_particle_ends_the_run_in_a_sentence(begun, hand) -> None:
+    hand.key(KEY.Key_X)
+    for _ in range(15):
+        hand.key(KEY.Key_Greater)
+    hand.drag((32, 32), (33, 33))
+    hand.wait_for_phase("finished")
+    assert "erased" in begun.session.resolved.state
+
+
+def test_undoing_the_drag_of_a_charge_leads_it_back_in_the_run(begun, hand, shown) -> None:
+    session = begun.session
+    session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
+    hand.key(KEY.Key_S)
+    hand.drag((20, 20), (25, 25), (40, 20))
+    moved = session.document.charges
+    assert math.dist(moved[0].position, (40, 20)) < 1
+    for expected, key in ((moved, None), ((PlacedCharge((20.0, 20.0), 2.0),), KEY.Key_Z), (moved, KEY.Key_Y)):
+        if key is not None:
+            hand.key(key, CONTROL)
+        hand.key(KEY.Key_Period)
+        hand.wait(lambda: session.idle)
+        assert shown().state.charges == expected
+
+
+def test_a_charge_belongs_to_its_image_alone(begun, hand, shown, tmp_path) -> None:
+    session = begun.session
+    session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
+    other = tmp_path / "other.npy"
+    np.save(other, np.indices((64, 64)).sum(axis=0) % 17 * 1.0)
+    session.open(other)
+    hand.wait(lambda: session.document.image.name == "other.npy" and session.idle)
+    session.edit("points", lambda document: edits.add_shape(document, Points(((30.0, 30.0), (33.0, 33.0)))))
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: session.idle)
+    assert shown().state.charges == ()
+
+
+def test_charges_drawn_before_the_run_are_felt_from_its_first_step_and_seen_all_the_time(ready, hand, shown) -> None:
+    ready.session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: ready.session.idle)
+    assert shown().state.charges == (PlacedCharge((20.0, 20.0), 2.0),)
+    discs = hand.canvas.layers.drawing._charges._discs
+    assert discs.isVisible()
+    assert discs.opacity() == 1.0
+    hand.key(KEY.Key_3, CONTROL)
+    assert not discs.isVisible()

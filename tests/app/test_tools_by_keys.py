@@ -1,0 +1,199 @@
+"""Every tool is used without a pointer: a cross-hair is led by arrow keys, and Enter is the button."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import Qt
+
+from app.model import edits
+from app.views.cheat_sheet import CheatSheet
+from app.views.tools import TOOLS
+from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
+
+KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
+KEYS = {tool.name: getattr(KEY, f"Key_{tool.shortcut}") for tool in TOOLS}
+
+
+@pytest.fixture
+def keys(window, hand):
+    """Keys in a row on the image; the cross-hair begins in the middle of what is seen."""
+    hand.canvas.setFocus()
+    names = {"^": KEY.Key_Up, "v": KEY.Key_Down, "<": KEY.Key_Left, ">": KEY.Key_Right, "!": KEY.Key_Return}
+
+    def press(text: str) -> None:
+        """Arrows by 10 px, with a dot behind them by one; ! is Enter."""
+        for place, sign in enumerate(text):
+            fine = text[place + 1 : place + 2] == "."
+            if sign != ".":
+                held = MODIFIER.NoModifier if fine or sign == "!" else MODIFIER.ShiftModifier
+                hand.key(names[sign], held)
+
+    return press
+
+
+def drawn(window):
+    return window.session.document.shapes
+
+
+def test_enter_shows_the_cross_hair_in_the_middle_and_arrows_lead_it(window, hand, keys) -> None:
+    crosshair = window.stage.crosshair
+    assert crosshair.at is None
+    keys("!")
+    assert crosshair.at == pytest.approx((32, 32), abs=1)
+    row, col = crosshair.at
+    keys("v>.>.^.")
+    assert crosshair.at == (row + 9, col + 2)
+    assert window.pointer_readout.text().startswith(f"row {row + 9:.0f}, col {col + 2:.0f}:")
+    assert "cross-hair" in window.stage.hint.text()
+    hand.key(KEY.Key_Escape)
+    assert crosshair.at is None
+    assert "cross-hair" not in window.stage.hint.text()
+
+
+PATHS = {"polygon": Polygon, "stroke": Stroke, "grid_area": Grid, "threshold": Threshold, "region": Region}
+
+
+@pytest.mark.parametrize("name", [*PATHS, "barrier"])
+def test_paths_are_drawn_corner_by_corner_and_ended_by_a_second_enter(window, hand, keys, name) -> None:
+    hand.key(KEYS[name])
+    keys("!")
+    row, col = window.stage.crosshair.at
+    keys("!v!>!!")
+    (shape,) = drawn(window)
+    assert type(shape) is {**PATHS, "barrier": Barrier}[name]
+    assert shape.points == ((row, col), (row + 10, col), (row + 10, col + 10))
+
+
+def test_the_last_corner_is_taken_back_and_ctrl_enter_ends_a_path(window, hand, keys) -> None:
+    hand.key(KEYS["stroke"])
+    keys("!")
+    row, col = window.stage.crosshair.at
+    keys("!v!>!")
+    hand.key(KEY.Key_Backspace)
+    hand.key(KEY.Key_Return, MODIFIER.ControlModifier)
+    (stroke,) = drawn(window)
+    assert stroke.points == ((row, col), (row + 10, col))
+
+
+@pytest.mark.parametrize(("name", "kind"), [("circle", Circle), ("ellipse", Ellipse)])
+def test_circles_and_ellipses_are_dragged(window, hand, keys, name, kind) -> None:
+    hand.key(KEYS[name])
+    keys("!")
+    row, col = window.stage.crosshair.at
+    keys("!>v!>")
+    (shape,) = drawn(window)
+    assert shape == (
+        Circle((row, col), pytest.approx(200**0.5)) if kind is Circle else Ellipse((row + 5, col + 5), (5.0, 5.0))
+    )
+
+
+def test_points_are_placed_one_enter_each(window, hand, keys) -> None:
+    hand.key(KEYS["points"])
+    keys("!")
+    row, col = window.stage.crosshair.at
+    keys("!>!v!")
+    assert drawn(window) == tuple(Points((at,)) for at in ((row, col), (row, col + 10), (row + 10, col + 10)))
+
+
+@pytest.mark.parametrize("name", ["attract", "repel"])
+def test_a_charge_is_dropped_led_and_let_go_and_taken_hold_of_again(window, hand, keys, name) -> None:
+    hand.key(KEYS[name])
+    keys("!")
+    row, col = window.stage.crosshair.at
+    keys("!>>!v")
+    (charge,) = drawn(window)
+    assert charge.position == (row, col + 20)
+    keys("^!<!")
+    (charge,) = drawn(window)
+    assert charge.position == (row, col + 10)
+    keys("v!")
+    assert len(drawn(window)) == 2
+
+
+def test_the_eraser_and_the_spray_work_between_two_enters(window, hand, keys) -> None:
+    hand.key(KEYS["spray"])
+    keys("!!>>!")
+    (points,) = drawn(window)
+    assert len(points.positions) > 5
+    hand.key(KEYS["eraser"])
+    for _ in range(4):
+        hand.key(KEY.Key_Greater)
+    keys("!<<!")
+    assert drawn(window) == ()
+
+
+def test_a_shape_and_its_handle_are_dragged_with_the_select_tool(window, hand, keys) -> None:
+    keys("!")
+    row, col = window.stage.crosshair.at
+    window.session.edit("add", lambda document: edits.add_shape(document, Circle((row, col), 10.0)))
+    hand.key(KEYS["select"])
+    keys("!>!")
+    assert drawn(window) == (Circle((row, col + 10), 10.0),)
+    keys(">!>.>.>.!")
+    assert drawn(window) == (Circle((row, col + 10), 13.0),)
+
+
+def test_escape_gives_up_the_drag_before_it_puts_the_cross_hair_away(window, hand, keys) -> None:
+    keys("!!>")
+    assert len(drawn(window)) == 1
+    hand.key(KEY.Key_Escape)
+    assert drawn(window) == ()
+    assert window.stage.crosshair.at is not None
+    assert not hand.canvas.dragging
+    hand.key(KEY.Key_Escape)
+    assert window.stage.crosshair.at is None
+
+
+def test_a_press_of_the_pointer_takes_over_from_the_cross_hair(window, hand, keys) -> None:
+    keys("!")
+    hand.move(5, 5)
+    assert window.stage.crosshair.at == pytest.approx((32, 32), abs=1)
+    hand.drag((20, 20), (20, 25), (20, 28))
+    assert window.stage.crosshair.at is None
+    (circle,) = drawn(window)
+    assert circle.radius == pytest.approx(8, abs=0.5)
+
+
+def test_the_image_follows_the_cross_hair_out_of_sight(window, hand, keys) -> None:
+    hand.canvas.zoom(8.0)
+    keys("!>>>vvv")
+    assert hand.canvas.view.viewRect().contains(*reversed(window.stage.crosshair.at))
+
+
+def test_enter_on_an_empty_stage_does_nothing_and_space_still_runs(window, hand, keys) -> None:
+    window.session.edit("add", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
+    keys("!")
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    assert window.stage.crosshair.at is not None
+
+
+def test_a_question_mark_opens_the_sheet_of_all_keys_and_closes_it(window, hand) -> None:
+    def sheets() -> list[CheatSheet]:
+        return [sheet for sheet in window.findChildren(CheatSheet) if sheet.isVisible()]
+
+    for close in (KEY.Key_Question, KEY.Key_Escape):
+        hand.canvas.setFocus()
+        hand.key(KEY.Key_Question)
+        (sheet,) = sheets()
+        text = sheet.text()
+        for entry in window.actions_by_name.entries:
+            if entry.shortcuts:
+                assert entry.text.replace("&", "").rstrip("…") in text
+        for word in ("Ctrl+Z", "cross-hair", "wheel", "Layers"):
+            assert word in text
+        hand.wait(sheet.isActiveWindow)
+        hand.qtbot.keyClick(sheet, close)
+        assert sheets() == []
+        hand.wait(window.isActiveWindow)
+
+
+def test_the_charges_strength_and_place_are_changed_by_keys_alone(window, hand, keys) -> None:
+    hand.key(KEYS["attract"])
+    keys("!!!")
+    hand.key(KEY.Key_Greater)
+    (charge,) = drawn(window)
+    assert charge.strength == Charge((0.0, 0.0)).strength + 0.5
+    hand.key(KEY.Key_Escape)
+    hand.key(KEY.Key_Down)
+    assert drawn(window)[0].position == (charge.position[0] + 1, charge.position[1])

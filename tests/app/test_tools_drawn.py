@@ -1,0 +1,273 @@
+"""Ellipse, polygon, spray, grid, threshold and eraser: drawn with real mouse and key events."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtWidgets import QApplication
+
+from app.model import edits
+from app.views.tools import TOOLS
+from cpm_core import edge_map, paths
+from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
+
+KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
+PIXEL = 0.5
+CORNERS = ((10.0, 12.0), (12.0, 48.0), (50.0, 44.0), (46.0, 10.0))
+
+
+def only(window):
+    (shape,) = window.session.document.shapes
+    return shape
+
+
+def add(window, *shapes) -> None:
+    for shape in shapes:
+        window.session.edit("add", lambda document, shape=shape: edits.add_shape(document, shape))
+
+
+def drag_with(hand, modifiers: MODIFIER, begin, end) -> None:
+    """A drag with keys held, which the test library cannot hold while the pointer moves."""
+    viewport, button, none = hand.canvas.viewport(), Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
+    steps = (
+        (QMouseEvent.Type.MouseButtonPress, begin, button, button),
+        (QMouseEvent.Type.MouseMove, end, none, button),
+    )
+    for kind, at, changed, down in (*steps, (QMouseEvent.Type.MouseButtonRelease, end, button, none)):
+        point = QPointF(hand.at(*at))
+        there = QPointF(viewport.mapToGlobal(point))
+        QApplication.sendEvent(viewport, QMouseEvent(kind, point, there, changed, down, modifiers))
+
+
+def test_a_drag_with_the_ellipse_tool_draws_it_in_its_box_as_one_step_of_undo(window, hand) -> None:
+    hand.key(KEY.Key_E)
+    hand.drag((10, 12), (20, 30), (30, 52))
+    ellipse = only(window)
+    assert isinstance(ellipse, Ellipse)
+    assert ellipse.center == pytest.approx((20, 32), abs=PIXEL)
+    assert ellipse.radii == pytest.approx((20, 10), abs=PIXEL)
+    assert window.session.selected == 0
+    assert window.actions_by_name["undo"].text() == "Undo draw ellipse"
+    hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
+    assert window.session.document.shapes == ()
+    assert not window.actions_by_name["undo"].isEnabled()
+
+
+def test_shift_makes_an_ellipse_round_and_ctrl_draws_it_from_its_centre(window, hand) -> None:
+    hand.key(KEY.Key_E)
+    drag_with(hand, MODIFIER.ShiftModifier, (10, 10), (20, 40))
+    drag_with(hand, MODIFIER.ControlModifier, (40, 30), (46, 40))
+    drag_with(hand, MODIFIER.ControlModifier | MODIFIER.ShiftModifier, (30, 50), (25, 42))
+    round_, central, both = window.session.document.shapes
+    assert round_.radii == pytest.approx((15, 15), abs=PIXEL)
+    assert round_.center == pytest.approx((25, 25), abs=PIXEL)
+    assert central.center == pytest.approx((40, 30), abs=PIXEL)
+    assert central.radii == pytest.approx((10, 6), abs=PIXEL)
+    assert both.center == pytest.approx((30, 50), abs=PIXEL)
+    assert both.radii == pytest.approx((8, 8), abs=PIXEL)
+
+
+def test_shift_leads_the_sides_of_a_path_in_eight_directions(window, hand) -> None:
+    hand.key(KEY.Key_O)
+    hand.click(10, 10)
+    for end in ((12, 40), (43, 38), (30, 22)):
+        drag_with(hand, MODIFIER.ShiftModifier, end, end)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Return)
+    points = np.array(only(window).points)
+    sides = np.degrees(np.arctan2(*np.diff(points, axis=0).T)) / 45.0
+    np.testing.assert_allclose(sides, np.round(sides), atol=1e-6)
+    assert tuple(points[1]) == pytest.approx((10, 40), abs=PIXEL)
+
+
+def test_an_ellipse_is_resized_and_turned_by_its_handles_whichever_tool_is_in_use(window, hand) -> None:
+    add(window, Ellipse((32.0, 32.0), (20.0, 10.0)))
+    window.session.select(0)
+    hand.drag((32, 52), (32, 46), (35, 44))
+    assert only(window).radii == pytest.approx((12, 10), abs=PIXEL)
+    turning = only(window).handles()[-1]
+    hand.drag(turning, (44, 44), (50, 32))
+    turned = only(window)
+    assert turned.angle == pytest.approx(math.pi / 2, abs=0.05)
+    assert turned.radii == pytest.approx((12, 10), abs=PIXEL)
+
+
+@pytest.mark.parametrize(("key", "kind"), [(KEY.Key_O, Polygon), (KEY.Key_G, Grid), (KEY.Key_H, Threshold)])
+def test_a_closed_line_is_drawn_corner_by_corner_and_its_particles_are_shown(window, hand, key, kind) -> None:
+    hand.canvas.setFocus()
+    hand.key(key)
+    assert "corner by corner" in window.stage.hint.text()
+    for corner in CORNERS:
+        hand.click(*corner)
+    hand.key(KEY.Key_Return)
+    shape = only(window)
+    assert type(shape) is kind
+    assert max(math.dist(a, b) for a, b in zip(shape.points, CORNERS, strict=True)) <= PIXEL
+    hand.wait(lambda: window.session.idle)
+    layer = hand.canvas.layers.drawing
+    values = window.pointer_readout._image.values
+    shown = {Polygon: layer._seeds.count, Grid: layer._points.count, Threshold: layer.everywhere}[kind]
+    if kind is Threshold:
+        strength = edge_map(values, 1.0)
+        pixels = np.argwhere(np.ones(values.shape, bool)).astype(float)
+        within = paths.inside(shape.points, pixels).reshape(values.shape)
+        assert shown == np.count_nonzero(within & (strength > shape.fraction * strength[within].max())) > 10
+    else:
+        assert shown == len(shape.seeds()) > 10
+
+
+@pytest.mark.parametrize(
+    ("shape", "value"),
+    [
+        (Circle((30.0, 30.0), 10.0), lambda shape: shape.radius),
+        (Ellipse((30.0, 30.0), (10.0, 5.0)), lambda shape: shape.radii[0]),
+        (Polygon(CORNERS), lambda shape: paths.area(shape.points)),
+        (Region(CORNERS), lambda shape: paths.area(shape.points)),
+        (Grid(CORNERS), lambda shape: shape.spacing),
+        (Threshold(CORNERS), lambda shape: shape.fraction),
+        (Charge((30.0, 30.0), 2.0), lambda shape: shape.strength),
+        (Charge((30.0, 30.0), -2.0), lambda shape: -shape.strength),
+    ],
+)
+def test_less_and_greater_change_the_size_of_the_selected_shape_and_undo_brings_it_back(
+    window, hand, shape, value
+) -> None:
+    add(window, shape)
+    window.session.select(0)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Greater)
+    assert value(only(window)) > value(shape)
+    hand.key(KEY.Key_Less)
+    hand.key(KEY.Key_Less)
+    assert value(only(window)) < value(shape)
+    hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
+    assert only(window) == shape
+
+
+def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_in_one_place(window, hand) -> None:
+    hand.key(KEY.Key_Y)
+    assert "spray" in window.stage.hint.text()
+    way = [(20.0, 20.0), (20.0, 30.0), (30.0, 40.0), (40.0, 40.0)]
+    hand.drag(*way)
+    points = only(window)
+    assert isinstance(points, Points)
+    radius = window.stage.canvas.tool.radius
+    positions = np.array(points.positions)
+    assert len(positions) > 5
+    assert paths.distances(way, positions).max() <= radius + PIXEL
+    between = np.hypot(*(positions[:, None] - positions[None]).transpose(2, 0, 1))
+    assert between[np.triu_indices(len(positions), 1)].min() >= 2.0
+    hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
+    assert window.session.document.shapes == ()
+    hand.drag((1.0, 1.0), (0.0, 0.0), (-3.0, -3.0))
+    assert (np.array(only(window).positions) >= -0.5).all()
+
+
+@pytest.mark.parametrize("key", [KEY.Key_Y, KEY.Key_X])
+def test_less_and_greater_change_the_ring_which_is_seen_and_leaves_with_the_pointer(window, hand, key) -> None:
+    hand.canvas.setFocus()
+    hand.key(key)
+    ring = hand.canvas.layers.drawing._draft._ring
+    hand.move(10, 10)
+    hand.move(32, 32)
+    first = np.ptp(ring.getData()[0])
+    assert first == pytest.approx(2 * hand.canvas.tool.radius, rel=1e-3)
+    hand.key(KEY.Key_Greater)
+    assert np.ptp(ring.getData()[0]) > 1.1 * first
+    assert np.mean(ring.getData()[0]) == pytest.approx(32, abs=PIXEL)
+    hand.key(KEY.Key_Less)
+    hand.key(KEY.Key_Less)
+    assert np.ptp(ring.getData()[0]) < first
+    hand.key(KEY.Key_S)
+    assert len(ring.getData()[0]) == 0
+    hand.key(key)
+    assert len(ring.getData()[0]) > 0
+
+
+@pytest.mark.parametrize("key", [KEY.Key_Y, KEY.Key_X, KEY.Key_E, KEY.Key_A])
+def test_escape_during_a_drag_leaves_the_drawing_as_it_was_and_nothing_to_undo(window, hand, key) -> None:
+    hand.key(key)
+    window.session._editor.begin(edits.add_shape(window.session.document, Circle((30.0, 30.0), 8.0)))
+    before = window.session.document
+    hand.press(20, 20)
+    hand.move(24, 30)
+    hand.move(30, 38)
+    assert window.session.document != before
+    hand.qtbot.keyClick(hand.canvas, KEY.Key_Escape)
+    hand.release(30, 38)
+    assert window.session.document.shapes == before.shapes
+    assert not window.actions_by_name["undo"].isEnabled()
+
+
+def test_the_eraser_takes_points_one_by_one_and_other_shapes_that_it_touches_and_leaves_the_rest(window, hand) -> None:
+    far = Circle((50.0, 50.0), 5.0)
+    points = Points(((10.0, 10.0), (10.0, 20.0), (10.0, 30.0), (40.0, 10.0)))
+    touched = (Barrier(((5.0, 15.0), (15.0, 15.0))), Stroke(((12.0, 25.0), (30.0, 25.0))), Charge((10.0, 27.0)))
+    add(window, far, points, *touched)
+    hand.key(KEY.Key_X)
+    radius = hand.canvas.tool.radius
+    assert radius < 6
+    hand.drag((10, 8), (10, 32))
+    assert window.session.document.shapes == (far, Points(((40.0, 10.0),)))
+    assert window.actions_by_name["undo"].text() == "Undo erase"
+    hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
+    assert window.session.document.shapes == (far, points, *touched)
+
+
+def test_the_middle_of_a_circle_is_not_the_circle_for_an_eraser(window, hand) -> None:
+    circle = Circle((32.0, 32.0), 20.0)
+    add(window, circle)
+    hand.key(KEY.Key_X)
+    hand.drag((30, 30), (34, 34))
+    assert window.session.document.shapes == (circle,)
+    hand.click(32, 50)
+    assert window.session.document.shapes == ()
+
+
+@pytest.mark.parametrize(("key", "sign"), [(KEY.Key_A, 1), (KEY.Key_D, -1)])
+def test_a_click_drops_a_charge_and_a_drag_takes_hold_of_it_again(window, hand, key, sign) -> None:
+    hand.key(key)
+    hand.click(20, 20)
+    dropped = only(window)
+    assert isinstance(dropped, Charge)
+    assert dropped.strength * sign > 0
+    assert dropped.position == pytest.approx((20, 20), abs=PIXEL)
+    assert window.session.selected == 0
+    hand.drag((20, 20), (30, 30), (40, 35))
+    assert only(window).position == pytest.approx((40, 35), abs=PIXEL)
+    assert only(window).strength == dropped.strength
+    assert window.actions_by_name["undo"].text().startswith("Undo move")
+    hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
+    assert only(window) == dropped
+    hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
+    assert window.session.document.shapes == ()
+
+
+def test_every_tool_has_a_key_of_its_own_a_tip_and_a_button_within_a_window_720_px_high(window, hand, qtbot) -> None:
+    window.resize(1280, 720)
+    hand.wait(lambda: window.height() == 720)
+    keys = [tool.shortcut for tool in TOOLS]
+    assert len(set(keys)) == len(TOOLS)
+    assert all(len(key) == 1 and tool.tip.endswith(".") for key, tool in zip(keys, TOOLS, strict=True))
+    palette = window._palette_of_tools
+    for tool in TOOLS:
+        button = palette.buttons[tool.name]
+        place = button.mapTo(window, button.rect().bottomRight())
+        assert button.isVisible()
+        assert place.y() < window.height() - window.statusBar().height()
+        assert tool.tip in button.toolTip()
+        assert not button.icon().isNull()
+        qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+        assert hand.canvas.tool.name == tool.name
+        assert button.isChecked()
+
+
+def test_no_key_is_taken_twice(window) -> None:
+    keys = [key for entry in window.actions_by_name.entries for key in entry.shortcuts]
+    keys += [dock.toggleViewAction().shortcut().toString() for dock in window.docks]
+    keys = [key for key in keys if key]
+    assert sorted(keys) == sorted(set(keys))
