@@ -173,6 +173,8 @@ def test_a_question_mark_opens_the_sheet_of_all_keys_and_closes_it(window, hand)
         return [sheet for sheet in window.findChildren(CheatSheet) if sheet.isVisible()]
 
     for close in (KEY.Key_Question, KEY.Key_Escape):
+        window.activateWindow()
+        hand.wait(window.isActiveWindow)
         hand.canvas.setFocus()
         hand.key(KEY.Key_Question)
         (sheet,) = sheets()
@@ -185,7 +187,6 @@ def test_a_question_mark_opens_the_sheet_of_all_keys_and_closes_it(window, hand)
         hand.wait(sheet.isActiveWindow)
         hand.qtbot.keyClick(sheet, close)
         assert sheets() == []
-        hand.wait(window.isActiveWindow)
 
 
 def test_the_charges_strength_and_place_are_changed_by_keys_alone(window, hand, keys) -> None:
