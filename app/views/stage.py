@@ -117,9 +117,13 @@ class Stage(QWidget):
         return super().eventFilter(watched, event)
 
     def _wants(self, event: QKeyEvent) -> bool:
-        """Whether a key that is a shortcut of the window belongs to what is being drawn."""
+        """Whether a key that is a shortcut of the window belongs to what is being drawn, or to a size."""
         tool = self.canvas.tool
-        return event.key() == Qt.Key.Key_Backspace and tool is not None and tool.drafting
+        if tool is None:
+            return False
+        if event.key() in _SIZES:
+            return tool.sized or self._session.selected is not None
+        return event.key() == Qt.Key.Key_Backspace and tool.drafting
 
     def _take_key(self, event: QKeyEvent) -> bool:
         key = Qt.Key(event.key())
@@ -148,7 +152,10 @@ class Stage(QWidget):
         if key in _SIZES and index is not None:
             self._grow(index, _SIZES[key])
             return True
-        return key in _SIZES and tool is not None and tool.resize(_SIZES[key])
+        if key in _SIZES and tool is not None and tool.sized:
+            tool.resize(_SIZES[key])
+            return True
+        return False
 
     def _grow(self, index: int, by: float) -> None:
         shape = self._session.document.shapes[index]

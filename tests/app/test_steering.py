@@ -9,7 +9,9 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model import edits
+from app.session.timeline_commands import SetTimelineBudget
 from app.views.parts.running import RunningPart
+from app.views.parts.timeline import TimelinePart
 from cpm_core.charges import RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
 
@@ -222,7 +224,7 @@ def test_a_start_everywhere_joins_a_run_with_places_that_are_worked_out_for_it(b
 
 def test_erased_particles_vanish_and_so_does_the_shape_that_the_ring_touches(begun, hand, shown) -> None:
     session = begun.session
-    hand.key(KEY.Key_X)
+    hand.key(KEY.Key_E)
     radius = hand.canvas.tool.radius
     rim = session.document.shapes[0].handles()[1]
     before = shown()
@@ -240,8 +242,48 @@ def test_erased_particles_vanish_and_so_does_the_shape_that_the_ring_touches(beg
     assert not session.status.stale
 
 
+def test_less_and_greater_belong_to_the_ring_even_where_there_are_steps_to_go_back_to(begun, hand) -> None:
+    for _ in range(3):
+        hand.key(KEY.Key_Period)
+        hand.wait(lambda: begun.session.idle)
+    step = begun.session.status.step
+    hand.key(KEY.Key_E)
+    radius = hand.canvas.tool.radius
+    hand.key(KEY.Key_Less)
+    hand.wait(lambda: begun.session.idle)
+    assert hand.canvas.tool.radius < radius
+    assert begun.session.status.step == step
+
+
+def test_steps_taken_with_charges_new_particles_and_the_eraser_are_found_again_as_they_were(begun, hand, shown) -> None:
+    session = begun.session
+    seen = {}
+
+    def take_a_step() -> None:
+        hand.key(KEY.Key_Period)
+        hand.wait(lambda: session.idle)
+        seen[session.status.step] = shown().position
+
+    session.post(SetTimelineBudget(0))
+    session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
+    take_a_step()
+    session.edit("points", lambda document: edits.add_shape(document, Points(((5.0, 5.0), (8.0, 8.0)))))
+    take_a_step()
+    hand.key(KEY.Key_E)
+    hand.click(8, 8)
+    take_a_step()
+    session.edit("barrier", lambda document: edits.add_shape(document, Barrier(((2.0, 30.0), (60.0, 30.0)))))
+    take_a_step()
+    take_a_step()
+    travel = begun.part(TimelinePart).travel
+    for step, position in seen.items():
+        travel.to(step)
+        hand.wait(lambda step=step: session.idle and shown().state.step == step)
+        np.testing.assert_array_equal(shown().position, position)
+
+
 def test_erasing_every_particle_ends_the_run_in_a_sentence(begun, hand) -> None:
-    hand.key(KEY.Key_X)
+    hand.key(KEY.Key_E)
     for _ in range(15):
         hand.key(KEY.Key_Greater)
     hand.drag((32, 32), (33, 33))

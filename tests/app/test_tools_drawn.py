@@ -44,7 +44,7 @@ def drag_with(hand, modifiers: MODIFIER, begin, end) -> None:
 
 
 def test_a_drag_with_the_ellipse_tool_draws_it_in_its_box_as_one_step_of_undo(window, hand) -> None:
-    hand.key(KEY.Key_E)
+    hand.key(KEY.Key_L)
     hand.drag((10, 12), (20, 30), (30, 52))
     ellipse = only(window)
     assert isinstance(ellipse, Ellipse)
@@ -58,7 +58,7 @@ def test_a_drag_with_the_ellipse_tool_draws_it_in_its_box_as_one_step_of_undo(wi
 
 
 def test_shift_makes_an_ellipse_round_and_ctrl_draws_it_from_its_centre(window, hand) -> None:
-    hand.key(KEY.Key_E)
+    hand.key(KEY.Key_L)
     drag_with(hand, MODIFIER.ShiftModifier, (10, 10), (20, 40))
     drag_with(hand, MODIFIER.ControlModifier, (40, 30), (46, 40))
     drag_with(hand, MODIFIER.ControlModifier | MODIFIER.ShiftModifier, (30, 50), (25, 42))
@@ -167,7 +167,7 @@ def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_
     assert (np.array(only(window).positions) >= -0.5).all()
 
 
-@pytest.mark.parametrize("key", [KEY.Key_Y, KEY.Key_X])
+@pytest.mark.parametrize("key", [KEY.Key_Y, KEY.Key_E])
 def test_less_and_greater_change_the_ring_which_is_seen_and_leaves_with_the_pointer(window, hand, key) -> None:
     hand.canvas.setFocus()
     hand.key(key)
@@ -188,7 +188,7 @@ def test_less_and_greater_change_the_ring_which_is_seen_and_leaves_with_the_poin
     assert len(ring.getData()[0]) > 0
 
 
-@pytest.mark.parametrize("key", [KEY.Key_Y, KEY.Key_X, KEY.Key_E, KEY.Key_A])
+@pytest.mark.parametrize("key", [KEY.Key_Y, KEY.Key_E, KEY.Key_L, KEY.Key_A])
 def test_escape_during_a_drag_leaves_the_drawing_as_it_was_and_nothing_to_undo(window, hand, key) -> None:
     hand.key(key)
     window.session._editor.begin(edits.add_shape(window.session.document, Circle((30.0, 30.0), 8.0)))
@@ -208,7 +208,7 @@ def test_the_eraser_takes_points_one_by_one_and_other_shapes_that_it_touches_and
     points = Points(((10.0, 10.0), (10.0, 20.0), (10.0, 30.0), (40.0, 10.0)))
     touched = (Barrier(((5.0, 15.0), (15.0, 15.0))), Stroke(((12.0, 25.0), (30.0, 25.0))), Charge((10.0, 27.0)))
     add(window, far, points, *touched)
-    hand.key(KEY.Key_X)
+    hand.key(KEY.Key_E)
     radius = hand.canvas.tool.radius
     assert radius < 6
     hand.drag((10, 8), (10, 32))
@@ -221,7 +221,7 @@ def test_the_eraser_takes_points_one_by_one_and_other_shapes_that_it_touches_and
 def test_the_middle_of_a_circle_is_not_the_circle_for_an_eraser(window, hand) -> None:
     circle = Circle((32.0, 32.0), 20.0)
     add(window, circle)
-    hand.key(KEY.Key_X)
+    hand.key(KEY.Key_E)
     hand.drag((30, 30), (34, 34))
     assert window.session.document.shapes == (circle,)
     hand.click(32, 50)

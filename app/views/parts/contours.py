@@ -129,7 +129,7 @@ class ContoursPart(Part):
                 area="bottom",
                 tab="results",
                 shown=False,
-                shortcut="F9",
+                shortcut="F5",
             ),
         )
 

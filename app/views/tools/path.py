@@ -131,6 +131,7 @@ class PathTool:
     """
 
     clicks = True
+    sized = False
     by_keys = tr("Enter places a corner; Enter once more on the same place ends it.")
 
     def __init__(self, session: Session, kind: PathKind, drawing: DrawingLayer, advised: Callable[[], None]) -> None:
@@ -220,9 +221,8 @@ class PathTool:
         """With Shift, sides keep to eight directions."""
         self._bent = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
 
-    def resize(self, by: float) -> bool:
+    def resize(self, by: float) -> None:
         """It has no size."""
-        return False
 
     def finish(self) -> None:
         """Make a shape of the path."""

@@ -31,6 +31,7 @@ class Ringed(Momentary):
 
     name: ClassVar[str]
     colour: ClassVar[str]
+    sized = True
 
     def __init__(self, session: Session, drawing: DrawingLayer) -> None:
         super().__init__()
@@ -86,12 +87,11 @@ class Ringed(Momentary):
         self._at = at
         self._drawing.show_ring(at, self.radius, self.colour)
 
-    def resize(self, by: float) -> bool:
+    def resize(self, by: float) -> None:
         """Make the ring larger or smaller."""
         self._chosen = min(max(self.radius * _FACTOR**by, _LEAST), _MOST)
         if self._at is not None:
             self.hover(self._at)
-        return True
 
     def put_away(self) -> None:
         """Hide the ring."""

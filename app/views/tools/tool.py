@@ -58,8 +58,12 @@ class Tool(Protocol):
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
         """These keys are held now, which may bend what is drawn to a rule."""
 
-    def resize(self, by: float) -> bool:
-        """Make what it works with larger, for less than 0 smaller; whether it has a size."""
+    @property
+    def sized(self) -> bool:
+        """Whether what it works with has a size."""
+
+    def resize(self, by: float) -> None:
+        """Make what it works with larger, for less than 0 smaller."""
 
     def finish(self) -> None:
         """End what it is in the middle of."""
@@ -89,6 +93,7 @@ class Momentary:
 
     drafting = False
     clicks = False
+    sized = False
     by_keys = tr("Enter takes hold, arrow keys drag, Enter lets go.")
     guidance: ClassVar[str] = ""
     """One sentence on how to begin with it, said until it has been used."""
@@ -107,9 +112,8 @@ class Momentary:
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
         """There is no rule."""
 
-    def resize(self, by: float) -> bool:
+    def resize(self, by: float) -> None:
         """It has no size."""
-        return False
 
     def finish(self) -> None:
         """Nothing is left to be ended."""
