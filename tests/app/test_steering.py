@@ -260,9 +260,10 @@ def test_steps_taken_with_charges_new_particles_and_the_eraser_are_found_again_a
     seen = {}
 
     def take_a_step() -> None:
-        hand.key(KEY.Key_Period)
         hand.wait(lambda: session.idle)
         seen[session.status.step] = shown().position
+        hand.key(KEY.Key_Period)
+        hand.wait(lambda: session.idle)
 
     session.post(SetTimelineBudget(0))
     session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
@@ -277,7 +278,7 @@ def test_steps_taken_with_charges_new_particles_and_the_eraser_are_found_again_a
     take_a_step()
     travel = begun.part(TimelinePart).travel
     for step, position in seen.items():
-        travel.to(step)
+        travel.go(1, step)
         hand.wait(lambda step=step: session.idle and shown().state.step == step)
         np.testing.assert_array_equal(shown().position, position)
 

@@ -40,6 +40,10 @@ class FakeState:
     scale: int = 0
     epsilon: float = 0.5
     count: int = 2
+    born: int = 0
+    deleted: int = 0
+    next_identity: int = 2
+    charges: tuple[PlacedCharge, ...] = ()
     stop_reason: str = ""
     converged: bool = False
     steering: tuple[object, ...] = ()
@@ -92,6 +96,9 @@ class FakeEngine:
         )
         self.states.append(following)
         return following
+
+    def energies(self, state: FakeState, parameters: Parameters, charges: object) -> SimpleNamespace:
+        return SimpleNamespace(kinetic=0.0, potential=0.0)
 
     def result(self, state: FakeState, parameters: Parameters) -> SimpleNamespace:
         return SimpleNamespace(contours=(), steps=state.step, spacing=(1.0, 1.0))
