@@ -127,7 +127,7 @@ class ContoursPart(Part):
                 title=tr("Contours"),
                 widget=self.panel,
                 area="bottom",
-                tab="results",
+                tab="below",
                 shown=False,
                 shortcut="F5",
             ),

@@ -125,7 +125,9 @@ class TimelinePart(Part):
 
     def panels(self) -> Sequence[Panel]:
         """The timeline, below the canvas."""
-        return (Panel(name="timeline", title=tr("Timeline"), widget=self.panel, area="bottom", shortcut="F9"),)
+        return (
+            Panel(name="timeline", title=tr("Timeline"), widget=self.panel, area="bottom", tab="below", shortcut="F9"),
+        )
 
     def preferences(self) -> Sequence[PreferenceRow]:
         """Memory for the timeline."""

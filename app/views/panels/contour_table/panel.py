@@ -7,7 +7,7 @@ from functools import partial
 
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
 
 from app.model import edits
 from app.model.document import Document
@@ -51,6 +51,7 @@ class ContourPanel(QWidget):
         self._colours = QMenu(self)
         self._colours.aboutToShow.connect(self._colours.clear)
         self._colours.aboutToShow.connect(lambda: fill_colours(self._colours))
+        self._boxes = (QBoxLayout(QBoxLayout.Direction.TopToBottom), QBoxLayout(QBoxLayout.Direction.TopToBottom))
         self._beside = self._make_beside()
         self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
         self._layout.setContentsMargins(12, 8, 12, 8)
@@ -72,9 +73,10 @@ class ContourPanel(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Stand below each other where there is no room beside."""
         narrow = event.size().width() < _NARROW
-        self._layout.setDirection(
-            QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight,
-        )
+        along, across = QBoxLayout.Direction.LeftToRight, QBoxLayout.Direction.TopToBottom
+        self._layout.setDirection(across if narrow else along)
+        for box in self._boxes:
+            box.setDirection(along if narrow else across)
         self._beside.setMaximumWidth(16_777_215 if narrow else _BESIDE)
         super().resizeEvent(event)
 
@@ -84,20 +86,25 @@ class ContourPanel(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(6)
         column.addWidget(self.summary)
+        sliders, rows = self._boxes
         for threshold in self.thresholds.values():
-            column.addWidget(threshold)
-        row = QGridLayout()
-        row.setSpacing(4)
+            sliders.addWidget(threshold)
+        column.addLayout(sliders)
+        pairs = (QHBoxLayout(), QHBoxLayout())
+        rows.setSpacing(4)
         names = (("keep", tr("✓ Keep")), ("reject", tr("✗ Reject")), ("name", tr("Name…")), ("colour", tr("Colour")))
         for place, (name, text) in enumerate(names):
             button = self.buttons[name] = QToolButton()
             button.setText(text)
             button.setSizePolicy(button.sizePolicy().Policy.Expanding, button.sizePolicy().Policy.Fixed)
-            row.addWidget(button, place // 2, place % 2)
+            pairs[place // 2].addWidget(button)
+        for pair in pairs:
+            pair.setSpacing(4)
+            rows.addLayout(pair)
         self.buttons["colour"].setMenu(self._colours)
         self.buttons["colour"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.buttons["colour"].setToolTip(tr("Give the selected contours a colour."))
-        column.addLayout(row)
+        column.addLayout(rows)
         column.addStretch(1)
         return beside
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIndex, QPersistentModelIndex, Qt
-from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
+from PySide6.QtGui import QKeyEvent, QResizeEvent
+from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
 
 from app.model.language import tr
 from app.session.curation import Curation
@@ -90,6 +90,12 @@ class ContourTable(QTableView):
         else:
             super().keyPressEvent(event)
 
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Give what room is left to the names."""
+        others = sum(self.columnWidth(index) for index in range(len(COLUMNS)) if index != NAME)
+        self.setColumnWidth(NAME, max(self._least_name, event.size().width() - others))
+        super().resizeEvent(event)
+
     def leaveEvent(self, event: QEvent) -> None:
         """The pointer is over no row."""
         self._curation.hover(None)
@@ -106,8 +112,7 @@ class ContourTable(QTableView):
         for index, column in enumerate(COLUMNS):
             texts = (column.sample, column.title.format(unit="px"))
             self.setColumnWidth(index, max(map(self.fontMetrics().horizontalAdvance, texts)) + _PAD)
-        self.setColumnWidth(NAME, self.columnWidth(NAME) + 2 * _PAD)
-        header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
+        self._least_name = self.columnWidth(NAME) + 2 * _PAD
         header.setMinimumSectionSize(44)
 
     def _key(self, index: QModelIndex) -> int:
