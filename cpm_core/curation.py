@@ -178,11 +178,10 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
     found: list[int | None] = [None] * len(anchors)
     if not contours or not anchors:
         return found
-    boxes = np.stack([contour.box for contour in contours])
+    near = Neighbourhood(contours).pairs(np.array(anchors, dtype=float), reach)
     pairs = sorted(
         (away, number, -contours[index].length, index)
-        for number, anchor in enumerate(anchors)
-        for index, away in _passing(contours, boxes, anchor, reach)
+        for number, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)
     )
     taken: set[int] = set()
     for _, number, _, index in pairs:
@@ -192,36 +191,78 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
     return found
 
 
-def passing(contours: Sequence[Contour], place: Position, reach: float) -> list[tuple[int, float]]:
-    """The contours that pass near a place, nearest first.
+class Neighbourhood:
+    """Contours by the places where they pass, so that those near a place are found without looking at them all.
 
     Parameters
     ----------
     contours : sequence of Contour
         Contours.
-    place : tuple of float
-        (row, col) [px].
-    reach : float
-        How near [px].
-
-    Returns
-    -------
-    list of (int, float)
-        Index and distance [px] of each.
     """
-    if not contours:
-        return []
-    boxes = np.stack([contour.box for contour in contours])
-    return _passing(contours, boxes, place, reach)
 
+    def __init__(self, contours: Sequence[Contour]) -> None:
+        paths = [contour.path if len(contour.path) > 1 else contour.path[[0, 0]] for contour in contours]
+        begin = np.concatenate([np.empty((0, 2)), *(path[:-1] for path in paths)])
+        end = np.concatenate([np.empty((0, 2)), *(path[1:] for path in paths)])
+        owner = np.repeat(np.arange(len(paths)), [len(path) - 1 for path in paths])
+        row = 0.5 * (begin[:, 0] + end[:, 0])
+        order = np.argsort(row, kind="stable")
+        self._row = row[order]
+        self._begin, self._along, self._owner = begin[order], (end - begin)[order], owner[order]
+        half = 0.5 * np.abs(self._along)
+        self._middle_col = self._begin[:, 1] + 0.5 * self._along[:, 1]
+        self._half_col = half[:, 1]
+        self._tallest = float(half[:, 0].max(initial=0.0))
 
-def _passing(contours: Sequence[Contour], boxes: Array, place: Position, reach: float) -> list[tuple[int, float]]:
-    """The same, with the boxes of the contours given, shape (C, 2, 2)."""
-    at = np.array(place)
-    around = ((boxes[:, 0] - reach <= at) & (at <= boxes[:, 1] + reach)).all(axis=1)
-    near = [(index, float(distances(at[None], contours[index])[0])) for index in np.flatnonzero(around).tolist()]
-    near = [one for one in near if one[1] <= reach]
-    return sorted(near, key=lambda one: one[1])
+    def passing(self, place: Position, reach: float) -> list[tuple[int, float]]:
+        """The contours that pass near a place, nearest first.
+
+        Parameters
+        ----------
+        place : tuple of float
+            (row, col) [px].
+        reach : float
+            How near [px].
+
+        Returns
+        -------
+        list of (int, float)
+            Index and distance [px] of each.
+        """
+        _, index, away = self.pairs(np.array([place]), reach)
+        return sorted(zip(index.tolist(), away.tolist(), strict=True), key=lambda one: (one[1], one[0]))
+
+    def pairs(self, places: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+        """The pairs of a place and a contour that passes near it.
+
+        Parameters
+        ----------
+        places : ndarray, shape (N, 2)
+            Places (row, col) [px].
+        reach : float
+            How near [px].
+
+        Returns
+        -------
+        tuple of three ndarray, shape (P,)
+            For each pair the index of the place, that of the contour, and their distance [px].
+        """
+        # Segments are in the order of their rows, so that those beside a place stand together.
+        width = reach + self._tallest
+        first = np.searchsorted(self._row, places[:, 0] - width)
+        count = np.searchsorted(self._row, places[:, 0] + width, side="right") - first
+        number = np.repeat(np.arange(len(places)), count)
+        segment = np.arange(len(number)) + np.repeat(first - np.cumsum(count) + count, count)
+        beside = np.abs(self._middle_col[segment] - places[number, 1]) <= reach + self._half_col[segment]
+        number, segment = number[beside], segment[beside]
+        away = _off(places[number], self._begin[segment], self._along[segment])
+        near = away <= reach
+        number, owner, away = number[near], self._owner[segment[near]], away[near]
+        order = np.lexsort((away, owner, number))
+        number, owner, away = number[order], owner[order], away[order]
+        nearest = np.ones(len(number), np.bool_)  # the first of a place and a contour is the nearest segment
+        nearest[1:] = (np.diff(number) != 0) | (np.diff(owner) != 0)
+        return number[nearest], owner[nearest], away[nearest]
 
 
 def distances(places: Array, contour: Contour) -> Array:
@@ -229,12 +270,7 @@ def distances(places: Array, contour: Contour) -> Array:
     path = contour.path
     if len(path) == 1:
         return np.asarray(np.hypot(*(places - path).T))
-    begin, along = path[:-1], np.diff(path, axis=0)
-    square = np.einsum("ij,ij->i", along, along)
-    offset = places[:, None] - begin
-    share = np.einsum("nij,ij->ni", offset, along) / np.where(square > 0.0, square, 1.0)
-    away = offset - np.clip(share, 0.0, 1.0)[:, :, None] * along
-    return np.asarray(np.sqrt(np.einsum("nij,nij->ni", away, away).min(axis=1)))
+    return np.asarray(_off(places[:, None], path[:-1], np.diff(path, axis=0)).min(axis=1))
 
 
 def middle(contour: Contour) -> Position:
@@ -286,3 +322,12 @@ def _on(contours: Sequence[Contour], paths: Sequence[Array]) -> list[float]:
     """How far the middle of each path lies off the nearest of some contours [px]."""
     places = [path[len(path) // 2] for path in paths]
     return [min((float(distances(p[None], c)[0]) for c in contours), default=math.inf) for p in places]
+
+
+def _off(places: Array, begin: Array, along: Array) -> Array:
+    """Distances of places, shape (K, 2) or (N, 1, 2), from segments, shape (K, 2) [px]."""
+    square = np.einsum("ki,ki->k", along, along)
+    offset = places - begin
+    share = (offset * along).sum(axis=-1) / np.where(square > 0.0, square, 1.0)
+    away = offset - np.clip(share, 0.0, 1.0)[..., None] * along
+    return np.asarray(np.sqrt((away**2).sum(axis=-1)))

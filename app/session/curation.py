@@ -16,7 +16,7 @@ from app.session.ground_truth import GroundTruth
 from app.session.survey import Survey
 from cpm_core.contour import Contour
 from cpm_core.contour_table import Measures
-from cpm_core.curation import Curated, Mark, Verdict, anchor, curated, passing
+from cpm_core.curation import Curated, Mark, Neighbourhood, Verdict, anchor, curated
 from cpm_core.paths import Position
 from cpm_core.result import Result
 
@@ -94,6 +94,7 @@ class Curation(QObject):
         self._survey: Survey | None = None
         self._marks: tuple[Mark, ...] = ()
         self._by_key: dict[int, Item] = {}
+        self._around: Neighbourhood | None = None
         self.truth = GroundTruth(session, self)
         session.surveyed.connect(self._use_survey)
         session.document_changed.connect(self._use_document)
@@ -119,9 +120,10 @@ class Curation(QObject):
 
     def under(self, place: Position, reach: float) -> int | None:
         """Key of the contour nearest to a place (row, col) within `reach` [px], as far as it is seen."""
-        items = [item for item in self.items if self.rejected_seen or not item.curated.rejected]
-        near = passing([item.contour for item in items], place, reach)
-        return items[near[0][0]].key if near else None
+        if self._around is None:
+            self._around = Neighbourhood([item.contour for item in self.items])
+        near = (self.items[index] for index, _ in self._around.passing(place, reach))
+        return next((item.key for item in near if self.rejected_seen or not item.curated.rejected), None)
 
     # Selecting
 
@@ -192,6 +194,7 @@ class Curation(QObject):
         else:
             each = zip(survey.keys, curated(survey.result.contours, self._marks), survey.measures, strict=True)
             self.items = tuple(Item(*one) for one in each)
+        self._around = None
         self._by_key = {item.key: item for item in self.items}
         self.changed.emit()
         self.select(self.selected & self._by_key.keys())

@@ -79,6 +79,7 @@ class Stage(QWidget):
         else:
             self.messages.hide()
             self._session.select(None)
+            self._session.curation.select(())
 
     def show_hint(self, text: str) -> None:
         """Say what to do next, at the foot of the canvas; a tool that wants to say something comes first."""

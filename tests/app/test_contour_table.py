@@ -310,6 +310,14 @@ def test_shift_n_goes_through_the_contours_longest_first(found, hand) -> None:
     assert numbers == [1, 2, 3, 4, 1]
 
 
+def test_escape_selects_nothing(found, table, hand) -> None:
+    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
+    assert len(found.session.curation.selected) == 4
+    hand.key(KEY.Key_Escape)
+    assert not found.session.curation.selected
+    assert not table.selectionModel().hasSelection()
+
+
 def test_nothing_is_offered_for_contours_where_none_is_selected(window, hand) -> None:
     for name in ("keep", "reject", "name_contour"):
         assert not window.actions_by_name[name].isEnabled()

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cpm_core import Parameters, circle, segment
 from cpm_core.bridge import Bridge
 from cpm_core.contour import Contour
-from cpm_core.curation import REACH, Mark, anchor, apply, attached, curated, distances, middle, passing
+from cpm_core.curation import REACH, Mark, Neighbourhood, anchor, apply, attached, curated, distances, middle
 from cpm_core.result import Result
 
 
@@ -111,7 +111,7 @@ def test_the_middle_of_a_contour_lies_half_the_way_along_it() -> None:
 
 def test_what_passes_near_comes_nearest_first() -> None:
     contours = [line((0, 0), (0, 50)), line((3, 0), (3, 50)), line((30, 0), (30, 50))]
-    assert [index for index, _ in passing(contours, (2.0, 20.0), 5.0)] == [1, 0]
+    assert [index for index, _ in Neighbourhood(contours).passing((2.0, 20.0), 5.0)] == [1, 0]
 
 
 def test_the_result_that_is_written_lacks_what_is_rejected_and_has_names_and_colours() -> None:

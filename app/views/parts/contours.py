@@ -149,8 +149,6 @@ class ContoursPart(Part):
             self.ask_name()
         elif key in _DELETE:
             self._curation.judge("rejected")
-        elif key == Qt.Key.Key_Escape:
-            self._curation.select(())
         return key in _ENTER or key in _DELETE
 
     @property
