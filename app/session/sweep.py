@@ -167,7 +167,7 @@ class _Runs:
         while not state.stop_reason:
             if self._task.cancelled:
                 return None
-            state = engine.step(state, parameters)
+            state = engine.step(state, parameters, document.charges)
         return apply(engine.result(state, parameters), document.marks)
 
 

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
+from app.model import edits
 from app.model.controls import controls, slider_range, value_of
 from app.model.document import Document
 from app.model.mosaic import Axis, in_text, pick, plan, read_values, sensible_values
@@ -19,6 +20,7 @@ from app.views.mosaic.enlarged import EnlargedTile
 from app.views.parts.mosaic import MosaicPart
 from cpm_core import Engine, Parameters, segment
 from cpm_core.initialization import circle
+from cpm_core.shapes import Charge
 from tests.app.conftest import Hand, disc
 
 KEY = Qt.Key
@@ -60,6 +62,22 @@ def test_each_tile_is_what_a_run_with_its_values_gives(ready, dialog, hand) -> N
     np.testing.assert_array_equal(view.done.result.particles, alone.particles)
     assert view.state == f"1 contour, {alone.steps} steps"
     assert not ready.session.status.started, "the run of the window is left alone"
+
+
+def test_placed_charges_act_in_every_tile(ready, dialog, hand) -> None:
+    session = ready.session
+    charge = Charge((32.0, 50.0), 5.0)
+    session.edit("place", lambda document: edits.add_shape(document, charge))
+    run(hand, dialog)
+    done = dialog.tiles[0, 1].done
+    parameters = done.tile.parameters
+    engine = Engine(disc(), parameters)
+    state = engine.start(circle((32.0, 32.0), radius=10.0, spacing=2.0))
+    while not state.stop_reason:
+        state = engine.step(state, parameters, session.document.charges)
+    np.testing.assert_array_equal(done.result.particles, state.position)
+    without = segment(disc(), circle((32.0, 32.0), radius=10.0, spacing=2.0), parameters)
+    assert not np.array_equal(done.result.particles, without.particles)
 
 
 def test_a_click_takes_both_values_in_one_step_that_can_be_undone(ready, dialog, hand) -> None:
