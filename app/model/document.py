@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Hashable
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.regions import Regions
 from cpm_core.shapes import Points, Region, Shape, Start
 from cpm_core.sowing import NOWHERE, Sowable, Sown
+
+Mode = Literal["shape", "automatic", "skeleton"]
+"""What a person is after; see `app.model.modes`."""
 
 NOTHING_TO_START_FROM = tr(
     "There is nothing to start from: draw a circle, a stroke or points on the image first, or start everywhere."
@@ -59,12 +63,15 @@ class Document:
         Parameters of the model.
     marks : tuple of Mark
         What has been said about contours.
+    mode : {"shape", "automatic", "skeleton"}
+        What the person is after.
     """
 
     image: ImageReference | None = None
     shapes: tuple[Shape, ...] = ()
     parameters: Parameters = field(default_factory=Parameters)
     marks: tuple[Mark, ...] = ()
+    mode: Mode = "shape"
 
     @property
     def starts(self) -> tuple[Start, ...]:

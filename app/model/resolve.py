@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from app.model.document import Document
 from app.model.language import tr
+from app.model.modes import MODES
 from app.model.naming import describe
 from app.model.situation import Situation
 from app.model.status import RunStatus
@@ -53,12 +54,12 @@ def resolve(situation: Situation) -> Resolved:
     document, status = situation.document, situation.status
     return Resolved(
         title=f"{document.image.name} – CPM" if document.image else "CPM",
-        run_text=_run_text(status),
+        run_text=_run_text(document, status),
         undo_text=_named(tr("Undo"), situation.undo_name),
         redo_text=_named(tr("Redo"), situation.redo_name),
         running=status.phase == "running",
         state=_state(document, status),
-        hint=_hint(document, status, situation.selected),
+        hint=_hint(situation),
         numbers=_numbers(status),
     )
 
@@ -72,9 +73,11 @@ def pace_text(pace: float | None) -> str:
     return FULL_SPEED if pace is None else f"{pace:g} step{'' if pace == 1 else 's'}/s"
 
 
-def _run_text(status: RunStatus) -> str:
+def _run_text(document: Document, status: RunStatus) -> str:
     if status.phase == "running":
         return "Pause"
+    if document.mode == "skeleton":
+        return MODES["skeleton"].short
     if (status.phase == "paused" or status.steered) and not status.stale:
         return "Resume"
     return "Run anew" if status.started else "Run"
@@ -97,9 +100,12 @@ def _state(document: Document, status: RunStatus) -> str:
     return "Nothing to start from yet" if document.shapes else "Nothing drawn yet"
 
 
-def _hint(document: Document, status: RunStatus, selected: int | None) -> str:
+def _hint(situation: Situation) -> str:
+    document, status, selected = situation.document, situation.status, situation.selected
     if status.phase == "empty":
         return "Open an image (Ctrl+O) or drop one here."
+    if document.mode == "skeleton" and status.phase != "running":
+        return "" if situation.has_skeleton else MODES["skeleton"].hint
     shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
     if status.started:
         return _hint_on_run(status) or (_what_a_charge_does(shape) if isinstance(shape, Charge) else "")
@@ -109,7 +115,7 @@ def _hint(document: Document, status: RunStatus, selected: int | None) -> str:
         return "Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G)."
     if shape is not None:
         return _what_can_be_done_to(shape)
-    return "Press Space to let the particles go."
+    return MODES[document.mode].hint or "Press Space to let the particles go."
 
 
 def _hint_on_run(status: RunStatus) -> str:

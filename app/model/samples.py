@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from app.model.assets import asset
+from app.model.document import Mode
 from app.model.language import tr
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.shapes import SHAPES, Shape
@@ -29,6 +30,8 @@ class Sample:
         What is drawn on it.
     parameters : Parameters
         What it is run with.
+    mode : Mode
+        What it is an example of.
     """
 
     title: str
@@ -36,6 +39,7 @@ class Sample:
     path: Path
     shapes: tuple[Shape, ...]
     parameters: Parameters
+    mode: Mode = "shape"
 
 
 @cache
@@ -49,6 +53,7 @@ def samples() -> tuple[Sample, ...]:
             path=asset(f"samples/{entry['file']}"),
             shapes=tuple(_shape(drawn) for drawn in entry["shapes"]),
             parameters=replace(PRESETS[entry["preset"]], **entry.get("parameters", {})),
+            mode=entry.get("mode", "shape"),
         )
         for entry in listed
     )

@@ -23,6 +23,8 @@ class Situation:
         Names of what undo and redo would do, empty when there is nothing.
     selected : int or None
         Index of the selected shape.
+    has_skeleton : bool
+        Whether a skeleton has been found.
     """
 
     document: Document = field(default_factory=Document)
@@ -30,6 +32,7 @@ class Situation:
     undo_name: str = ""
     redo_name: str = ""
     selected: int | None = None
+    has_skeleton: bool = False
 
 
 Condition = Callable[[Situation], bool]
@@ -80,8 +83,13 @@ def has_particles(situation: Situation) -> bool:
     return situation.status.moved
 
 
+def has_particle_mode(situation: Situation) -> bool:
+    """Particles are what the mode works with."""
+    return situation.document.mode != "skeleton"
+
+
 def can_step(situation: Situation) -> bool:
     """A single step can be taken: not while it runs, nor after the end of a run for which nothing has changed."""
     status = situation.status
     over = status.phase == "finished" and not (status.stale or status.steered)
-    return has_image(situation) and status.phase != "running" and not over
+    return has_particle_mode(situation) and has_image(situation) and status.phase != "running" and not over

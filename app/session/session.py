@@ -9,8 +9,9 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Qt, QTimer
 
 from app.model import edits
-from app.model.document import NOTHING_TO_START_FROM, Document, ImageReference
+from app.model.document import NOTHING_TO_START_FROM, Document, ImageReference, Mode
 from app.model.language import tr
+from app.model.modes import starting
 from app.model.naming import describe
 from app.model.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.samples import sample_at
@@ -40,6 +41,7 @@ from app.session.opening import Opener
 from app.session.pacer import Pacer
 from app.session.progress import Progress
 from app.session.runner import Runner
+from app.session.skeletons import Skeletons
 from app.session.tasks import Tasks
 
 FRAME = 16
@@ -76,6 +78,7 @@ class Session(Announcements):
         self._timer.setTimerType(Qt.TimerType.PreciseTimer)
         self._timer.setInterval(FRAME)
         self._timer.timeout.connect(self._frame)
+        self.skeletons = Skeletons(self)
         self.set_pace(PACES[FIRST_PACE])
 
     # Looking
@@ -113,7 +116,8 @@ class Session(Announcements):
     def situation(self) -> Situation:
         """All that decides what the window shows and enables."""
         editor = self._editor
-        return Situation(self.document, self.status, editor.undo_name, editor.redo_name, self.selected)
+        skeleton = self.skeletons.found is not None
+        return Situation(self.document, self.status, editor.undo_name, editor.redo_name, self.selected, skeleton)
 
     @property
     def resolved(self) -> Resolved:
@@ -222,9 +226,11 @@ class Session(Announcements):
             self.post(Halt())
 
     def toggle(self) -> None:
-        """Pause when running, run otherwise."""
+        """Pause when running, otherwise run, or find the skeleton where that is wanted."""
         if self.status.phase == "running":
             self.pause()
+        elif self.document.mode == "skeleton":
+            self.skeletons.find()
         else:
             self.run()
 
@@ -283,7 +289,7 @@ class Session(Announcements):
         self.post(Adopt(self._generation, opened))
         self.image_changed.emit(opened.image, opened.shades)
         self._progress.forget()
-        self._change(lambda: self._editor.begin(_document(opened)))
+        self._change(lambda: self._editor.begin(_document(opened, self.document.mode)))
         self.post(SetParameters(opened.parameters))
 
     # Inside
@@ -336,9 +342,11 @@ class Session(Announcements):
             self._timer.stop()
 
 
-def _document(opened: Opened) -> Document:
-    """The document that an image begins with."""
+def _document(opened: Opened, mode: Mode) -> Document:
+    """The document that an image begins with; the mode stays unless it is a sample."""
     image, path, sample = opened.image, opened.path, sample_at(opened.path)
     contrast = float(image.values.max() - image.values.min())
     reference = ImageReference(path.name, str(path), image.shape, contrast)
-    return Document(reference, sample.shapes if sample else (), opened.parameters)
+    if sample is not None:
+        return Document(reference, sample.shapes, opened.parameters, mode=sample.mode)
+    return Document(reference, starting(mode, ()), opened.parameters, mode=mode)

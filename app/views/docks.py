@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer
 from PySide6.QtGui import QKeySequence
-from PySide6.QtWidgets import QDockWidget, QMainWindow
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
 
 from app.model.language import tr
+from app.views.panel_title import PanelTitle
 from app.views.part import Area, Panel
+from app.views.theme import Theme
 
 _AREAS: dict[Area, Qt.DockWidgetArea] = {
     "left": Qt.DockWidgetArea.LeftDockWidgetArea,
@@ -20,8 +22,10 @@ _WIDTH = 352
 """Width of what stands beside the canvas at first [px]."""
 
 
-class Docks:
+class Docks(QObject):
     """One dock a panel, which a person may move, close and bring back.
+
+    Panels that lie upon each other are named by their tabs and need no heading of their own.
 
     Parameters
     ----------
@@ -32,8 +36,15 @@ class Docks:
     """
 
     def __init__(self, window: QMainWindow, panels: Iterable[Panel]) -> None:
+        super().__init__(window)
         self._window = window
+        self._panels = list(panels)
         self._docks: dict[str, QDockWidget] = {}
+        self._titles: dict[str, PanelTitle] = {}
+        self._untitled: dict[str, QWidget] = {}
+        self._tidying = QTimer(self)
+        self._tidying.setSingleShot(True)
+        self._tidying.timeout.connect(self._tidy)
         # What stands beside the canvas goes down to the foot of the window; what lies below it is as wide as it.
         window.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
         window.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
@@ -42,20 +53,11 @@ class Docks:
             | QMainWindow.DockOption.AllowTabbedDocks
             | QMainWindow.DockOption.AllowNestedDocks
         )
-        first: dict[tuple[Area, str], QDockWidget] = {}
-        for panel in panels:
-            dock = self._make(panel)
-            key = (panel.area, panel.tab)
-            window.addDockWidget(_AREAS[panel.area], dock)
-            if panel.tab and key in first:
-                window.tabifyDockWidget(first[key], dock)
-            else:
-                first[key] = dock
-            dock.setVisible(panel.shown)
-        for dock in first.values():
-            dock.raise_()
-        beside = [dock for (area, _), dock in first.items() if area == "right"]
-        window.resizeDocks(beside, [_WIDTH] * len(beside), Qt.Orientation.Horizontal)
+        window.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
+        for panel in self._panels:
+            self._make(panel)
+        self.restore()
+        window.installEventFilter(self)
 
     def __getitem__(self, name: str) -> QDockWidget:
         return self._docks[name]
@@ -68,7 +70,38 @@ class Docks:
         self._docks[name].show()
         self._docks[name].raise_()
 
-    def _make(self, panel: Panel) -> QDockWidget:
+    def restore(self) -> None:
+        """Put every panel where it is at first."""
+        window = self._window
+        first: dict[tuple[Area, str], QDockWidget] = {}
+        for panel in self._panels:
+            dock, key = self._docks[panel.name], (panel.area, panel.tab)
+            dock.setFloating(False)
+            window.removeDockWidget(dock)
+            window.addDockWidget(_AREAS[panel.area], dock)
+            if panel.tab and key in first:
+                window.tabifyDockWidget(first[key], dock)
+            else:
+                first[key] = dock
+            dock.setVisible(panel.shown)
+        for dock in first.values():
+            dock.raise_()
+        beside = [dock for (area, _), dock in first.items() if area == "right"]
+        window.resizeDocks(beside, [_WIDTH] * len(beside), Qt.Orientation.Horizontal)
+        self._tidying.start()
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the headings."""
+        for title in self._titles.values():
+            title.use_theme(theme)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Panels come to lie upon each other without any signal; then a tab bar has been added to the window."""
+        if event.type() in (QEvent.Type.ChildAdded, QEvent.Type.LayoutRequest):
+            self._tidying.start()
+        return super().eventFilter(watched, event)
+
+    def _make(self, panel: Panel) -> None:
         dock = QDockWidget(panel.title, self._window)
         dock.setObjectName(panel.name)
         dock.setWidget(panel.widget)
@@ -77,4 +110,29 @@ class Docks:
         if panel.shortcut:
             action.setShortcut(QKeySequence(panel.shortcut))
         self._docks[panel.name] = dock
-        return dock
+        self._titles[panel.name] = PanelTitle(dock)
+        self._untitled[panel.name] = QWidget(dock)
+        dock.setTitleBarWidget(self._titles[panel.name])
+        for told in (dock.topLevelChanged, dock.dockLocationChanged, dock.visibilityChanged):
+            told.connect(self._look_soon)
+
+    def _look_soon(self) -> None:
+        self._tidying.start()
+
+    def _tidy(self) -> None:
+        """Give headings to the panels that have no tab, and let no tab cut its name off."""
+        for name, dock in self._docks.items():
+            beside: Sequence[QDockWidget] = self._window.tabifiedDockWidgets(dock)
+            tabbed = not dock.isFloating() and any(not other.isHidden() for other in beside)
+            wanted = self._untitled[name] if tabbed else self._titles[name]
+            if dock.titleBarWidget() is not wanted:
+                before = dock.titleBarWidget()
+                dock.setTitleBarWidget(wanted)
+                before.hide()
+                wanted.show()
+        for bar in self._window.findChildren(QTabBar):
+            if bar.parent() is self._window and bar.elideMode() != Qt.TextElideMode.ElideNone:
+                bar.setElideMode(Qt.TextElideMode.ElideNone)
+                bar.setUsesScrollButtons(True)
+                bar.setExpanding(False)
+                bar.setDrawBase(False)

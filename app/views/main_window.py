@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TypeVar
 
 from PySide6.QtCore import QByteArray, QSize, Qt
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QMainWindow
 
 from app.model.language import tr
@@ -72,7 +72,10 @@ class MainWindow(QMainWindow):
         panels = [panel for part in self.parts.values() for panel in part.panels()]
         self.panels = {panel.name: panel.widget for panel in panels}
         self.docks = Docks(self, panels)
-        self.menus.add_section("View", (dock.toggleViewAction() for dock in self.docks))
+        restore = QAction(tr("Restore pane&ls"), self)
+        restore.setStatusTip(tr("Put every panel where it was at first."))
+        restore.triggered.connect(self.docks.restore)
+        self.menus.add_section("View", (*(dock.toggleViewAction() for dock in self.docks), restore))
         self._palette_of_tools = ToolPalette(self.actions_by_name)
         self._bar = ToolBar(self.actions_by_name, self.part(RunningPart).speed)
         self.addToolBar(self._bar)
@@ -101,6 +104,7 @@ class MainWindow(QMainWindow):
         self.actions_by_name.use_theme(used)
         self._palette_of_tools.use_theme(used)
         self.stage.messages.use_theme(used)
+        self.docks.use_theme(used)
         for part in self.parts.values():
             part.use_theme(used)
 

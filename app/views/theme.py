@@ -32,6 +32,9 @@ HALO = "#101216"
 FIELD = "#ff9ad5"
 TRAIL = "#7fd0ff"
 GHOST = "#c792ff"
+THICKNESSES = ("#6a7fd1", "#3f9fd0", "#35bcab", "#8ccf5e", "#f3e04b")
+"""From thin to thick: lighter and lighter, and told apart without telling red from green."""
+DISK = "#70ffffff"
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +51,9 @@ class Theme:
     line: str
     accent: str
     accent_text: str
+    accent_hover: str
+    chosen: str
+    faded: str
     trouble: str
     trouble_text: str
     news: str
@@ -65,6 +71,9 @@ LIGHT = Theme(
     line="#cfd4da",
     accent="#1f6fd6",
     accent_text="#ffffff",
+    accent_hover="#185fbb",
+    chosen="#dbe8fa",
+    faded="#99a1ab",
     trouble="#fde3e1",
     trouble_text="#7d1a14",
     news="#dff0e6",
@@ -81,6 +90,9 @@ DARK = Theme(
     line="#464d58",
     accent="#4d94ee",
     accent_text="#0c1016",
+    accent_hover="#6ba8f5",
+    chosen="#2c425f",
+    faded="#6c7682",
     trouble="#4d2320",
     trouble_text="#ffd9d5",
     news="#1e3d2c",
@@ -124,49 +136,117 @@ def _palette(theme: Theme) -> QPalette:
     }
     for key, colour in colours.items():
         palette.setColor(key, QColor(colour))
-    faded = QColor(theme.dim)
-    faded.setAlpha(140)
     for key in (role.WindowText, role.Text, role.ButtonText):
-        palette.setColor(QPalette.ColorGroup.Disabled, key, faded)
+        palette.setColor(QPalette.ColorGroup.Disabled, key, QColor(theme.faded))
     return palette
 
 
 def _style_sheet(theme: Theme) -> str:
+    return "".join(part(theme) for part in (_bars, _panels, _controls, _canvas))
+
+
+def _bars(theme: Theme) -> str:
+    """Menus, tool bars, status bar."""
     return f"""
     QToolTip {{ color: {theme.text}; background: {theme.base}; border: 1px solid {theme.line}; padding: 4px; }}
+    QMenuBar {{ background: {theme.window}; }}
     QToolBar {{ background: {theme.window}; border: none; border-bottom: 1px solid {theme.line};
-                spacing: 3px; padding: 4px; }}
-    QToolBar QToolButton {{ padding: 4px 7px; border: 1px solid transparent; border-radius: 5px; }}
+                spacing: 2px; padding: 4px; }}
+    QToolBar#palette {{ border-bottom: none; border-right: 1px solid {theme.line}; }}
+    QToolBar::separator {{ background: {theme.line}; width: 1px; height: 1px; margin: 5px; }}
+    QToolBar QToolButton {{ padding: 4px 6px; border: 1px solid transparent; border-radius: 5px; }}
     QToolBar QToolButton:hover {{ background: {theme.button}; border-color: {theme.line}; }}
     QToolBar QToolButton:focus {{ border-color: {theme.accent}; }}
     QToolBar QToolButton:checked {{ background: {theme.button}; border-color: {theme.accent}; }}
+    QToolBar QToolButton:disabled {{ color: {theme.faded}; }}
     QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: right top; }}
     QToolBar QToolButton#primary {{ background: {theme.accent}; color: {theme.accent_text}; font-weight: 600; }}
-    QToolBar QToolButton#primary:disabled {{ background: {theme.button}; color: {theme.dim}; }}
+    QToolBar QToolButton#primary:hover {{ background: {theme.accent_hover}; }}
+    QToolBar QToolButton#primary:focus {{ border: 2px solid {theme.text}; padding: 3px 5px; }}
+    QToolBar QToolButton#primary:disabled {{ background: {theme.button}; color: {theme.faded}; }}
+    QWidget#segments QToolButton {{ background: {theme.base}; border: 1px solid {theme.line}; border-radius: 0;
+                                    padding: 4px 9px; }}
+    QWidget#segments QToolButton[segment="first"] {{ border-right: none; border-top-left-radius: 6px;
+                                                     border-bottom-left-radius: 6px; }}
+    QWidget#segments QToolButton[segment="last"] {{ border-left: none; border-top-right-radius: 6px;
+                                                    border-bottom-right-radius: 6px; }}
+    QWidget#segments QToolButton:hover {{ background: {theme.button}; }}
+    QWidget#segments QToolButton:checked {{ background: {theme.chosen}; color: {theme.text}; font-weight: 600;
+                                            border: 1px solid {theme.accent}; }}
+    QWidget#segments QToolButton:focus {{ border: 1px solid {theme.accent}; }}
     QStatusBar {{ border-top: 1px solid {theme.line}; }}
     QStatusBar::item {{ border: none; }}
-    QMainWindow::separator {{ width: 1px; background: {theme.line}; }}
-    QWidget#side {{ background: {theme.panel}; }}
+    """
+
+
+def _panels(theme: Theme) -> str:
+    """Docks with their headings and tabs."""
+    return f"""
+    QMainWindow::separator {{ width: 1px; height: 1px; background: {theme.line}; }}
+    QMainWindow::separator:hover {{ background: {theme.accent}; }}
+    QWidget#title {{ background: {theme.window}; border-bottom: 1px solid {theme.line}; }}
+    QToolButton#quiet {{ border: 1px solid transparent; border-radius: 4px; padding: 1px; }}
+    QToolButton#quiet:hover {{ background: {theme.button}; }}
+    QToolButton#quiet:focus {{ border-color: {theme.accent}; }}
+    QTabBar::tab {{ color: {theme.dim}; padding: 5px 8px 4px 8px; border: none; border-bottom: 2px solid transparent;
+                    background: {theme.window}; }}
+    QTabBar::tab:hover {{ color: {theme.text}; background: {theme.button}; }}
+    QTabBar::tab:selected {{ color: {theme.text}; border-bottom-color: {theme.accent}; }}
+    QTabBar::tab:focus {{ color: {theme.text}; }}
+    QTabBar QToolButton {{ background: {theme.button}; border: 1px solid {theme.line}; }}
+    QFrame#popup {{ background: {theme.panel}; border: 1px solid {theme.line}; }}
     QLabel#heading {{ color: {theme.dim}; font-weight: 600; }}
     QLabel#dim {{ color: {theme.dim}; }}
     QLabel#state {{ font-weight: 600; }}
-    QLabel#explanation {{ color: {theme.dim}; }}
+    QWidget#explanation {{ border-top: 1px solid {theme.line}; }}
     QToolButton#fold {{ border: none; color: {theme.dim}; font-weight: 600; padding: 2px 0; }}
+    QToolButton#fold:hover {{ color: {theme.text}; }}
     QToolButton#fold:focus {{ color: {theme.accent}; }}
     QToolButton#chip {{ border: 1px solid {theme.line}; border-radius: 4px; padding: 1px 5px; color: {theme.dim}; }}
     QToolButton#chip:checked {{ background: {theme.button}; color: {theme.text}; }}
     QToolButton#chip:focus {{ border-color: {theme.accent}; }}
-    QToolButton#restore {{ border: none; padding: 0; }}
-    QToolButton#restore:focus {{ border: 1px solid {theme.accent}; border-radius: 3px; }}
+    QToolButton#restore {{ border: 1px solid transparent; border-radius: 3px; padding: 0; }}
+    QToolButton#restore:focus {{ border-color: {theme.accent}; }}
+    QScrollArea, QWidget#scrolled {{ background: transparent; border: none; }}
+    QScrollBar:vertical {{ background: transparent; width: 9px; margin: 0; }}
+    QScrollBar::handle:vertical {{ background: {theme.line}; border-radius: 4px; min-height: 28px; }}
+    QScrollBar::handle:vertical:hover {{ background: {theme.dim}; }}
+    QScrollBar:horizontal {{ background: transparent; height: 9px; margin: 0; }}
+    QScrollBar::handle:horizontal {{ background: {theme.line}; border-radius: 4px; min-width: 28px; }}
+    QScrollBar::add-line, QScrollBar::sub-line {{ width: 0; height: 0; }}
+    QScrollBar::add-page, QScrollBar::sub-page {{ background: transparent; }}
+    QHeaderView::section {{ color: {theme.dim}; background: {theme.window}; border: none; padding: 4px 6px;
+                            border-bottom: 1px solid {theme.line}; }}
+    QTableView, QTreeView, QListView {{ background: {theme.base}; alternate-background-color: {theme.panel};
+                                        border: 1px solid {theme.line}; gridline-color: {theme.line}; }}
+    """
+
+
+def _controls(theme: Theme) -> str:
+    """Sliders, fields and buttons in the panels."""
+    return f"""
+    QSlider::groove:horizontal {{ height: 4px; border-radius: 2px; background: {theme.line}; }}
+    QSlider::sub-page:horizontal {{ height: 4px; border-radius: 2px; background: {theme.accent}; }}
+    QSlider::handle:horizontal {{ width: 12px; height: 12px; margin: -5px 0; border-radius: 7px;
+                                  background: {theme.base}; border: 1px solid {theme.dim}; }}
+    QSlider::handle:horizontal:hover {{ border-color: {theme.accent}; }}
+    QSlider::handle:horizontal:focus {{ border: 2px solid {theme.accent}; width: 10px; height: 10px; }}
+    QSlider::sub-page:horizontal:disabled {{ background: {theme.line}; }}
+    QSlider::handle:horizontal:disabled {{ background: {theme.window}; border-color: {theme.line}; }}
+    QDockWidget QToolButton#preset, QFrame#popup QToolButton {{ background: {theme.button}; color: {theme.text};
+                                border: 1px solid {theme.line}; border-radius: 5px; padding: 4px 8px; }}
+    QDockWidget QToolButton#preset:hover, QFrame#popup QToolButton:hover,
+    QDockWidget QToolButton#preset:focus, QFrame#popup QToolButton:focus {{ border-color: {theme.accent}; }}
+    QFrame#popup QToolButton:disabled {{ color: {theme.faded}; }}
+    """
+
+
+def _canvas(theme: Theme) -> str:
+    """What lies upon the canvas."""
+    return f"""
     QFrame#trouble {{ background: {theme.trouble}; border: none; }}
     QFrame#trouble QLabel {{ color: {theme.trouble_text}; }}
     QFrame#news {{ background: {theme.news}; border: none; }}
     QFrame#news QLabel {{ color: {theme.news_text}; }}
     QLabel#hint {{ background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 6px 12px; }}
-    QScrollArea, QWidget#scrolled {{ background: transparent; border: none; }}
-    QScrollBar:vertical {{ background: transparent; width: 9px; margin: 0; }}
-    QScrollBar::handle:vertical {{ background: {theme.line}; border-radius: 4px; min-height: 28px; }}
-    QScrollBar::handle:vertical:hover {{ background: {theme.dim}; }}
-    QScrollBar::add-line:vertical, QScrollBar::sub-line:vertical {{ height: 0; }}
-    QScrollBar::add-page:vertical, QScrollBar::sub-page:vertical {{ background: transparent; }}
     """

@@ -280,6 +280,7 @@ def write(folder: Path) -> None:
         grey = np.clip(np.rint(values), 0, 255).astype(np.uint8)
         PIL.Image.fromarray(grey).save(folder / file, optimize=True)
         entry = {"title": title, "file": file, "about": about, "preset": preset, "shapes": shapes}
+        entry |= {"mode": preset} if preset == "automatic" else {}
         entries.append(entry | ({"parameters": CHANGED[file]} if file in CHANGED else {}))
     lines = ",\n".join("  " + json.dumps(entry) for entry in entries)
     (folder / "samples.json").write_text(f"[\n{lines}\n]\n", encoding="utf-8")

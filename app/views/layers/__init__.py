@@ -18,6 +18,7 @@ from app.views.layers.layer import Layer
 from app.views.layers.particles import ParticleLayer
 from app.views.layers.potential import PotentialLayer
 from app.views.layers.scale_bar import ScaleBarLayer
+from app.views.layers.skeleton import SkeletonLayer
 from app.views.layers.trails import TrailLayer
 from app.views.layers.truth import TruthLayer
 
@@ -28,6 +29,7 @@ LAYERS: tuple[type[Layer], ...] = (
     ContourLayer,
     GhostLayer,
     TruthLayer,
+    SkeletonLayer,
     DrawingLayer,
     EdgeMapLayer,
     PotentialLayer,

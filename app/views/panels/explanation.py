@@ -22,6 +22,7 @@ class Explanation(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.setObjectName("explanation")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.drawing = ParameterDrawing()
         self._control: Control | None = None
         self._wording: Wording = FIRST_WORDING

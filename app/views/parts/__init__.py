@@ -11,6 +11,7 @@ from app.views.parts.files import FilesPart
 from app.views.parts.helping import HelpingPart
 from app.views.parts.keys import KeysPart
 from app.views.parts.looks import LooksPart
+from app.views.parts.modes import ModesPart
 from app.views.parts.mosaic import MosaicPart
 from app.views.parts.parameters import ParametersPart
 from app.views.parts.preferring import PreferringPart
@@ -28,6 +29,7 @@ PARTS: tuple[type[Part], ...] = (
     RunningPart,
     TimelinePart,
     TasksPart,
+    ModesPart,
     ParametersPart,
     ContoursPart,
     TruthPart,

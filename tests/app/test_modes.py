@@ -1,0 +1,144 @@
+"""Modes: each sets its preset and start in one change that is undone at once, and Run does what the mode is for."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.model import edits
+from app.model.document import Document, ImageReference
+from app.model.modes import MODES, mode_called, use_mode
+from app.model.resolve import resolve
+from app.model.situation import Situation, can_step
+from app.model.status import RunStatus
+from app.views.layers.skeleton import by_thickness, disks
+from app.views.parts import modes as modes_part
+from cpm_core.parameters import PRESETS
+from cpm_core.shapes import Barrier, Circle, Everywhere
+
+IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
+CIRCLE, BARRIER = Circle((32.0, 32.0), 10.0), Barrier(((1.0, 2.0), (3.0, 4.0)))
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_a_mode_brings_its_preset_and_takes_hold_in_the_document(mode) -> None:
+    after = use_mode(Document(IMAGE, (CIRCLE, BARRIER)), mode)
+    assert after.mode == mode
+    assert after.parameters == PRESETS[MODES[mode].preset]
+    assert BARRIER in after.shapes
+
+
+def test_automatic_starts_everywhere_and_shape_takes_that_back() -> None:
+    drawn = Document(IMAGE, (CIRCLE, BARRIER))
+    automatic = use_mode(drawn, "automatic")
+    assert automatic.starts == (Everywhere("grid"),)
+    assert use_mode(automatic, "shape").starts == ()
+    assert use_mode(drawn, "shape").starts == (CIRCLE,)
+    assert use_mode(drawn, "skeleton").shapes == drawn.shapes
+
+
+def test_a_mode_that_is_not_known_is_the_first() -> None:
+    assert [mode_called(name) for name in (*MODES, "other", None, [])[:-1]] == [*MODES, "shape", "shape"]
+
+
+def test_what_is_said_and_enabled_follows_the_mode() -> None:
+    ready = RunStatus("ready")
+    drawn = Document(IMAGE, (CIRCLE,))
+    assert "everywhere" in resolve(Situation(use_mode(drawn, "automatic"), ready)).hint
+    skeleton = Situation(use_mode(drawn, "skeleton"), ready)
+    assert "skeleton" in resolve(skeleton).hint
+    assert resolve(skeleton).run_text == "Skeleton"
+    assert not can_step(skeleton)
+    found = Situation(skeleton.document, ready, has_skeleton=True)
+    assert resolve(found).hint == ""
+
+
+def test_modes_are_switched_with_mouse_and_keys_and_undone_in_one_step(ready, hand) -> None:
+    session = ready.session
+    before = session.document
+    button = ready._bar.findChild(object, "mode_automatic")
+    hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    assert session.document == use_mode(before, "automatic")
+    assert button.isChecked()
+    hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    assert button.isChecked()
+    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    assert session.document.mode == "skeleton"
+    session.undo()
+    session.undo()
+    assert session.document == before
+    assert ready.actions_by_name["mode_shape"].isChecked()
+    assert not button.isChecked()
+
+
+def test_automatic_segmentation_needs_no_drawing(window, hand) -> None:
+    hand.key(Qt.Key.Key_2, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: window.session.idle)
+    assert window.session.status.closed == 1
+
+
+def test_the_mode_stays_when_another_image_is_opened(window, hand, image_file) -> None:
+    hand.key(Qt.Key.Key_2, Qt.KeyboardModifier.AltModifier)
+    generation = window.session.image_generation
+    window.open_image(str(image_file))
+    hand.wait(lambda: window.session.image_generation != generation)
+    assert window.session.document.mode == "automatic"
+    assert window.session.document.starts == (Everywhere("grid"),)
+
+
+def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypatch, tmp_path) -> None:
+    session, layer = window.session, window.stage.canvas.layers["skeleton"]
+    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    assert not window.actions_by_name["export_skeleton"].isEnabled()
+    assert not window.actions_by_name["step"].isEnabled()
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: session.skeletons.found is not None and session.idle)
+    first = session.skeletons.found
+    assert session.status.phase == "ready"
+    assert "Skeleton:" in window.stage.messages.text
+    # The middle line of a disc of radius 18 is its centre.
+    middle, radius = first.contours[0].points, first.radii[0]
+    assert np.hypot(*(middle - 32.0).T).max() < 2.0
+    assert radius.max() == pytest.approx(18.0, abs=1.0)
+    assert layer.counts[1] >= 1
+    path = tmp_path / "middle.csv"
+    monkeypatch.setattr(modes_part, "ask_for_export", lambda parent, suggestion: str(path))
+    window.actions_by_name["export_skeleton"].trigger()
+    hand.wait(path.exists)
+    session.edit("change of smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
+    hand.wait(lambda: session.skeletons.found is not first and session.idle)
+    hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
+    assert session.skeletons.found is None
+    assert layer.counts == (0, 0)
+
+
+def test_a_skeleton_of_an_image_that_has_gone_is_not_shown(window, hand, image_file) -> None:
+    session = window.session
+    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    generation = session.image_generation
+    hand.key(Qt.Key.Key_Space)
+    window.open_image(str(image_file))
+    hand.wait(lambda: session.image_generation != generation and session.idle)
+    assert session.skeletons.found is None
+
+
+def test_a_branch_is_cut_where_its_thickness_changes_and_nothing_is_left_out() -> None:
+    path = np.stack([np.zeros(30), np.arange(30.0)], axis=1)
+    share = np.linspace(0.0, 1.2, 30)
+    pieces = by_thickness(path, share, 5)
+    assert [level for level, _ in pieces] == [0, 1, 2, 3, 4]
+    covered = {(a[1], b[1]) for _, piece in pieces for a, b in pairwise(piece)}
+    assert len(covered) == 29
+
+
+def test_disks_have_the_radii_of_the_branch_and_do_not_crowd() -> None:
+    path = np.stack([np.zeros(101), np.arange(101.0)], axis=1)
+    found = disks(path, np.full(101, 20.0))
+    assert len(found) == 6
+    for index, disk in enumerate(found):
+        assert np.hypot(disk[:, 0], disk[:, 1] - 20.0 * index) == pytest.approx(20.0)
