@@ -14,6 +14,7 @@ from app.model.samples import samples
 from app.session.session import Session
 from app.views.icons import program_icon
 from app.views.main_window import MainWindow
+from app.views.parts.helping import HelpingPart
 
 SWITCH_INTERVAL = 0.0002
 """Longest time that the worker keeps the window waiting for the interpreter [s]."""
@@ -52,6 +53,8 @@ def run(path: str | None = None) -> int:
     """Run the desktop program; returns its exit status."""
     application = make_application()
     window = open_window(path)
+    # Once it has its size; somebody who is here for the first time is shown around.
+    QTimer.singleShot(0, window, window.part(HelpingPart).welcome)
     # Ctrl+C in the terminal closes the window like its own button; Python looks for signals only when it is woken.
     signal.signal(signal.SIGINT, lambda *_: window.close())
     wake = QTimer()

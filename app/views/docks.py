@@ -77,7 +77,6 @@ class Docks(QObject):
         for panel in self._panels:
             dock, key = self._docks[panel.name], (panel.area, panel.tab)
             dock.setFloating(False)
-            window.removeDockWidget(dock)
             window.addDockWidget(_AREAS[panel.area], dock)
             if panel.tab and key in first:
                 window.tabifyDockWidget(first[key], dock)
@@ -89,6 +88,12 @@ class Docks(QObject):
         beside = [dock for (area, _), dock in first.items() if area == "right"]
         window.resizeDocks(beside, [_WIDTH] * len(beside), Qt.Orientation.Horizontal)
         self._tidying.start()
+
+    def leave(self) -> None:
+        """Take away the panels that are windows of their own, for the window is about to close."""
+        for dock in self:
+            if dock.isFloating():
+                dock.hide()
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the headings."""

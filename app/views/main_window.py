@@ -117,6 +117,7 @@ class MainWindow(QMainWindow):
             return
         self.preferences.put(_GEOMETRY, self.saveGeometry())
         self.preferences.put(_PLACES, self.saveState())
+        self.docks.leave()
         self.hide()
         self.session.close()
         super().closeEvent(event)

@@ -12,3 +12,82 @@ from cpm_core.gallery import drawing
 )
 def test_the_gallery_and_the_window_mean_the_same_by_a_colour(drawn, shown):
     assert getattr(drawing, drawn) == getattr(theme, shown)
+
+
+def luminance(colour):
+    """Relative luminance after WCAG 2."""
+    red, green, blue = (
+        value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+        for value in (int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5))
+    )
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(one, other):
+    """Contrast ratio of two colours after WCAG 2."""
+    light, dark = sorted((luminance(one), luminance(other)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def test_contrast_is_that_of_the_standard():
+    assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.01)
+
+
+TEXT_ON = (
+    *(("text", ground) for ground in ("window", "panel", "base", "button", "chosen")),
+    *(("dim", ground) for ground in ("window", "panel", "base")),
+    ("accent_text", "accent"),
+    ("accent_text", "accent_hover"),
+    ("trouble_text", "trouble"),
+    ("news_text", "news"),
+)
+
+
+@pytest.mark.parametrize("used", [theme.LIGHT, theme.DARK], ids=["light", "dark"])
+@pytest.mark.parametrize(("text", "ground"), TEXT_ON)
+def test_text_can_be_read_on_what_it_stands_on(used, text, ground):
+    assert contrast(getattr(used, text), getattr(used, ground)) >= 4.5
+
+
+@pytest.mark.parametrize("used", [theme.LIGHT, theme.DARK], ids=["light", "dark"])
+def test_what_has_the_focus_and_what_is_disabled_can_be_told(used):
+    for ground in ("window", "panel", "base"):
+        assert contrast(used.accent, getattr(used, ground)) >= 3.0
+        assert contrast(used.faded, getattr(used, ground)) >= 1.9
+
+
+def seen(colour, kind):
+    """A colour as it is seen without one of the three receptors (simulation of Viénot, Brettel and Mollon, 1999)."""
+    rgb = [(int(colour[at : at + 2], 16) / 255) ** 2.2 for at in (1, 3, 5)]
+    long = 17.8824 * rgb[0] + 43.5161 * rgb[1] + 4.11935 * rgb[2]
+    medium = 3.45565 * rgb[0] + 27.1554 * rgb[1] + 3.86714 * rgb[2]
+    short = 0.0299566 * rgb[0] + 0.184309 * rgb[1] + 1.46709 * rgb[2]
+    if kind == "protan":
+        long = 2.02344 * medium - 2.52581 * short
+    else:
+        medium = 0.494207 * long + 1.24827 * short
+    return (
+        max(0.0, 0.0809444479 * long - 0.130504409 * medium + 0.116721066 * short) ** (1 / 2.2),
+        max(0.0, -0.0102485335 * long + 0.0540193266 * medium - 0.113614708 * short) ** (1 / 2.2),
+        max(0.0, -0.000365296938 * long - 0.00412161469 * medium + 0.693511405 * short) ** (1 / 2.2),
+    )
+
+
+@pytest.mark.parametrize("kind", ["protan", "deutan"])
+@pytest.mark.parametrize(
+    "pair",
+    [("MOVING", "RESTING"), ("CLOSED", "OPEN"), ("CLOSED", "MOVING"), ("REGION", "BARRIER"), ("OPEN", "RESTING")],
+)
+def test_colours_of_data_are_told_apart_by_colour_blind_people(kind, pair):
+    one, other = (seen(getattr(theme, name), kind) for name in pair)
+    assert sum((a - b) ** 2 for a, b in zip(one, other, strict=True)) ** 0.5 > 0.2
+
+
+@pytest.mark.parametrize("kind", ["protan", "deutan"])
+def test_thicknesses_get_lighter_for_everybody(kind):
+    lightness = [sum(seen(colour, kind)) for colour in theme.THICKNESSES]
+    shades = [luminance(colour) for colour in theme.THICKNESSES]
+    assert shades == sorted(shades)
+    assert all(seen(a, kind) != seen(b, kind) for a, b in zip(theme.THICKNESSES, theme.THICKNESSES[1:], strict=False))
+    assert len(set(lightness)) == len(lightness)

@@ -15,7 +15,7 @@ from app.model.situation import Situation
 from app.model.status import RunStatus
 from app.session.messages import Trace
 from app.views.curves import pieces
-from app.views.help import show_about, show_help
+from app.views.help import show_about
 from app.views.layers.field import ARROW_SPACING, arrow_lines, arrows
 from app.views.panels.plot import PlotPanel
 from cpm_core import Parameters
@@ -145,9 +145,7 @@ def test_light_and_dark_are_both_to_be_had(window) -> None:
     assert window.palette().window().color().lightness() > 200
 
 
-def test_help_names_every_key_and_about_names_the_paper(window, qtbot) -> None:
-    helped = show_help(window, window.actions_by_name.entries)
+def test_about_names_the_paper(window, qtbot) -> None:
     about = show_about(window)
     assert "charged particles" in about.text()
     about.close()
-    helped.close()

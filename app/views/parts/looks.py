@@ -26,6 +26,7 @@ class LooksPart(Part):
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk)
         self._chosen = desk.preferences.get(_KEY, "system")
+        self._following = True
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._follow_desktop)
 
     def entries(self) -> Sequence[Entry]:
@@ -51,7 +52,9 @@ class LooksPart(Part):
 
     def close(self) -> bool:
         """Follow the desktop no longer."""
-        QGuiApplication.styleHints().colorSchemeChanged.disconnect(self._follow_desktop)
+        if self._following:
+            self._following = False
+            QGuiApplication.styleHints().colorSchemeChanged.disconnect(self._follow_desktop)
         return True
 
     def _choose(self, name: str) -> None:

@@ -1,0 +1,110 @@
+"""Makes the pictures of the guide from the real window, by doing what the guide says.
+
+QT_QPA_PLATFORM=offscreen python assets/guide/make_pictures.py
+
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import QDeadlineTimer, QEventLoop, Qt
+
+from app.model import edits
+from app.model.samples import sample_called
+from app.views.application import make_application, open_window
+from app.views.main_window import MainWindow
+from cpm_core.shapes import Region
+
+HERE = Path(__file__).parent
+PATIENCE = 60_000
+"""Longest wait for anything [ms]."""
+
+WIDTH = 420
+"""Width of a picture [px]."""
+
+FINGER = ((10.0, 150.0), (10.0, 214.0), (190.0, 214.0), (190.0, 158.0))
+"""The region of interest around a finger."""
+
+
+def wait(condition: Callable[[], bool]) -> None:
+    """Let the window live until a condition holds."""
+    application, deadline = make_application(), QDeadlineTimer(PATIENCE)
+    while not condition():
+        if deadline.hasExpired():
+            raise TimeoutError("the window did not get there in a minute")
+        application.processEvents(QEventLoop.ProcessEventsFlag.WaitForMoreEvents, 20)
+
+
+def show(window: MainWindow, file: str) -> None:
+    """Open a sample."""
+    sample = sample_called(file)
+    assert sample is not None
+    session, before = window.session, window.session.image_generation
+    window.open_image(str(sample.path))
+    wait(lambda: session.image_generation != before and session.idle and not session.status.busy)
+
+
+def take(window: MainWindow, name: str) -> None:
+    """Take a picture of the canvas, without what lies upon it."""
+    stage = window.stage
+    stage.messages.hide()
+    stage.hint.hide()
+    wait(lambda: window.session.idle)
+    make_application().processEvents()
+    picture = stage.canvas.grab().toImage()
+    side = min(picture.width(), picture.height())
+    cut = picture.copy((picture.width() - side) // 2, (picture.height() - side) // 2, side, side)
+    small = cut.scaledToWidth(WIDTH, Qt.TransformationMode.SmoothTransformation)
+    small.save(str(HERE / f"{name}.jpg"), quality=88)
+
+
+def run(window: MainWindow, until: int | None = None) -> None:
+    """Let the particles go until a step, or until they rest."""
+    session = window.session
+    session.set_pace(60.0 if until else None)
+    session.run()
+    wait(lambda: session.status.phase == "finished" or (until is not None and session.status.step >= until))
+    session.pause()
+    wait(lambda: session.idle)
+
+
+def main() -> None:
+    """Do what the guide says, and take its pictures."""
+    make_application()
+    window = open_window()
+    window.resize(1000, 640)
+    session = window.session
+    wait(lambda: session.idle and not session.status.busy)
+    show(window, "artery.png")
+    take(window, "artery_start")
+    run(window, 60)
+    take(window, "artery_midway")
+    run(window)
+    take(window, "artery_end")
+    window.actions_by_name["mode_skeleton"].trigger()
+    session.reset()
+    session.toggle()
+    wait(lambda: session.skeletons.found is not None)
+    take(window, "artery_skeleton")
+    show(window, "nuclei.png")
+    take(window, "nuclei_start")
+    run(window)
+    take(window, "nuclei_end")
+    show(window, "hand.png")
+    take(window, "hand_start")
+    run(window, 120)
+    take(window, "hand_midway")
+    run(window)
+    take(window, "hand_end")
+    session.edit("draw region", lambda document: edits.add_shape(document, Region(FINGER)))
+    session.edit("clear", lambda document: edits.delete_shape(document, 0))
+    session.edit("everywhere", lambda document: edits.toggle_everywhere(document, "grid"))
+    run(window)
+    take(window, "hand_finger")
+    window.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,82 @@
+"""Panels keep their place, name themselves once, cut no name off, and can be put back."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QLabel, QMainWindow, QTabBar, QToolButton
+
+from app.session.preferences import Preferences
+from app.views.docks import Docks
+from app.views.main_window import MainWindow
+from app.views.part import Panel
+
+SIX = ("Parameters", "Layers", "Contours", "History", "Truth", "Mosaic")
+
+
+def seen_bars(window: QMainWindow) -> list[QTabBar]:
+    return [bar for bar in window.findChildren(QTabBar) if not bar.visibleRegion().isEmpty()]
+
+
+def test_panels_upon_each_other_are_named_by_their_tabs_and_others_by_their_heading(window, hand) -> None:
+    docks = window.docks
+    hand.wait(lambda: docks["parameters"].titleBarWidget().objectName() == "")
+    assert docks["run"].titleBarWidget().objectName() == "title"
+    docks["layers"].setFloating(True)
+    hand.wait(lambda: docks["parameters"].titleBarWidget().objectName() == "title")
+    assert docks["layers"].titleBarWidget().objectName() == "title"
+
+
+def test_the_heading_loosens_and_closes_its_panel(window, hand) -> None:
+    dock = window.docks["run"]
+    loosen, close = dock.titleBarWidget().findChildren(QToolButton)
+    hand.qtbot.mouseClick(loosen, Qt.MouseButton.LeftButton)
+    assert dock.isFloating()
+    hand.qtbot.mouseClick(loosen, Qt.MouseButton.LeftButton)
+    assert not dock.isFloating()
+    hand.qtbot.mouseClick(close, Qt.MouseButton.LeftButton)
+    assert dock.isHidden()
+    dock.toggleViewAction().trigger()
+    assert not dock.isHidden()
+
+
+def test_panels_are_put_back_where_they_were(window, hand) -> None:
+    before = {dock.objectName(): window.dockWidgetArea(dock) for dock in window.docks}
+    window.docks["run"].close()
+    window.docks["layers"].setFloating(True)
+    window.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, window.docks["parameters"])
+    restore = next(action for action in window.menus["View"].actions() if "Restore" in action.text())
+    restore.trigger()
+    hand.wait(lambda: not window.docks["run"].isHidden())
+    assert {dock.objectName(): window.dockWidgetArea(dock) for dock in window.docks} == before
+    assert not any(dock.isFloating() for dock in window.docks)
+    assert window.docks["layers"] in window.tabifiedDockWidgets(window.docks["parameters"])
+
+
+def test_panels_are_found_where_they_were_left(qtbot, session, window, hand) -> None:
+    window.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, window.docks["run"])
+    window.close()
+    again = MainWindow(session, Preferences())
+    qtbot.addWidget(again)
+    assert again.dockWidgetArea(again.docks["run"]) == Qt.DockWidgetArea.LeftDockWidgetArea
+    again.close()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_six_panels_upon_each_other_show_their_names_in_full(window, qtbot, theme) -> None:
+    window.actions_by_name[f"theme_{theme}"].trigger()
+    other = QMainWindow()
+    qtbot.addWidget(other)
+    other.setCentralWidget(QLabel())
+    docks = Docks(other, [Panel(name=name, title=name, widget=QLabel(name), tab="settings") for name in SIX])
+    other.resize(1280, 720)
+    other.show()
+    qtbot.waitUntil(lambda: bool(seen_bars(other)))
+    (bar,) = seen_bars(other)
+    qtbot.waitUntil(lambda: bar.elideMode() == Qt.TextElideMode.ElideNone)
+    assert [bar.tabText(index) for index in range(bar.count())] == list(SIX)
+    for index, name in enumerate(SIX):
+        assert bar.tabRect(index).width() >= bar.fontMetrics().horizontalAdvance(name)
+    assert bar.tabRect(5).right() <= bar.width()
+    assert docks["Parameters"].width() <= 400
+    other.close()

@@ -1,0 +1,103 @@
+"""The guide: its pages name real actions and samples, its links do what they say, and what it promises comes true."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import PIL.Image
+import pytest
+from PySide6.QtCore import Qt, QUrl
+
+from app.model.assets import asset
+from app.model.samples import sample_called
+from app.views.guide import KEYS, Guide
+from app.views.guide_pages import PAGES
+from app.views.parts.helping import HelpingPart
+
+TEXTS = {
+    page.name: [page.opening, *(step.text for step in page.steps), *page.remarks] for page in PAGES
+}  # what a person reads
+NAMED = sorted({name for texts in TEXTS.values() for text in texts for name in re.findall(r"\{(\w+)\}", text)})
+LINKS = sorted({link for texts in TEXTS.values() for text in texts for link in re.findall(r"href='([^']+)'", text)})
+
+
+@pytest.fixture
+def guide(window, hand) -> Guide:
+    hand.key(Qt.Key.Key_F1)
+    return window.part(HelpingPart).guide
+
+
+def test_three_real_tasks_are_walked_through() -> None:
+    tasks = [page for page in PAGES if page.sample]
+    assert [page.name for page in tasks] == ["artery", "nuclei", "hand"]
+    for page in tasks:
+        assert sample_called(page.sample) is not None
+        assert f"sample:{page.sample}" in page.steps[0].text
+        assert len(page.steps) >= 5
+
+
+def test_every_action_that_is_named_exists(window, guide) -> None:
+    for name in NAMED:
+        assert name in window.actions_by_name
+    for page in PAGES:
+        guide.turn_to(page.name)
+        assert "{" not in guide.text.toPlainText()
+        assert page.title in guide.text.toPlainText()
+
+
+def test_every_link_leads_somewhere_and_every_picture_is_there(window, guide) -> None:
+    for link in LINKS:
+        kind, _, name = link.partition(":")
+        assert kind in ("page", "sample")
+        assert name in {page.name for page in PAGES} if kind == "page" else sample_called(name) is not None
+    for page in PAGES:
+        for step in page.steps:
+            if step.picture:
+                with PIL.Image.open(asset(f"guide/{step.picture}")) as picture:
+                    assert np.asarray(picture).std() > 5
+
+
+def test_a_link_opens_a_sample_and_another_a_page(window, hand, guide) -> None:
+    guide.text.anchorClicked.emit(QUrl("page:nuclei"))
+    assert guide.page == "nuclei"
+    guide.text.anchorClicked.emit(QUrl("sample:nuclei.png"))
+    hand.wait(lambda: window.session.document.image.name == "nuclei.png")
+    assert window.session.document.mode == "automatic"
+
+
+def test_all_keys_are_listed(window, guide) -> None:
+    guide.turn_to(KEYS)
+    text = guide.text.toPlainText()
+    for entry in window.actions_by_name.entries:
+        if entry.shortcuts:
+            assert entry.tip in text, entry.name
+
+
+def test_the_guide_is_one_window_that_can_be_closed_and_opened_again(window, hand, guide) -> None:
+    hand.key(Qt.Key.Key_F1)
+    assert window.part(HelpingPart).guide is guide
+    guide.close()
+    hand.wait(lambda: window.part(HelpingPart).guide is None)
+    window.actions_by_name["all_keys"].trigger()
+    assert window.part(HelpingPart).guide.page == KEYS
+
+
+def test_the_narrow_place_of_the_artery_stands_out_in_its_skeleton(window, hand) -> None:
+    session = window.session
+    window.open_image(str(sample_called("artery.png").path))
+    hand.wait(lambda: session.document.image.name == "artery.png" and session.idle)
+    window.actions_by_name["mode_skeleton"].trigger()
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: session.skeletons.found is not None)
+    found = session.skeletons.found
+    places = np.concatenate([contour.path[: len(radii)] for contour, radii in zip(found.contours, found.radii,
+                                                                                  strict=True)])  # fmt: skip
+    radii = np.concatenate(found.radii)
+
+    def width(row: float, col: float) -> float:
+        return 2.0 * float(radii[np.argmin(np.hypot(*(places - (row, col)).T))])
+
+    narrow = min(width(row, col) for row, col in zip(range(210, 245, 3), range(190, 206, 1), strict=False))
+    assert narrow < 0.7 * width(150, 137)
+    assert narrow < 0.7 * width(290, 215)
