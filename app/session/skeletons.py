@@ -1,4 +1,4 @@
-"""Skeletons: found on the worker thread when a person asks for one, and anew when what they depend on changes."""
+"""Skeletons: found on a thread of their own when a person asks for one, and anew when what they depend on changes."""
 
 from __future__ import annotations
 
@@ -10,10 +10,8 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.document import Document
 from app.model.language import tr
-from app.session.commands import Command
-from app.session.messages import Exported, Report, Trouble
-from app.session.trouble import sentence
-from app.session.workshop import Workshop
+from app.session.messages import Exported, Report
+from app.session.tasks import Task
 from cpm_core.formats import export
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
@@ -35,43 +33,6 @@ class SkeletonFound(Report):
     sentence: str = ""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class FindSkeleton(Command):
-    """Find the skeleton of an image."""
-
-    image_generation: int
-    image: Image
-    parameters: Parameters
-
-    latest_only = True
-
-    def obey(self, shop: Workshop) -> None:
-        """Find it."""
-        if not shop.closing():
-            shop.report(SkeletonFound(self.image_generation, skeleton(self.image, self.parameters)))
-
-    def refusal(self, error: Exception) -> Report:
-        """There is none."""
-        return SkeletonFound(self.image_generation, None, sentence(error, tr("finding the skeleton")))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class ExportSkeleton(Command):
-    """Write a skeleton to a file whose suffix tells the format."""
-
-    skeleton: Skeleton
-    path: Path
-
-    def obey(self, shop: Workshop) -> None:
-        """Write it."""
-        export(self.skeleton, self.path)
-        shop.report(Exported(self.path))
-
-    def refusal(self, error: Exception) -> Report:
-        """Nothing has been written."""
-        return Trouble(sentence(error, tr("writing {file}").format(file=self.path.name)))
-
-
 class Skeletons(QObject):
     """The skeleton of the image that is open, if one has been asked for.
 
@@ -90,6 +51,7 @@ class Skeletons(QObject):
         self._image: Image | None = None
         self._asked: tuple[object, ...] = ()
         self._loud = False
+        self._task: Task | None = None
         self.found: Skeleton | None = None
         session.image_changed.connect(self._use_image)
         session.document_changed.connect(self._follow)
@@ -101,18 +63,36 @@ class Skeletons(QObject):
             self._session.say(tr("There is no image to run on: open one first."), True)
             return
         self._loud = True
-        self._session.say(tr("Finding the skeleton…"))
         self._ask(self._session.document)
 
     def export(self, path: str | Path) -> None:
         """Write the skeleton that was found."""
-        if self.found is not None:
-            self._session.post(ExportSkeleton(self.found, Path(path)))
+        found, path = self.found, Path(path)
+        if found is None:
+            return
+
+        def work(task: Task) -> Report:
+            export(found, path)
+            return Exported(path)
+
+        doing = tr("writing {file}").format(file=path.name)
+        self._session.tasks.start(tr("Writing {file}…").format(file=path.name), work, doing, cancellable=False)
 
     def _ask(self, document: Document) -> None:
-        if self._image is not None:
-            self._asked = _asked(document.parameters)
-            self._session.post(FindSkeleton(self._session.image_generation, self._image, document.parameters))
+        if self._image is None:
+            return
+        if self._task is not None:
+            self._task.cancel()
+        self._asked = _asked(document.parameters)
+        image, number, parameters = self._image, self._session.image_generation, document.parameters
+
+        def work(task: Task) -> Report:
+            return SkeletonFound(number, skeleton(image, parameters))
+
+        def refusal(told: str) -> Report:
+            return SkeletonFound(number, None, told)
+
+        self._task = self._session.tasks.start(tr("Finding the skeleton…"), work, tr("finding the skeleton"), refusal)
 
     def _use_image(self, image: Image, _: object) -> None:
         self._image = image
@@ -129,7 +109,7 @@ class Skeletons(QObject):
             return
         if report.sentence:
             self._session.say(report.sentence, True)
-        elif self._session.document.mode == "skeleton":
+        elif self._session.document.mode == "skeleton" and _asked(self._session.document.parameters) == self._asked:
             self._show(report.skeleton)
             if self._loud:
                 self._session.say(_told(report.skeleton))

@@ -9,6 +9,7 @@ from app.model.controls import controls
 from app.model.wording import WORDS, rich
 from app.views.panels.drawings import DRAWINGS
 from app.views.panels.parameter_drawing import ParameterDrawing
+from app.views.parts.preferring import PreferringPart
 from cpm_core.parameters import PARAMETERS
 
 CONTROLS = {control.name: control for control in controls()}
@@ -113,3 +114,18 @@ def test_words_and_formulas_are_switched_from_the_menu_and_kept(window, hand) ->
 def test_symbols_are_set_with_what_stands_lower() -> None:
     assert rich("d_max,0") == "<i>d</i><sub>max,0</sub>"
     assert rich("β") == "<i>β</i>"
+
+
+def test_the_preferences_offer_wording_motion_and_colours(window, hand) -> None:
+    dialog = window.part(PreferringPart).show()
+    wording, motion, colours = (dialog.rows[label] for label in ("Wording", "Drawings", "Colours"))
+    hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
+    wording.activated.emit(1)
+    assert window.actions_by_name["wording_formula"].isChecked()
+    assert not window.actions_by_name["wording_intuitive"].isChecked()
+    hand.qtbot.mouseClick(motion, Qt.MouseButton.LeftButton)
+    assert not window.actions_by_name["motion"].isChecked()
+    colours.activated.emit(2)
+    assert window.actions_by_name["theme_dark"].isChecked()
+    assert window.palette().window().color().lightness() < 60
+    dialog.reject()

@@ -8,9 +8,12 @@ from functools import partial
 from PySide6.QtGui import QGuiApplication
 
 from app.model.language import tr
+from app.model.situation import Situation
 from app.views import theme
-from app.views.entry import Entry
+from app.views.choice import choice
+from app.views.entry import STATE, Entry
 from app.views.part import Desk, Part
+from app.views.preference_row import PreferenceRow
 
 _CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
     ("system", tr("Colours of the &desktop"), tr("Light or dark as the desktop is."), None),
@@ -38,12 +41,20 @@ class LooksPart(Part):
                 text=text,
                 do=partial(self._choose, name),
                 tip=tip,
-                group="theme",
+                group=STATE,
                 checked=name == self._chosen,
+                holds=partial(self._holds, name),
                 gap=index == 0,
             )
             for index, (name, text, tip, _) in enumerate(_CHOICES)
         ]
+
+    def preferences(self) -> Sequence[PreferenceRow]:
+        """Light or dark."""
+        section, entries = tr("Looks"), self.entries()
+        return (
+            PreferenceRow(section=section, label=tr("Colours"), make=lambda: choice(entries, f"theme_{self._chosen}")),
+        )
 
     def theme(self) -> theme.Theme:
         """The theme that is chosen, or the desktop's."""
@@ -61,6 +72,11 @@ class LooksPart(Part):
         self._chosen = name
         self.desk.preferences.put(_KEY, name)
         self.desk.use_theme(self.theme())
+        # The actions show what is chosen now.
+        self.desk.session.status_changed.emit()
+
+    def _holds(self, name: str, situation: Situation) -> bool:
+        return name == self._chosen
 
     def _follow_desktop(self) -> None:
         if self._chosen == "system":

@@ -5,12 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
+from PySide6.QtWidgets import QCheckBox
+
 from app.model.language import tr
+from app.model.situation import Situation
 from app.model.wording import FIRST_WORDING, Wording, wording_called
+from app.session.preferences import Value
 from app.session.preset_store import PresetStore
-from app.views.entry import TOGGLE, Entry, Submenu
+from app.views.choice import choice
+from app.views.entry import STATE, Entry, Submenu
 from app.views.panels.parameters import ParametersPanel
 from app.views.part import Desk, Panel, Part
+from app.views.preference_row import PreferenceRow
 from app.views.preset_keeper import PresetKeeper
 from app.views.theme import Theme
 
@@ -36,32 +42,28 @@ class ParametersPart(Part):
 
     def entries(self) -> Sequence[Entry | Submenu]:
         """Presets, and how parameters are called."""
-        preferences = self.desk.preferences
-        wording = wording_called(preferences.get(WORDING, FIRST_WORDING))
         presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.keeper.fill, gap=True)
-        wordings = [
-            Entry(
-                name=f"wording_{name}",
-                menu="View",
-                text=text,
-                do=partial(preferences.put, WORDING, name),
-                tip=tip,
-                group="wording",
-                checked=name == wording,
-                gap=index == 0,
-            )
-            for index, (name, text, tip) in enumerate(_WORDINGS)
-        ]
         motion = Entry(
             name="motion",
             menu="View",
             text=tr("Drawings that mo&ve"),
-            do=partial(preferences.put, MOTION),
+            do=lambda: self._prefer(MOTION, not self._moves),
             tip=tr("Let the small drawings of the parameters move, or stand still."),
-            group=TOGGLE,
-            checked=preferences.get(MOTION, True),
+            group=STATE,
+            checked=self._moves,
+            holds=lambda _: self._moves,
         )
-        return (presets, *wordings, motion)
+        return (presets, *self._wordings(), motion)
+
+    def preferences(self) -> Sequence[PreferenceRow]:
+        """How parameters are called, and whether drawings move."""
+        section, entries = tr("Parameters"), self._wordings()
+        return (
+            PreferenceRow(
+                section=section, label=tr("Wording"), make=lambda: choice(entries, f"wording_{self._wording}")
+            ),
+            PreferenceRow(section=section, label=tr("Drawings"), make=self._make_motion),
+        )
 
     def panels(self) -> Sequence[Panel]:
         """The sliders."""
@@ -71,9 +73,46 @@ class ParametersPart(Part):
         """Tint the buttons."""
         self.panel.use_theme(theme)
 
+    @property
+    def _wording(self) -> Wording:
+        return wording_called(self.desk.preferences.get(WORDING, FIRST_WORDING))
+
+    @property
+    def _moves(self) -> bool:
+        return self.desk.preferences.get(MOTION, True)
+
+    def _wordings(self) -> list[Entry]:
+        return [
+            Entry(
+                name=f"wording_{name}",
+                menu="View",
+                text=text,
+                do=partial(self._prefer, WORDING, name),
+                tip=tip,
+                group=STATE,
+                checked=name == self._wording,
+                holds=partial(self._holds, name),
+                gap=index == 0,
+            )
+            for index, (name, text, tip) in enumerate(_WORDINGS)
+        ]
+
+    def _make_motion(self) -> QCheckBox:
+        box = QCheckBox(tr("Let the small drawings move"))
+        box.setChecked(self._moves)
+        box.toggled.connect(partial(self._prefer, MOTION))
+        return box
+
+    def _holds(self, name: Wording, situation: Situation) -> bool:
+        return name == self._wording
+
+    def _prefer(self, key: str, value: Value) -> None:
+        self.desk.preferences.put(key, value)
+        # The actions show what is preferred now.
+        self.desk.session.status_changed.emit()
+
     def _follow(self, key: str) -> None:
-        preferences = self.desk.preferences
         if key == WORDING:
-            self.panel.use_wording(wording_called(preferences.get(WORDING, FIRST_WORDING)))
+            self.panel.use_wording(self._wording)
         elif key == MOTION:
-            self.panel.explanation.drawing.set_motion(preferences.get(MOTION, True))
+            self.panel.explanation.drawing.set_motion(self._moves)
