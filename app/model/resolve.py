@@ -13,7 +13,7 @@ from app.model.situation import Situation
 from app.model.status import RunStatus
 from cpm_core.shapes import Barrier, Charge, Everywhere, Grid, Points, Shape, Stroke, Threshold
 
-FULL_SPEED = "full speed"
+FULL_SPEED = tr("full speed")
 PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
 """Steps per second that the speed control offers; None is as fast as it goes."""
 FIRST_PACE = 6
@@ -65,22 +65,24 @@ def resolve(situation: Situation) -> Resolved:
 
 
 def _named(text: str, name: str) -> str:
-    return f"{text} {name}" if name else text
+    return tr("{undo} {change}").format(undo=text, change=name) if name else text
 
 
 def pace_text(pace: float | None) -> str:
     """A speed in words."""
-    return FULL_SPEED if pace is None else f"{pace:g} step{'' if pace == 1 else 's'}/s"
+    if pace is None:
+        return FULL_SPEED
+    return tr("1 step/s") if pace == 1 else tr("{pace} steps/s").format(pace=f"{pace:g}")
 
 
 def _run_text(document: Document, status: RunStatus) -> str:
     if status.phase == "running":
-        return "Pause"
+        return tr("Pause")
     if document.mode == "skeleton":
         return MODES["skeleton"].short
     if (status.phase == "paused" or status.steered) and not status.stale:
-        return "Resume"
-    return "Run anew" if status.started else "Run"
+        return tr("Resume")
+    return tr("Run anew") if status.started else tr("Run")
 
 
 def _state(document: Document, status: RunStatus) -> str:
@@ -88,43 +90,44 @@ def _state(document: Document, status: RunStatus) -> str:
         return status.busy
     match status.phase:
         case "empty":
-            return "No image is open."
+            return tr("No image is open.")
         case "running":
-            return "Running"
+            return tr("Running")
         case "paused":
-            return "Paused"
+            return tr("Paused")
         case "finished":
-            return _sentence(f"{'Done' if status.converged else 'Stopped'} – {status.stop_reason}")
+            told = tr("Done – {reason}") if status.converged else tr("Stopped – {reason}")
+            return _sentence(told.format(reason=tr(status.stop_reason) if status.stop_reason else ""))
     if document.starts:
-        return "Ready"
-    return "Nothing to start from yet" if document.shapes else "Nothing drawn yet"
+        return tr("Ready")
+    return tr("Nothing to start from yet") if document.shapes else tr("Nothing drawn yet")
 
 
 def _hint(situation: Situation) -> str:
     document, status, selected = situation.document, situation.status, situation.selected
     if status.phase == "empty":
-        return "Open an image (Ctrl+O) or drop one here."
+        return tr("Open an image (Ctrl+O) or drop one here.")
     if document.mode == "skeleton" and status.phase != "running":
         return "" if situation.has_skeleton else MODES["skeleton"].hint
     shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
     if status.started:
         return _hint_on_run(status) or (_what_a_charge_does(shape) if isinstance(shape, Charge) else "")
     if not document.shapes:
-        return "Drag on the image to draw a circle in or around an object."
+        return tr("Drag on the image to draw a circle in or around an object.")
     if not document.starts:
-        return "Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G)."
+        return tr("Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G).")
     if shape is not None:
         return _what_can_be_done_to(shape)
-    return MODES[document.mode].hint or "Press Space to let the particles go."
+    return MODES[document.mode].hint or tr("Press Space to let the particles go.")
 
 
 def _hint_on_run(status: RunStatus) -> str:
     if status.stale:
         if status.phase == "running":
-            return "A start or the scales have changed: Reset (R) to begin from them."
-        return "A start or the scales have changed: Run starts anew from them."
+            return tr("A start or the scales have changed: Reset (R) to begin from them.")
+        return tr("A start or the scales have changed: Run starts anew from them.")
     if status.steered:
-        return "The parameters have changed: Resume (Space) goes on with them, Reset (R) starts over."
+        return tr("The parameters have changed: Resume (Space) goes on with them, Reset (R) starts over.")
     return ""
 
 
@@ -166,26 +169,35 @@ def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
         if status.epsilon < 1e-3
         else f"{status.epsilon:.4f}"
     )
-    scale = f"{status.scale} (full size)" if status.scale == 0 else f"{status.scale} (1:{2**status.scale})"
+    scale = tr("0 (full size)") if status.scale == 0 else f"{status.scale} (1:{2**status.scale})"
     speed = f"{status.steps_per_second:.0f}" if status.phase == "running" else "–"
     return (
-        ("Step", shown(f"{status.step:,}"), "Steps taken over all scales."),
-        ("Particles", shown(f"{status.count:,}"), "Free particles there are now."),
-        ("Scale", shown(scale), "Level of the image pyramid; 0 is the image itself."),
+        (tr("Step"), shown(f"{status.step:,}"), tr("Steps taken over all scales.")),
+        (tr("Particles"), shown(f"{status.count:,}"), tr("Free particles there are now.")),
+        (tr("Scale"), shown(scale), tr("Level of the image pyramid; 0 is the image itself.")),
         (
             "ε",
             shown(epsilon),
-            "Eq. (23): how far the particles' distances from the corner have changed over four steps; small at rest.",
+            tr("Eq. (23): how far the particles' distances from the corner change over four steps; small at rest."),
         ),
-        ("Contours", shown(f"{status.closed} closed, {status.open} open"), "Contours reconstructed so far."),
-        ("Steps/s", speed, "Speed of the run."),
-        ("Bridged", shown(_bridged(status)), "Gaps in contours that were closed where the edge shows through faintly."),
+        (
+            tr("Contours"),
+            shown(tr("{closed} closed, {open} open").format(closed=status.closed, open=status.open)),
+            tr("Contours reconstructed so far."),
+        ),
+        (tr("Steps/s"), speed, tr("Speed of the run.")),
+        (
+            tr("Bridged"),
+            shown(_bridged(status)),
+            tr("Gaps in contours that were closed where the edge shows through faintly."),
+        ),
     )
 
 
 def _bridged(status: RunStatus) -> str:
     if not status.bridges:
-        return "no gap"
+        return tr("no gap")
     if status.bridges == 1:
-        return f"1 gap of {status.longest_bridge:.1f} px"
-    return f"{status.bridges} gaps, longest {status.longest_bridge:.1f} px"
+        return tr("1 gap of {length} px").format(length=f"{status.longest_bridge:.1f}")
+    told = tr("{gaps} gaps, longest {length} px")
+    return told.format(gaps=status.bridges, length=f"{status.longest_bridge:.1f}")

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
+from app.model.language import tr
 from app.model.status import Phase, RunStatus
 from app.session.messages import (
     Exported,
@@ -182,7 +183,7 @@ class Progress:
                 if generation == self._audience.image_generation:
                     self._audience.show_sown(sown)
             case Exported(path):
-                self._audience.say(f"Written: {path}", False)
+                self._audience.say(tr("Written: {path}").format(path=path), False)
             case Trouble(sentence):
                 self._audience.say(sentence, True)
             case WarmedUp():

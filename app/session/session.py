@@ -267,7 +267,7 @@ class Session(Announcements):
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
-        self._progress.busy("preparing", "Preparing (longer the very first time)…")
+        self._progress.busy("preparing", tr("Preparing (longer the very first time)…"))
         self._opener.afterwards(lambda: self.post(WarmUp()))
 
     def post(self, command: Command) -> None:
@@ -296,7 +296,7 @@ class Session(Announcements):
 
     def _ready(self) -> bool:
         if self.document.image is None:
-            self.say("There is no image to run on: open one first.", True)
+            self.say(tr("There is no image to run on: open one first."), True)
             return False
         if not self.document.starts:
             self.say(NOTHING_TO_START_FROM, True)
@@ -322,7 +322,7 @@ class Session(Announcements):
         if before.parameters != self.document.parameters:
             self.post(SetParameters(self.document.parameters))
         if self.document.sowable and before.sowing != self.document.sowing:
-            self._progress.busy("sowing", "Looking for places to start from…")
+            self._progress.busy("sowing", tr("Looking for places to start from…"))
             self.post(Sow(self._image_generation, self.document))
         if before != self.document:
             self.live.follow(before, self.document, settled)

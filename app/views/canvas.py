@@ -6,6 +6,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QResizeEvent, QWheelEvent
 
+from app.model.language import tr
 from app.session.session import Session
 from app.views import theme
 from app.views.coordinates import image_rectangle, to_position
@@ -41,7 +42,7 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAcceptDrops(False)
         self.setMinimumSize(320, 240)
-        self.setAccessibleName("Image")
+        self.setAccessibleName(tr("Image"))
         self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, enableMouse=False, defaultPadding=0.0)
         self.view.disableAutoRange()
         self.setCentralItem(self.view)

@@ -21,6 +21,9 @@ _AREAS: dict[Area, Qt.DockWidgetArea] = {
 _WIDTH = 352
 """Width of what stands beside the canvas at first [px]."""
 
+_UPPER_SHARE = 0.36
+"""Share of the height that the uppermost panel beside the canvas gets."""
+
 
 class Docks(QObject):
     """One dock a panel, which a person may move, close and bring back.
@@ -87,6 +90,7 @@ class Docks(QObject):
             dock.raise_()
         beside = [dock for (area, _), dock in first.items() if area == "right"]
         window.resizeDocks(beside, [_WIDTH] * len(beside), Qt.Orientation.Horizontal)
+        self._share_height(beside)
         self._tidying.start()
 
     def leave(self) -> None:
@@ -120,6 +124,15 @@ class Docks(QObject):
         dock.setTitleBarWidget(self._titles[panel.name])
         for told in (dock.topLevelChanged, dock.dockLocationChanged, dock.visibilityChanged):
             told.connect(self._look_soon)
+
+    def _share_height(self, beside: Sequence[QDockWidget]) -> None:
+        """The uppermost gets what it needs at least, and no more than its share; what can be scrolled gets the rest."""
+        if len(beside) > 1:
+            least = beside[0].minimumSizeHint().height()
+            first = max(least, round(_UPPER_SHARE * self._window.height()))
+            rest = max(1, self._window.height() - first) // (len(beside) - 1)
+            heights = [first, *(rest for _ in beside[1:])]
+            self._window.resizeDocks(beside, heights, Qt.Orientation.Vertical)
 
     def _look_soon(self) -> None:
         self._tidying.start()

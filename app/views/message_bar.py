@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
 
+from app.model.language import tr
 from app.views.icons import icon
 from app.views.theme import Theme
 
@@ -29,8 +30,8 @@ class MessageBar(QFrame):
         self._label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._button = QToolButton()
         self._button.setAutoRaise(True)
-        self._button.setToolTip("Dismiss (Esc)")
-        self._button.setAccessibleName("Dismiss message")
+        self._button.setToolTip(tr("Dismiss (Esc)"))
+        self._button.setAccessibleName(tr("Dismiss message"))
         self._button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._button.clicked.connect(self.hide)
         self._above = parent

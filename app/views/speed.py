@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QSlider, QWidget
 
+from app.model.language import tr
 from app.model.resolve import FIRST_PACE, PACES, pace_text
 from app.session.session import Session
 
@@ -20,14 +21,16 @@ class SpeedControl(QWidget):
         self.slider.setPageStep(1)
         self.slider.setValue(FIRST_PACE)
         self.slider.setFixedWidth(110)
-        self.slider.setAccessibleName("Speed")
+        self.slider.setAccessibleName(tr("Speed"))
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._label = QLabel(pace_text(PACES[FIRST_PACE]))
-        self._label.setMinimumWidth(self._label.fontMetrics().horizontalAdvance("120 steps/s ") + 4)
-        name = QLabel("Speed")
+        self._label.setMinimumWidth(
+            self._label.fontMetrics().horizontalAdvance(max(map(pace_text, PACES), key=len)) + 8
+        )
+        name = QLabel(tr("Speed"))
         name.setObjectName("dim")
         for widget in (self, self.slider, self._label, name):
-            widget.setToolTip("Most steps a second ([ slower, ] faster).")
+            widget.setToolTip(tr("Most steps a second ([ slower, ] faster)."))
         layout = QHBoxLayout(self)
         layout.setContentsMargins(6, 0, 6, 0)
         layout.addWidget(name)

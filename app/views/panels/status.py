@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
+from app.model.language import tr
 from app.model.resolve import Resolved
 
-_WIDE = ("Contours", "Bridged")
+_WIDE = (tr("Contours"), tr("Bridged"))
 """Figures that take a line of their own."""
 
 
@@ -36,9 +37,9 @@ class StatusPanel(QWidget):
         """Show a state and its figures; what is the same as before is left alone."""
         _set(self._state, resolved.state)
         frames = (
-            "Frames/s",
+            tr("Frames/s"),
             frames_per_second,
-            "How often a second the window looks for newer particles and draws them.",
+            tr("How often a second the window looks for newer particles and draws them."),
         )
         narrow = [number for number in resolved.numbers if number[0] not in _WIDE]
         wide = [number for number in resolved.numbers if number[0] in _WIDE]
