@@ -41,12 +41,15 @@ class ImageReference:
         (rows, cols).
     contrast : float
         Largest minus smallest grey value.
+    sha256 : str
+        Hash of the file, empty where it is not known.
     """
 
     name: str
     path: str
     shape: tuple[int, ...]
     contrast: float
+    sha256: str = ""
 
 
 @dataclass(frozen=True, slots=True)

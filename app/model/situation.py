@@ -88,6 +88,11 @@ def has_particle_mode(situation: Situation) -> bool:
     return situation.document.mode != "skeleton"
 
 
+def has_contours(situation: Situation) -> bool:
+    """Contours have been found."""
+    return situation.status.closed + situation.status.open > 0
+
+
 def can_step(situation: Situation) -> bool:
     """A single step can be taken: not while it runs, nor after the end of a run for which nothing has changed."""
     status = situation.status

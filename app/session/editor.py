@@ -26,6 +26,11 @@ class Editor:
         """Name of what redo would do again."""
         return self._history.redo_name
 
+    @property
+    def changes(self) -> tuple[tuple[str, ...], int]:
+        """Names of all changes, and how many of them are done; the others are undone."""
+        return self._history.names, self._history.done
+
     def begin(self, document: Document) -> None:
         """Begin anew with a document, without a way back to the one before."""
         self._history.clear()
@@ -50,6 +55,10 @@ class Editor:
     def redo(self) -> None:
         """Do again what was undone last."""
         self._show(self._history.redo())
+
+    def go_to(self, done: int) -> None:
+        """Take back or do again until so many of the changes are done."""
+        self._show(self._history.go_to(done))
 
     def next_shape(self) -> int | None:
         """Index of the shape drawn after the selected one, the first after the last."""

@@ -47,6 +47,25 @@ class History:
         """Name of what redo would do again, empty when there is nothing."""
         return self._undone[-1].name if self._undone else ""
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All changes, the oldest first: those done, then those undone that can be done again."""
+        return (*(change.name for change in self._done), *(change.name for change in reversed(self._undone)))
+
+    @property
+    def done(self) -> int:
+        """How many of them are done."""
+        return len(self._done)
+
+    def go_to(self, done: int) -> Document | None:
+        """The document with so many of the changes done, or None when that is how it is."""
+        document = None
+        while self._done and len(self._done) > done:
+            document = self.undo()
+        while self._undone and len(self._done) < done:
+            document = self.redo()
+        return document
+
     def push(self, change: Change) -> None:
         """Record a change that has been made."""
         self._undone.clear()

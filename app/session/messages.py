@@ -13,6 +13,7 @@ from app.model.shades import Shades
 from app.session.survey import Survey
 from app.session.timeline import Outline
 from cpm_core.engine import Engine
+from cpm_core.formats.session_file import SessionFile
 from cpm_core.image import Image
 from cpm_core.parameters import Parameters
 from cpm_core.particles import State
@@ -117,6 +118,25 @@ class Report:
     __slots__ = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Saved(Report):
+    """A session file has been written or read.
+
+    Attributes
+    ----------
+    path : Path or None
+        Its place; None for work that has none yet.
+    file : SessionFile
+        What it holds.
+    recovered : bool
+        Whether it was found after a crash, so that what it holds is not saved yet.
+    """
+
+    path: Path | None
+    file: SessionFile
+    recovered: bool = False
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Opened(Report):
     """An image has been read and its engine is ready, with the parameters asked for as far as the image has room."""
@@ -127,6 +147,8 @@ class Opened(Report):
     path: Path
     parameters: Parameters
     notes: tuple[str, ...]
+    sha256: str = ""
+    saved: Saved | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from app.model.modes import starting
 from app.model.naming import describe
 from app.model.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.samples import sample_at
+from app.model.saving import restored
 from app.model.situation import Situation, can_step
 from app.model.status import RunStatus
 from app.session.announcements import Announcements
@@ -37,7 +38,7 @@ from app.session.curation import Curation
 from app.session.editor import Editor
 from app.session.live import Live
 from app.session.messages import Opened
-from app.session.opening import Opener
+from app.session.opening import Opener, Wanted
 from app.session.pacer import Pacer
 from app.session.progress import Progress
 from app.session.runner import Runner
@@ -94,6 +95,11 @@ class Session(Announcements):
         return self._editor.selected
 
     @property
+    def changes(self) -> tuple[tuple[str, ...], int]:
+        """Names of all changes to the document, and how many of them are done; the others are undone."""
+        return self._editor.changes
+
+    @property
     def generation(self) -> int:
         """Number of the current run; what belongs to another is not shown."""
         return self._generation
@@ -109,8 +115,7 @@ class Session(Announcements):
         status = self._progress.status
         stale = status.started and self.live.outdated(self.document)
         steered = status.phase == "finished" and status.steering != self.document.parameters.steering
-        doing = next((task.name for task in self.tasks.current), "")
-        return replace(status, stale=stale, steered=steered, busy=doing or status.busy)
+        return replace(status, stale=stale, steered=steered, busy=self._opener.opening or status.busy)
 
     @property
     def situation(self) -> Situation:
@@ -166,6 +171,10 @@ class Session(Announcements):
         """Do again what was undone last."""
         self._change(self._editor.redo)
 
+    def go_to(self, done: int) -> None:
+        """Take back or do again until so many of the changes in `changes` are done."""
+        self._change(lambda: self._editor.go_to(done))
+
     def select(self, index: int | None) -> None:
         """Select a shape, or none."""
         if index != self.selected:
@@ -188,19 +197,22 @@ class Session(Announcements):
     # Files
 
     def open(self, path: str | Path, otherwise: Path | None = None) -> None:
-        """Open an image; what is open stays until the other one is known to be usable.
+        """Open an image or a session; what is open stays until the other one is known to be usable.
 
         Parameters
         ----------
         path : str or Path
-            File of the image.
+            File of the image, or of a session.
         otherwise : Path, optional
             File to open when that one turns out to be unusable.
         """
         path = Path(path)
         sample = sample_at(path)
-        parameters = sample.parameters if sample else self.document.parameters
-        self._opener.open(path, parameters, otherwise)
+        self.begin(Wanted(path, sample.parameters if sample else self.document.parameters, otherwise))
+
+    def begin(self, wanted: Wanted) -> None:
+        """Open an image or a session; see `open`."""
+        self._opener.open(wanted)
 
     def export(self, path: str | Path) -> None:
         """Write the contours found so far; the suffix tells the format."""
@@ -343,10 +355,12 @@ class Session(Announcements):
 
 
 def _document(opened: Opened, mode: Mode) -> Document:
-    """The document that an image begins with; the mode stays unless it is a sample."""
+    """The document that an image or a session begins with; the mode stays unless it is a sample or a session."""
     image, path, sample = opened.image, opened.path, sample_at(opened.path)
     contrast = float(image.values.max() - image.values.min())
-    reference = ImageReference(path.name, str(path), image.shape, contrast)
+    reference = ImageReference(path.name, str(path), image.shape, contrast, opened.sha256)
+    if opened.saved is not None:
+        return restored(opened.saved.file, reference, opened.parameters)
     if sample is not None:
         return Document(reference, sample.shapes, opened.parameters, mode=sample.mode)
     return Document(reference, starting(mode, ()), opened.parameters, mode=mode)

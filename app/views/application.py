@@ -15,6 +15,7 @@ from app.session.session import Session
 from app.views.icons import program_icon
 from app.views.main_window import MainWindow
 from app.views.parts.helping import HelpingPart
+from app.views.parts.recovery import RecoveryPart
 
 SWITCH_INTERVAL = 0.0002
 """Longest time that the worker keeps the window waiting for the interpreter [s]."""
@@ -46,6 +47,7 @@ def open_window(path: str | None = None) -> MainWindow:
     session.open(path or sample, otherwise=sample if path else None)
     session.warm_up()
     window.show()
+    window.part(RecoveryPart).offer()
     return window
 
 

@@ -97,6 +97,25 @@ class Canvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hi
         self.view.setRange(QRectF(place[1] - span / 2, place[0] - span / 2, span, span), padding=0.0)
         self._fitted = False
 
+    def view_state(self) -> dict[str, object]:
+        """What a session file keeps of where one looks: nothing while the whole image is in sight."""
+        if self._fitted:
+            return {}
+        seen = self.view.viewRect()
+        return {"center": [seen.center().y(), seen.center().x()], "rows": seen.height()}
+
+    def use_view_state(self, state: dict[str, object]) -> None:
+        """Look where a session file says; where it says nothing, or nonsense, at the whole image."""
+        self.fit()
+        center, rows = state.get("center"), state.get("rows")
+        if not isinstance(center, list) or not isinstance(rows, int | float) or not 0.01 <= rows <= 1e6:
+            return
+        if len(center) == 2 and all(isinstance(place, int | float) and abs(place) <= 1e6 for place in center):
+            seen = self.view.viewRect()
+            cols = rows * seen.width() / seen.height()
+            self.view.setRange(QRectF(center[1] - 0.5 * cols, center[0] - 0.5 * rows, cols, rows), padding=0.0)
+            self._fitted = False
+
     def position(self, point: QPointF) -> Position:
         """Position (row, col) under a point of the widget."""
         return to_position(self.view.mapSceneToView(self.mapToScene(point.toPoint())))

@@ -6,20 +6,35 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QFileDialog, QWidget
 
+from app.model.language import tr
 from cpm_core.formats import READABLE, WRITABLE
+from cpm_core.formats.session_file import SUFFIX
 
 
-def ask_for_image(parent: QWidget, folder: str) -> str:
-    """Path of an image to open, empty when the user has thought better of it."""
-    patterns = " ".join(f"*{suffix}" for suffix in READABLE)
-    chosen, _ = QFileDialog.getOpenFileName(parent, "Open image", folder, f"Images ({patterns});;All files (*)")
+def ask_for_file(parent: QWidget, folder: str) -> str:
+    """Path of an image or a session to open, empty when the user has thought better of it."""
+    images = " ".join(f"*{suffix}" for suffix in READABLE)
+    kinds = (
+        tr("Images and sessions ({patterns})").format(patterns=f"{images} *{SUFFIX}"),
+        tr("Images ({patterns})").format(patterns=images),
+        tr("Sessions ({patterns})").format(patterns=f"*{SUFFIX}"),
+        tr("All files (*)"),
+    )
+    chosen, _ = QFileDialog.getOpenFileName(parent, tr("Open"), folder, ";;".join(kinds))
     return chosen
+
+
+def ask_where_to_save(parent: QWidget, suggestion: str) -> str:
+    """Path to save a session to, empty when the user has thought better of it; a suffix left out is added."""
+    kind = tr("Sessions ({patterns})").format(patterns=f"*{SUFFIX}")
+    chosen, _ = QFileDialog.getSaveFileName(parent, tr("Save session"), suggestion, kind)
+    return chosen + SUFFIX if chosen and Path(chosen).suffix.lower() != SUFFIX else chosen
 
 
 def ask_for_export(parent: QWidget, suggestion: str) -> str:
     """Path to export contours to, empty when the user has thought better of it; a suffix left out is added."""
     filters = {f"{text} (*{suffix})": suffix for suffix, text in WRITABLE.items()}
-    chosen, used = QFileDialog.getSaveFileName(parent, "Export contours", suggestion, ";;".join(filters))
+    chosen, used = QFileDialog.getSaveFileName(parent, tr("Export contours"), suggestion, ";;".join(filters))
     if chosen and not Path(chosen).suffix:
         chosen += filters.get(used, next(iter(WRITABLE)))
     return chosen

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TypeVar
 
 from PySide6.QtCore import QByteArray, QSize, Qt
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QMainWindow
 
-from app.model.language import tr
 from app.session.preferences import Preferences
 from app.session.session import Session
 from app.views import theme
@@ -20,6 +20,8 @@ from app.views.part import Desk, Part
 from app.views.parts import PARTS
 from app.views.parts.files import FilesPart
 from app.views.parts.looks import LooksPart
+from app.views.parts.parameters import ParametersPart
+from app.views.parts.recovery import RecoveryPart
 from app.views.parts.running import RunningPart
 from app.views.pointer_readout import PointerReadout
 from app.views.stage import Stage
@@ -67,6 +69,8 @@ class MainWindow(QMainWindow):
         )
         self.parts: dict[type[Part], Part] = {kind: kind(desk) for kind in PARTS}
         entries = [entry for part in self.parts.values() for entry in part.entries()]
+        self.part(FilesPart).bring_in = self.part(ParametersPart).keeper.take_in
+        self.part(RecoveryPart).keep(self.part(FilesPart).keeper)
         self.actions_by_name = Actions(self, (entry for entry in entries if isinstance(entry, Entry)))
         self.menus = Menus(self.menuBar(), entries, self.actions_by_name)
         panels = [panel for part in self.parts.values() for panel in part.panels()]
@@ -95,8 +99,8 @@ class MainWindow(QMainWindow):
         return part
 
     def open_image(self, path: str) -> None:
-        """Open an image; what was said about an earlier one is over."""
-        self.part(FilesPart).open_image(path)
+        """Open an image or a session; what was said about an earlier one is over."""
+        self.part(FilesPart).take([Path(path)])
 
     def use_theme(self, used: theme.Theme) -> None:
         """Take on a theme."""
@@ -128,23 +132,15 @@ class MainWindow(QMainWindow):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Open the first file dropped."""
+        """Take in the files dropped."""
         event.acceptProposedAction()
-        url = event.mimeData().urls()[0]
-        if url.isLocalFile():
-            self.open_image(url.toLocalFile())
-        else:
-            told = tr("{place} is not a file on this computer: save it first, then open it.")
-            self.session.say(told.format(place=url.toDisplayString()), True)
+        self.part(FilesPart).take_dropped(event.mimeData().urls())
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)
 
     def _show(self) -> None:
         situation = self.session.situation
-        title = self.session.resolved.title
-        if self.windowTitle() != title:
-            self.setWindowTitle(title)
         self.actions_by_name.show(situation)
 
     def _restore_places(self) -> None:

@@ -110,12 +110,19 @@ class PresetKeeper(QObject):
         if preset is not None and dialogs.agrees_to_delete(self._desk.window, preset.name):
             self.store.delete(preset.name)
 
+    def take_in(self, path: Path) -> None:
+        """Take over a preset that somebody shared."""
+        self._try(lambda: self._take_in(path))
+
+    def _take_in(self, path: Path) -> None:
+        preset = self.store.bring_in(path)
+        self._desk.session.say(tr("“{name}” is among the presets now.").format(name=preset.name))
+
     def _import(self) -> None:
         chosen = dialogs.ask_for_preset_file(self._desk.window, self._folder)
         if chosen:
             self._folder = str(Path(chosen).parent)
-            preset = self.store.bring_in(Path(chosen))
-            self._desk.session.say(tr("“{name}” is among the presets now.").format(name=preset.name))
+            self._take_in(Path(chosen))
 
     def _export(self) -> None:
         current = self.gallery.current

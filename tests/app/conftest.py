@@ -14,11 +14,13 @@ from pytestqt.qtbot import QtBot
 
 from app.model import edits
 from app.session.session import Session
+from app.views import unsaved
 from app.views.application import make_application
 from app.views.main_window import MainWindow
 from cpm_core.shapes import Circle
 
 SIDE = 64
+ASK = unsaved.ask
 
 
 class Hand:
@@ -107,6 +109,18 @@ def nothing_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
 def own_preferences(tmp_path: Path) -> None:
     """No test reads or writes what the person at this computer prefers."""
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "preferences"))
+
+
+@pytest.fixture(autouse=True)
+def nobody_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Windows close without asking about unsaved work; who tests the question asks for `asked`."""
+    monkeypatch.setattr(unsaved, "ask", lambda parent, name: "discard")
+
+
+@pytest.fixture
+def asked(nobody_is_asked: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Unsaved work is asked about, as it is outside of tests."""
+    monkeypatch.setattr(unsaved, "ask", ASK)
 
 
 @pytest.fixture

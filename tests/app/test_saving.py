@@ -1,0 +1,401 @@
+"""Work is saved whole and comes back whole; nothing that is not saved is lost without a question."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QMimeData, QPoint, Qt, QTimer, QUrl
+from PySide6.QtGui import QDropEvent
+from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMessageBox
+
+from app.model import edits
+from app.model.presets import Preset
+from app.views.main_window import MainWindow
+from app.views.parts.files import FilesPart
+from app.views.parts.parameters import ParametersPart
+from app.views.recent_files import MOST
+from cpm_core import Parameters
+from cpm_core.curation import Mark
+from cpm_core.formats.session_file import load_session
+from cpm_core.shapes import Circle, Points, Region
+
+KEY = Qt.Key
+CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+STANDARD = QMessageBox.StandardButton
+
+
+@pytest.fixture
+def saved_to(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """Where the file dialog says that a session is to be saved."""
+    path = tmp_path / "work.cpm"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path.with_suffix("")), ""))
+    return path
+
+
+def keeper(window: MainWindow):
+    return window.part(FilesPart).keeper
+
+
+def draw(window: MainWindow, row: float = 20.0) -> None:
+    window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((row, 30.0), 9.0)))
+
+
+def drop(window: MainWindow, *paths: Path) -> None:
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
+    button, none = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+    window.dropEvent(QDropEvent(QPoint(50, 50), Qt.DropAction.CopyAction, data, button, none))
+
+
+def click(button: STANDARD) -> None:
+    """Click a button of the question as soon as it is there."""
+
+    def look() -> None:
+        box = QApplication.activeModalWidget()
+        if isinstance(box, QMessageBox):
+            box.button(button).click()
+        else:
+            QTimer.singleShot(20, look)
+
+    QTimer.singleShot(0, look)
+
+
+def test_what_is_saved_by_a_key_is_restored_with_marks_and_view(ready, hand, saved_to, tmp_path) -> None:
+    session, canvas = ready.session, hand.canvas
+    session.edit(
+        "draw region", lambda document: edits.add_shape(document, Region(((1.0, 1.0), (1.0, 60.0), (60.0, 9.0))))
+    )
+    session.edit("damping", lambda document: edits.set_parameter(document, "beta", 0.5))
+    session.edit("reject", lambda document: replace(document, marks=(Mark((14.0, 32.0), "rejected"),)))
+    canvas.zoom(2.0)
+    canvas.pan(30.0, -20.0)
+    canvas.layers["image"].set_opacity(0.5)
+    canvas.layers["edge_map"].set_shown(True)
+    seen = canvas.view.viewRect()
+    hand.key(KEY.Key_S, CTRL)
+    hand.wait(saved_to.exists)
+    hand.wait(lambda: not keeper(ready).unsaved)
+    document = session.document
+    np.save(tmp_path / "other.npy", np.eye(30))
+    ready.part(FilesPart).take([tmp_path / "other.npy"])
+    hand.wait(lambda: session.document.image.name == "other.npy")
+    canvas.layers["edge_map"].set_shown(False)
+    canvas.layers["image"].set_opacity(1.0)
+    drop(ready, saved_to)
+    hand.wait(lambda: session.document.image.name == "disc.npy" and session.idle)
+    assert session.document == document
+    assert not keeper(ready).unsaved
+    assert session.situation.undo_name == ""
+    assert canvas.layers["image"].opacity == 0.5
+    assert canvas.layers["edge_map"].shown
+    again = canvas.view.viewRect()
+    for before, after in zip(seen.getRect(), again.getRect(), strict=True):
+        assert after == pytest.approx(before, abs=0.5)
+
+
+def test_the_title_tells_the_file_and_whether_it_is_saved(ready, hand, saved_to) -> None:
+    assert ready.windowTitle() == "disc.npy[*] – CPM"
+    assert ready.isWindowModified()
+    hand.key(KEY.Key_S, CTRL)
+    hand.wait(lambda: not ready.isWindowModified())
+    assert ready.windowTitle() == "work.cpm[*] – CPM"
+    draw(ready)
+    assert ready.isWindowModified()
+    hand.key(KEY.Key_Z, CTRL)
+    assert not ready.isWindowModified()
+
+
+def test_looking_is_not_work_that_has_to_be_saved(window, hand) -> None:
+    hand.canvas.zoom(3.0)
+    hand.canvas.layers["image"].set_opacity(0.3)
+    assert not keeper(window).unsaved
+
+
+def test_saving_again_asks_for_no_file_and_saving_as_keeps_to_the_new_one(
+    ready, hand, saved_to, tmp_path, monkeypatch
+) -> None:
+    hand.key(KEY.Key_S, CTRL)
+    hand.wait(lambda: not keeper(ready).unsaved)
+    second = tmp_path / "second.cpm"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: pytest.fail("asked"))
+    draw(ready)
+    hand.key(KEY.Key_S, CTRL)
+    hand.wait(lambda: not keeper(ready).unsaved)
+    assert len(load_session(saved_to).shapes) == 2
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(second), ""))
+    hand.key(KEY.Key_S, CTRL | SHIFT)
+    hand.wait(second.exists)
+    hand.wait(lambda: keeper(ready).path == second)
+    draw(ready)
+    hand.key(KEY.Key_S, CTRL)
+    hand.wait(lambda: not keeper(ready).unsaved)
+    assert len(load_session(second).shapes) == 3
+    assert len(load_session(saved_to).shapes) == 2
+
+
+def test_two_savings_in_a_row_leave_the_later_state(ready, hand, saved_to) -> None:
+    keeper(ready).save(saved_to)
+    draw(ready)
+    keeper(ready).save(saved_to)
+    draw(ready, 40.0)
+    keeper(ready).save(saved_to)
+    assert keeper(ready).unsaved
+    hand.wait(lambda: not keeper(ready).unsaved)
+    hand.wait(lambda: ready.session.idle)
+    assert len(load_session(saved_to).shapes) == 3
+
+
+def test_what_cannot_be_saved_is_told_and_stays_unsaved(ready, hand, tmp_path) -> None:
+    keeper(ready).save(tmp_path / "no folder" / "a.cpm")
+    hand.wait(lambda: "no folder" in ready.stage.messages.text)
+    assert keeper(ready).unsaved
+
+
+def test_what_another_version_has_added_survives_saving(ready, hand, saved_to) -> None:
+    keeper(ready).save(saved_to)
+    hand.wait(lambda: not keeper(ready).unsaved)
+    plain = json.loads(saved_to.read_text())
+    saved_to.write_text(json.dumps({**plain, "weather": 3, "mode": "shape"}))
+    drop(ready, saved_to)
+    hand.wait(lambda: ready.session.idle)
+    draw(ready)
+    hand.key(KEY.Key_S, CTRL)
+    hand.wait(lambda: not keeper(ready).unsaved)
+    again = json.loads(saved_to.read_text())
+    assert (again["weather"], again["mode"], len(again["shapes"])) == (3, "shape", 2)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda path: path.write_text("{"), "work.cpm is no session file"),
+        (lambda path: path.unlink(), "does not exist"),
+        (lambda path: path.write_text('{"cpm-session": 1}'), "names no image"),
+        (lambda path: path.write_text('{"cpm-session": 1, "image": {"path": "gone.png"}}'), "gone.png"),
+        (lambda path: path.write_text('{"cpm-session": 9}'), "version 9"),
+    ],
+)
+def test_a_session_that_cannot_be_used_is_told_and_everything_stays(
+    ready, hand, saved_to, spoil: Callable[[Path], object], said: str
+) -> None:
+    keeper(ready).save(saved_to)
+    hand.wait(lambda: not keeper(ready).unsaved)
+    document = ready.session.document
+    ready.stage.messages.hide()
+    spoil(saved_to)
+    drop(ready, saved_to)
+    hand.wait(lambda: said in ready.stage.messages.text)
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.document == document
+
+
+def test_an_image_that_has_changed_since_is_opened_with_a_warning(ready, hand, saved_to, image_file) -> None:
+    keeper(ready).save(saved_to)
+    hand.wait(lambda: not keeper(ready).unsaved and ready.session.idle)
+    ready.stage.messages.hide()
+    np.save(image_file, np.load(image_file).T[:, ::-1] + 1.0)
+    drop(ready, saved_to)
+    hand.wait(lambda: "has changed since" in ready.stage.messages.text)
+    assert len(ready.session.document.shapes) == 1
+
+
+# The question
+
+
+def test_cancel_keeps_the_window_and_the_image(ready, hand, asked, tmp_path) -> None:
+    np.save(tmp_path / "other.npy", np.eye(30))
+    click(STANDARD.Cancel)
+    drop(ready, tmp_path / "other.npy")
+    click(STANDARD.Cancel)
+    hand.key(KEY.Key_Q, CTRL)
+    assert ready.isVisible()
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.document.image.name == "disc.npy"
+    ready.part(FilesPart).keeper.forget()
+
+
+def test_discard_lets_go_of_it(ready, asked) -> None:
+    click(STANDARD.Discard)
+    assert ready.close()
+
+
+def test_save_writes_it_before_the_window_goes(ready, asked, saved_to) -> None:
+    click(STANDARD.Save)
+    assert ready.close()
+    assert load_session(saved_to).shapes == ready.session.document.shapes
+
+
+def test_save_that_fails_or_is_not_told_where_to_keeps_the_window(ready, asked, monkeypatch, tmp_path) -> None:
+    answers = iter([("", ""), (str(tmp_path / "none" / "a.cpm"), "")])
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: next(answers))
+    for _ in range(2):
+        click(STANDARD.Save)
+        assert not ready.close()
+        assert ready.isVisible()
+    assert "none" in ready.stage.messages.text
+    ready.part(FilesPart).keeper.forget()
+
+
+def test_nothing_is_asked_where_nothing_would_be_lost(window, asked, hand, saved_to) -> None:
+    draw(window)
+    keeper(window).save(saved_to)
+    hand.wait(lambda: not keeper(window).unsaved)
+    assert window.close()
+
+
+# What is dropped, and what was open lately
+
+
+def test_points_are_drawn_and_can_be_taken_back(window, hand, tmp_path) -> None:
+    (tmp_path / "seeds.csv").write_text("row,col\n10,12\n20,22.5\n")
+    drop(window, tmp_path / "seeds.csv")
+    hand.wait(lambda: bool(window.session.document.shapes))
+    assert window.session.document.shapes == (Points(((10.0, 12.0), (20.0, 22.5))),)
+    hand.key(KEY.Key_Z, CTRL)
+    assert window.session.document.shapes == ()
+
+
+def test_a_preset_that_is_dropped_is_among_the_presets(window, hand, tmp_path) -> None:
+    store = window.part(ParametersPart).keeper.store
+    path = tmp_path / "calm.cpmpreset"
+    store.save(Preset("Calm", Parameters(beta=1.2)))
+    store.hand_out(store.called("Calm"), path)
+    store.delete("Calm")
+    drop(window, path)
+    assert store.called("Calm").parameters.beta == 1.2
+
+
+def test_of_several_images_dropped_the_first_is_opened_and_that_is_said(window, hand, tmp_path) -> None:
+    for name in ("a", "b"):
+        np.save(tmp_path / f"{name}.npy", np.eye(20))
+    drop(window, tmp_path / "a.npy", tmp_path / "b.npy")
+    assert "a.npy" in window.stage.messages.text
+    hand.wait(lambda: window.session.document.image.name == "a.npy")
+
+
+def recent(window: MainWindow) -> list[tuple[str, bool]]:
+    menu = QMenu()
+    window.part(FilesPart).recent.fill(menu)
+    return [(action.text().partition(" ")[2], action.isEnabled()) for action in menu.actions() if "." in action.text()]
+
+
+def test_files_that_were_open_are_listed_newest_first_and_grey_when_gone(window, hand, tmp_path) -> None:
+    for name in ("a", "b"):
+        np.save(tmp_path / f"{name}.npy", np.eye(20))
+        window.open_image(str(tmp_path / f"{name}.npy"))
+        hand.wait(lambda name=name: window.session.document.image.name == f"{name}.npy")
+    (tmp_path / "a.npy").unlink()
+    assert recent(window) == [("b.npy", True), ("a.npy", False), ("disc.npy", True)]
+    menu = QMenu()
+    window.part(FilesPart).recent.fill(menu)
+    next(action for action in menu.actions() if "disc" in action.text()).trigger()
+    hand.wait(lambda: window.session.document.image.name == "disc.npy")
+    menu.actions()[-1].trigger()
+    assert recent(window) == []
+
+
+def test_the_list_of_files_stays_short(window, tmp_path) -> None:
+    files = window.part(FilesPart).recent
+    for number in range(MOST + 5):
+        files.add(tmp_path / f"{number}.png")
+    assert [path.stem for path in files.paths] == [str(number) for number in range(MOST + 4, 4, -1)]
+
+
+# Export, clipboard
+
+
+def found(window: MainWindow, hand) -> None:
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: window.session.idle)
+
+
+def test_there_is_nothing_to_export_or_copy_before_contours_are_found(ready, hand, tmp_path, monkeypatch) -> None:
+    names = ("export", "export_again", "copy_svg", "copy_csv", "copy_geojson")
+    assert not any(ready.actions_by_name[name].isEnabled() for name in names)
+    found(ready, hand)
+    assert [name for name in names if not ready.actions_by_name[name].isEnabled()] == ["export_again"]
+    path = tmp_path / "found.csv"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
+    hand.key(KEY.Key_E, CTRL)
+    hand.wait(path.exists)
+    hand.wait(ready.actions_by_name["export_again"].isEnabled)
+    assert "found.csv" in ready.actions_by_name["export_again"].text()
+    path.unlink()
+    hand.key(KEY.Key_E, CTRL | SHIFT)
+    hand.wait(path.exists)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "begins"),
+    [
+        ("copy_svg", "image/svg+xml", "<"),
+        ("copy_csv", "text/csv", "contour"),
+        ("copy_geojson", "application/geo+json", "{"),
+    ],
+)
+def test_contours_are_copied_as_what_they_are_and_as_text(ready, hand, name, kind, begins) -> None:
+    found(ready, hand)
+    clipboard = QApplication.clipboard()
+    clipboard.setText("nothing yet")
+    ready.actions_by_name[name].trigger()
+    hand.wait(lambda: clipboard.mimeData().hasFormat(kind))
+    content = bytes(clipboard.mimeData().data(kind).data()).decode()
+    assert content.lstrip("\ufeff# ").startswith(begins)
+    assert clipboard.text() == content
+
+
+def test_the_view_is_copied_as_it_is_seen(ready, hand) -> None:
+    QApplication.clipboard().clear()
+    hand.key(KEY.Key_P, CTRL | SHIFT)
+    picture = QApplication.clipboard().image()
+    assert picture.size() == hand.canvas.grab().size()
+    middle = picture.pixelColor(hand.at(32.0, 32.0) * picture.devicePixelRatio())
+    corner = picture.pixelColor(hand.at(3.0, 3.0) * picture.devicePixelRatio())
+    assert middle.value() > corner.value()
+
+
+# History
+
+
+def test_a_click_in_the_history_goes_there_and_back(ready, hand, qtbot) -> None:
+    draw(ready, 20.0)
+    draw(ready, 40.0)
+    panel = ready.panels["history"]
+    ready.docks["history"].show()
+    ready.docks["history"].raise_()
+    shapes = ready.session.document.shapes
+    assert panel.lines == ["Beginning", "Draw circle", "Draw circle", "Draw circle"]
+    assert panel.current == 3
+    names = panel.findChild(QListWidget)
+
+    def choose(row: int) -> None:
+        at = names.visualItemRect(names.item(row)).center()
+        qtbot.mouseClick(names.viewport(), Qt.MouseButton.LeftButton, pos=at)
+
+    for row in (1, 0, 2, 3):
+        choose(row)
+        assert ready.session.document.shapes == shapes[:row]
+        assert panel.current == row
+    choose(1)
+    grey = [names.item(row).foreground().color() for row in range(4)]
+    assert grey[3] == grey[2] != grey[1] == grey[0]
+    draw(ready, 50.0)
+    assert panel.lines == ["Beginning", "Draw circle", "Draw circle"]
+
+
+def test_the_history_is_walked_by_keys(ready, hand, qtbot) -> None:
+    draw(ready)
+    hand.key(KEY.Key_H, CTRL)
+    assert ready.docks["history"].isVisible()
+    names = ready.panels["history"].findChild(QListWidget)
+    names.setFocus()
+    qtbot.keyClick(names, KEY.Key_Up)
+    assert len(ready.session.document.shapes) == 2
+    qtbot.keyClick(names, KEY.Key_Return)
+    assert len(ready.session.document.shapes) == 1

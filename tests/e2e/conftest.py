@@ -1,0 +1,16 @@
+"""Nothing of these tests touches what the person at this computer prefers or has not saved."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QSettings
+
+from app.views import unsaved
+
+
+@pytest.fixture(autouse=True)
+def own_preferences(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "preferences"))
+    monkeypatch.setattr(unsaved, "ask", lambda parent, name: "discard")
