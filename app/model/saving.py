@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from app.model.document import Document, ImageReference
+from app.model.modes import mode_called
 from cpm_core.formats.session_file import ImageFile, SessionFile
 from cpm_core.parameters import Parameters
 
@@ -33,6 +34,7 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
         shapes=document.shapes,
         parameters=document.parameters,
         marks=document.marks,
+        mode=document.mode,
         view=view,
         notes=(),
     )
@@ -40,4 +42,4 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
 
 def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
     """The document of a session file on an image that has been opened, with the parameters that it has room for."""
-    return Document(image, file.shapes, parameters, file.marks)
+    return Document(image, file.shapes, parameters, file.marks, mode_called(file.mode))
