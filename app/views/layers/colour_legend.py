@@ -6,6 +6,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter
 
+from app.model.language import tr
 from app.views import colour_maps
 from app.views.pinned import INK, MARGIN, Pinned
 
@@ -28,6 +29,7 @@ class ColourLegend(Pinned):
         super().__init__()
         self._view = view
         self._words = ("", "", "")
+        self._partly = False
         self._map = colour_maps.GREY
         view.sigResized.connect(self._place)
 
@@ -36,11 +38,14 @@ class ColourLegend(Pinned):
         """Title, least and most, as shown."""
         return self._words
 
-    def show_range(self, title: str, low: float, high: float, map_name: str) -> None:
-        """Show a range; nothing is done when it is what is shown."""
+    def show_range(self, title: str, low: float, high: float, map_name: str, partly: bool) -> None:
+        """Show a range, of something that may be known only of a part of the particles.
+
+        Nothing is done when it is what is shown.
+        """
         words = (title, f"{low:g}", f"{high:g}")
-        if (words, map_name) != (self._words, self._map):
-            self._words, self._map = words, map_name
+        if (words, map_name, partly) != (self._words, self._map, self._partly):
+            self._words, self._map, self._partly = words, map_name, partly
             self.resize(QSizeF(_WIDTH, 2 * self.metrics().height() + _STRIP + 2 * _PAD))
             self._place()
 
@@ -57,6 +62,8 @@ class ColourLegend(Pinned):
         below = QRectF(inner.left(), strip.bottom() + 1.0, inner.width(), line)
         painter.drawText(below, Qt.AlignmentFlag.AlignLeft, low)
         painter.drawText(below, Qt.AlignmentFlag.AlignRight, high)
+        if self._partly:
+            painter.drawText(below, Qt.AlignmentFlag.AlignHCenter, tr("● too new"))
 
     def _place(self, *_: object) -> None:
         room = self._view.boundingRect()

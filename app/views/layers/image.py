@@ -69,6 +69,11 @@ class ImageLayer(Layer):
         return self._image
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest grey value."""
+        return self._ends
+
+    @property
     def window(self) -> tuple[float, float]:
         """Grey values shown black and white."""
         return self._window

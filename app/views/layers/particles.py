@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import pyqtgraph as pg
 from PySide6.QtGui import QColor
 
@@ -15,6 +17,7 @@ from app.views.discs import NO_POSITIONS, Discs
 from app.views.layers.colour_legend import BEGIN, ColourLegend
 from app.views.layers.layer import Layer
 from app.views.layers.options import Choice
+from app.views.pinned import INK
 from cpm_core.image import Image
 
 _STATE = "state"
@@ -29,11 +32,13 @@ class ParticleLayer(Layer):
     tip = tr("Moving, and nearly at rest.")
     shortcut = "Ctrl+1"
     colours = (theme.MOVING, theme.RESTING)
+    ways: ClassVar = {_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
+    """What they can be coloured by: names and titles."""
     options = (
         Choice(
             "colour",
             tr("Colour by"),
-            {_STATE: tr("Moving or at rest"), **{name: quantity.title for name, quantity in QUANTITIES.items()}},
+            ways,
             _STATE,
             " ".join(quantity.tip for quantity in QUANTITIES.values()),
         ),
@@ -92,7 +97,8 @@ class ParticleLayer(Layer):
             shown = coloured(quantity, snapshot.state, Births(snapshot.trace.step, snapshot.trace.numbered))
             for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
                 discs.show(snapshot.position[which], shown.marks[which])
-            self.legend.show_range(quantity.title, shown.low, shown.high, self.word("map"))
+            partly = bool((shown.marks == SHADES).any())
+            self.legend.show_range(quantity.title, shown.low, shown.high, self.word("map"), partly)
         self._show_legend()
 
     def _show_legend(self) -> None:
@@ -101,4 +107,4 @@ class ParticleLayer(Layer):
 
 def _palette(name: str) -> list[str]:
     """Colours from little to much, and one for what is not known yet."""
-    return [QColor(*map(int, row)).name() for row in colour_maps.table(name, SHADES, BEGIN)] + [theme.DRAWING]
+    return [QColor(*map(int, row)).name() for row in colour_maps.table(name, SHADES, BEGIN)] + [INK]

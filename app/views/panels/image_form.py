@@ -34,7 +34,7 @@ class ImageForm(LayerForm):
             self._image = self._own.image
             if self.levels is not None:
                 self.rows.removeRow(self.levels)
-            self.levels = Levels(self._image.values, *self._own.window)
+            self.levels = Levels(self._image.values, self._own.ends, self._own.window)
             self.levels.moved.connect(self._own.choose_window)
             self.rows.insertRow(0, self.levels)
         elif self.levels is not None:

@@ -32,18 +32,19 @@ class Levels(QWidget):
     ----------
     values : ndarray, shape (H, W)
         Grey values of the image.
-    low, high : float
+    ends : tuple of float
+        Least and largest of them.
+    window : tuple of float
         The window shown.
     """
 
     moved = Signal(float, float)
     """The user has chosen another window."""
 
-    def __init__(self, values: Array, low: float, high: float) -> None:
+    def __init__(self, values: Array, ends: tuple[float, float], window: tuple[float, float]) -> None:
         super().__init__()
         stride = max(1, math.isqrt(values.size // _MOST))
         sample = values[::stride, ::stride].ravel()
-        ends = float(values.min()), float(values.max())
         self.histogram = Histogram(sample, *ends)
         whole = bool((sample == np.rint(sample)).all())
         self.low = _field(tr("Black"), tr("Grey value shown black."), *ends, whole)
@@ -60,7 +61,7 @@ class Levels(QWidget):
         column.setSpacing(4)
         column.addWidget(self.histogram)
         column.addLayout(row)
-        self.show_window(low, high)
+        self.show_window(*window)
         self.histogram.moved.connect(self.moved)
         self.low.valueChanged.connect(lambda value: self.moved.emit(value, max(value, self.high.value())))
         self.high.valueChanged.connect(lambda value: self.moved.emit(min(value, self.low.value()), value))

@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
+from app.model.colouring import QUANTITIES
 from app.model.language import tr
 from app.model.situation import has_image
 from app.session.preferences import Preferences
 from app.views.canvas import ZOOM
 from app.views.entry import STATE, Entry
 from app.views.layers.layer import Layer
+from app.views.layers.particles import ParticleLayer
 from app.views.panels.layers_panel import LayersPanel
 from app.views.part import Desk, Panel, Part
 
@@ -62,7 +64,8 @@ class ViewingPart(Part):
                 tip=tr("Make smaller."),
             ),
         )
-        return (*zoom, *(_toggle(layer, index == 0) for index, layer in enumerate(canvas.layers)))
+        toggles = [_toggle(layer, index == 0) for index, layer in enumerate(canvas.layers)]
+        return (*zoom, *toggles, *_colourings(canvas.layers.particles))
 
     def panels(self) -> Sequence[Panel]:
         """The layers."""
@@ -84,6 +87,23 @@ def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
     except json.JSONDecodeError:
         return {}
     return {name: kept[name] for name in layer.chosen if name in kept} if isinstance(kept, dict) else {}
+
+
+def _colourings(layer: ParticleLayer) -> list[Entry]:
+    """One entry for everything that particles can be coloured by."""
+
+    def entry(way: str, title: str) -> Entry:
+        return Entry(
+            name=f"colour_{way}",
+            menu="View>" + tr("Colour particles by"),
+            text=title,
+            do=lambda: layer.choose("colour", way),
+            tip=QUANTITIES[way].tip if way in QUANTITIES else layer.tip,
+            group=STATE,
+            holds=lambda situation: layer.word("colour") == way,
+        )
+
+    return [entry(way, title) for way, title in layer.ways.items()]
 
 
 def _toggle(layer: Layer, first: bool) -> Entry:
