@@ -44,8 +44,14 @@ _IMAGE: Lines = (
     (("Esc",), tr("give up, put the cross-hair away, select nothing")),
     (("<", ">"), tr("size of the selected shape or of the ring; strength of a charge; spacing of a grid")),
 )
-_COLUMNS, _KEYS = 3, 148
-"""Columns, and width of the keys in each [px]."""
+_COLUMNS, _WIDTH, _KEYS = 4, 292, 112
+"""Columns where there is room, the width of each, and that of the keys in it [px]."""
+
+_LINE = 24
+"""Letters of a meaning that stand in one line."""
+
+_BAR = 16
+"""Room for a bar to scroll by [px]."""
 
 _MARGIN = 48
 """Room that is left around it in the window [px]."""
@@ -71,7 +77,9 @@ class CheatSheet(QDialog):
         inside.setObjectName("scrolled")
         columns = QHBoxLayout(inside)
         columns.setSpacing(28)
-        for blocks in _balanced(groups(window, entries)):
+        room = window.size() - QSize(_MARGIN, _MARGIN)
+        many = min(max(room.width() // _WIDTH, 1), _COLUMNS)
+        for blocks in _balanced(groups(window, entries), many):
             column = QVBoxLayout()
             column.setSpacing(14)
             for title, lines in blocks:
@@ -87,8 +95,9 @@ class CheatSheet(QDialog):
         layout = QVBoxLayout(self)
         layout.addWidget(area)
         layout.addWidget(foot)
-        wanted = inside.sizeHint() + (layout.sizeHint() - area.sizeHint())
-        self.resize(wanted.boundedTo(window.size() - QSize(_MARGIN, _MARGIN)))
+        width = min(many * _WIDTH, room.width())
+        height = inside.heightForWidth(width) + layout.sizeHint().height() - area.sizeHint().height()
+        self.resize(QSize(width + _BAR, height + _BAR).boundedTo(room))
         self.move(window.geometry().center() - self.rect().center())
 
     def text(self) -> str:
@@ -108,13 +117,13 @@ def groups(window: QMainWindow, entries: Iterable[Entry]) -> list[tuple[str, Lin
     found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in MENUS}
     for entry in entries:
         if entry.shortcuts:
-            keys = tuple(_shown(key) for key in entry.shortcuts)
+            keys = tuple(_shown(key) for key in entry.shortcuts[:2])
             found[entry.menu.partition(">")[0]].append((keys, _plain(entry.text)))
-    panels = [
+    panels = sorted(
         ((_shown(dock.toggleViewAction().shortcut().toString()),), dock.windowTitle())
         for dock in window.findChildren(QDockWidget)
         if not dock.toggleViewAction().shortcut().isEmpty()
-    ]
+    )
     menus = [(_plain(MENUS[name]), lines) for name, lines in found.items() if lines]
     return [
         *menus,
@@ -124,9 +133,9 @@ def groups(window: QMainWindow, entries: Iterable[Entry]) -> list[tuple[str, Lin
     ]
 
 
-def _balanced(blocks: Sequence[tuple[str, Lines]]) -> list[list[tuple[str, Lines]]]:
-    """The same blocks in columns, in order, as low as that allows."""
-    heights = [len(lines) + 2 for _, lines in blocks]
+def _balanced(blocks: Sequence[tuple[str, Lines]], many: int) -> list[list[tuple[str, Lines]]]:
+    """The same blocks in so many columns at most, in order, as low as that allows."""
+    heights = [2 + sum(-(-max(len(what), 1) // _LINE) for _, what in lines) for _, lines in blocks]
     for most in range(max(heights), sum(heights) + 1):
         columns: list[list[tuple[str, Lines]]] = [[]]
         room = most
@@ -136,7 +145,7 @@ def _balanced(blocks: Sequence[tuple[str, Lines]]) -> list[list[tuple[str, Lines
                 room = most
             columns[-1].append(block)
             room -= height
-        if len(columns) <= _COLUMNS:
+        if len(columns) <= many:
             return columns
     return [list(blocks)]
 
@@ -151,7 +160,7 @@ def _block(title: str, lines: Lines) -> QWidget:
     heading.setObjectName("heading")
     grid.addWidget(heading, 0, 0, 1, 2)
     for row, (keys, what) in enumerate(lines, start=1):
-        caps = QLabel("  ".join(f"<b>{_escaped(key)}</b>" for key in keys))
+        caps = QLabel(" &nbsp;".join(f"<b>{_escaped(key)}</b>" for key in keys))
         caps.setTextFormat(Qt.TextFormat.RichText)
         meaning = QLabel(what)
         meaning.setWordWrap(True)
