@@ -10,8 +10,8 @@ from app.views.parts.drawing import DrawingPart
 from app.views.parts.editing import EditingPart
 from app.views.parts.files import FilesPart
 from app.views.parts.helping import HelpingPart
-from app.views.parts.keys import KeysPart
 from app.views.parts.history import HistoryPart
+from app.views.parts.keys import KeysPart
 from app.views.parts.looks import LooksPart
 from app.views.parts.modes import ModesPart
 from app.views.parts.mosaic import MosaicPart
