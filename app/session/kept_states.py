@@ -75,8 +75,9 @@ class KeptStates:
         self.drop(place)
         self._states[place] = state
         for array in _arrays(state):
-            owners = self._shared.get(id(array), 0)
-            self._shared[id(array)] = owners + 1
+            key = id(array)
+            owners = self._shared.get(key, 0)
+            self._shared[key] = owners + 1
             if not owners:
                 self.used += array.nbytes
         self._file(place)

@@ -208,8 +208,7 @@ class Run:
         there = self.chronicle.go(branch, step, wanted)
         if there is not None:
             self._state, self._recorder = there
-            self._send()
-            self._reconstruct(from_the_first=True)
+            self._send(looking_back=True)
 
     def drop_branch(self, branch: int) -> None:
         """Forget a branch of the timeline; whoever stood on it stands where it began."""
@@ -217,8 +216,7 @@ class Run:
         self._state, self._recorder = self.chronicle.drop(branch)
         if self._state is not before:
             self._remaining = 0.0
-        self._send()
-        self._reconstruct(from_the_first=True)
+        self._send(looking_back=True)
 
     def tell(self) -> None:
         """Send up how things stand, where there is anything."""
@@ -254,10 +252,10 @@ class Run:
         self.pacer.begin()
         return True
 
-    def _send(self) -> None:
+    def _send(self, looking_back: bool = False) -> None:
         if self._state is not None:
             self._snapshots.put(self._snapshot(self._state, self._recorder))
-            self._reconstruct()
+            self._reconstruct(looking_back)
 
     def _snapshot(self, state: State, recorder: Recorder) -> Snapshot:
         speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
@@ -271,9 +269,11 @@ class Run:
             timeline=self.chronicle.outline,
         )
 
-    def _reconstruct(self, from_the_first: bool = False) -> None:
-        if self._engine is not None and self._state is not None and (self._state.step > 0 or from_the_first):
-            last = not self.stepping
+    def _reconstruct(self, looking_back: bool = False) -> None:
+        """Ask for contours; of the drawing only to show that there are none, where somebody goes back to it."""
+        if self._engine is not None and self._state is not None and (self._state.step > 0 or looking_back):
+            # Whoever scrubs wants the next moment at once, and contours only of where he stays.
+            last = not self.stepping and not looking_back
             self._reconstructor.ask(Request(self.generation, self._engine, self._state, self._parameters, last))
 
     def _refresh_overlays(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from app.session.commands import Halt
 from app.session.lineage import Branch
 from app.session.messages import Report, Snapshot, Trouble
 from app.session.session import Session
@@ -16,6 +17,9 @@ _PLAY_EVERY = 50
 
 _COMPARE_EVERY, _QUIET = 100, 200
 """Time between two comparisons while steps go by, and time without one after which contours are compared [ms]."""
+
+_STAYING = 250
+"""Time at a step after which its contours are looked at closely [ms]."""
 
 NOTHING = Outline()
 
@@ -51,6 +55,8 @@ class TimeTravel(QObject):
         self._look.timeout.connect(lambda: self._compare(None))
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self._compare_contours)
+        self._stay = QTimer(self, singleShot=True, interval=_STAYING)
+        self._stay.timeout.connect(self._look_closely)
         session.snapshot_changed.connect(self._follow)
         session.contours_changed.connect(self._keep_contours)
         session.status_changed.connect(self._follow_phase)
@@ -142,6 +148,7 @@ class TimeTravel(QObject):
         if branch == self.place[0]:
             self._asked = None
             self._session.look_back(command)
+            self._stay.start()
         else:
             self._session.post(command)
 
@@ -163,6 +170,7 @@ class TimeTravel(QObject):
         asked = self._asked = (branch, step)
         seek = Seek(self._session.generation, branch, step, wanted=lambda: self._asked in (None, asked))
         self._session.look_back(seek)
+        self._stay.start()
         self.changed.emit()
 
     def _play_on(self) -> None:
@@ -195,6 +203,10 @@ class TimeTravel(QObject):
             self._asked = None
             self._play.stop()
             self.changed.emit()
+
+    def _look_closely(self) -> None:
+        if self._session.status.started and self._session.status.phase != "running":
+            self._session.post(Halt())
 
     def _keep_contours(self, result: Result | None) -> None:
         self._contours = result

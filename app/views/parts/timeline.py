@@ -42,6 +42,9 @@ class TimelinePart(Part):
 
     def entries(self) -> Sequence[Entry]:
         """Ways through the timeline."""
+        return (*self._single_steps(), *self._far())
+
+    def _single_steps(self) -> Sequence[Entry]:
         travel = self.travel
         return (
             Entry(
@@ -81,6 +84,11 @@ class TimelinePart(Part):
                 tip=tr("Go ten recorded steps forward; with a shape selected the key makes that larger."),
                 when=_free,
             ),
+        )
+
+    def _far(self) -> Sequence[Entry]:
+        travel = self.travel
+        return (
             Entry(
                 name="timeline_first",
                 menu=_MENU,
