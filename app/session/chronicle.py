@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from app.session.deeds import Deed
+from app.session.deeds import Deed, Stepped
 from app.session.timeline import Outline, Timeline
 from app.session.trace import Recorder
 from cpm_core.engine import Engine
@@ -33,7 +33,8 @@ class Chronicle:
         """How it stands."""
         timeline = self._timeline
         branch, _ = timeline.here or (0, 0)
-        return Outline(timeline.branches, branch, timeline.used, timeline.budget, timeline.kept)
+        taken = next((deed.parameters for deed in timeline.deeds if isinstance(deed, Stepped)), None)
+        return Outline(timeline.branches, branch, timeline.used, timeline.budget, timeline.kept, taken)
 
     def set_budget(self, budget: int) -> None:
         """Let states take so many bytes at most."""

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from app.model.language import tr
 from app.session.commands import Halt
 from app.session.lineage import Branch
 from app.session.messages import Report, Snapshot, Trouble
 from app.session.session import Session
 from app.session.timeline import Outline
 from app.session.timeline_commands import Compare, Compared, DropBranch, RenameBranch, Seek
+from cpm_core.parameters import Parameters
 from cpm_core.result import Result
 
 _PLAY_EVERY = 50
 """Time between two steps of what is played again [ms]."""
 
-_COMPARE_EVERY, _QUIET = 100, 200
-"""Time between two comparisons while steps go by, and time without one after which contours are compared [ms]."""
+_COMPARE_EVERY, _SELDOM, _QUIET = 100, 500, 200
+"""Time between two comparisons while steps are gone through and while the run goes on, and time without any after which
+contours are compared [ms]."""
 
 _STAYING = 250
 """Time at a step after which its contours are looked at closely [ms]."""
@@ -51,7 +56,7 @@ class TimeTravel(QObject):
         self._play = QTimer(self)
         self._play.setInterval(_PLAY_EVERY)
         self._play.timeout.connect(self._play_on)
-        self._look = QTimer(self, singleShot=True, interval=_COMPARE_EVERY)
+        self._look = QTimer(self, singleShot=True)
         self._look.timeout.connect(lambda: self._compare(None))
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self._compare_contours)
@@ -159,6 +164,23 @@ class TimeTravel(QObject):
         self._quiet.start()
         self.changed.emit()
 
+    @property
+    def other_parameters(self) -> Parameters | None:
+        """Those with which the step that is shown was taken, as far as they act now; None where they are set anyway."""
+        taken, document = self._outline.parameters, self._session.document
+        if taken is None:
+            return None
+        taken = replace(taken, scales=document.parameters.scales)
+        return None if taken == document.parameters else taken
+
+    def use_its_parameters(self) -> None:
+        """Set the parameters with which the step that is shown was taken."""
+        taken = self.other_parameters
+        if taken is not None:
+            name = tr("use the parameters of step {step}").format(step=self._here[1])
+            self._session.edit(name, lambda document: replace(document, parameters=taken))
+            self.changed.emit()
+
     # Following
 
     def _go(self, branch: int, step: int) -> None:
@@ -195,7 +217,9 @@ class TimeTravel(QObject):
             if self._compared is not None and (self.branch(self._compared) is None or self._compared == self._here[0]):
                 self._end_comparison()
             if self._compared is not None and not self._look.isActive():
-                self._look.start()
+                running = self._session.status.phase == "running"
+                self._look.start(_SELDOM if running else _COMPARE_EVERY)
+                self._quiet.start()
         self.changed.emit()
 
     def _follow_phase(self) -> None:

@@ -14,6 +14,7 @@ from typing import Generic
 from app.model.language import tr
 from app.session.kept_states import KeptStates, Place
 from app.session.lineage import Branch, Deed, Line, Lineage
+from cpm_core.parameters import Parameters
 from cpm_core.particles import State
 
 
@@ -31,6 +32,8 @@ class Outline:
         Bytes that its states take, and may take.
     kept : int
         States that are kept; the others are worked out anew.
+    parameters : Parameters or None
+        With which the step that the run stands at was taken; None for the first.
     """
 
     branches: tuple[Branch, ...] = ()
@@ -38,6 +41,7 @@ class Outline:
     used: int = 0
     budget: int = 0
     kept: int = 0
+    parameters: Parameters | None = None
 
 
 class Timeline(Generic[Deed]):
@@ -91,6 +95,14 @@ class Timeline(Generic[Deed]):
     def here(self) -> tuple[int, int] | None:
         """Branch and step where the run stands; None before it has begun."""
         return None if self._line is None else (self._line.identity, self._step)
+
+    @property
+    def deeds(self) -> tuple[Deed, ...]:
+        """What the step where the run stands was taken by, and what its state has been changed by since."""
+        if self._line is None:
+            return ()
+        owner = self._lines.owner(self._line, self._step)
+        return owner.deeds[self._step - owner.first]
 
     def reach(self, branch: int) -> int:
         """The last step of a branch.

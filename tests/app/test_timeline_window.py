@@ -281,6 +281,28 @@ def test_a_press_on_a_name_changes_the_branch_and_keeps_the_step(rested, hand) -
     assert rested.session.status.step == step
 
 
+def test_the_parameters_of_a_step_can_be_set_again_and_going_on_then_repeats_its_branch(rested, hand, fresh) -> None:
+    panel, first = rested.panels["timeline"], rested.session.document.parameters
+    scrub(rested, hand, 1, 40)
+    hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
+    assert not panel.parameters.isVisible()
+    go_on_otherwise(rested, hand)
+    scrub(rested, hand, 1, 50)
+    step = travel(rested).place[1]
+    settle(rested, hand, step)
+    assert panel.parameters.isVisible()
+    hand.qtbot.mouseClick(panel.parameters, LEFT)
+    assert rested.session.document.parameters == first
+    assert not panel.parameters.isVisible()
+    assert "parameters of step" in rested.actions_by_name["undo"].text()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Period)
+    settle(rested, hand, step + 1)
+    np.testing.assert_array_equal(shown(rested), ordered(fresh[step + 1]))
+    assert travel(rested).outline.branch == 1
+    assert len(travel(rested).outline.branches) == 2
+
+
 def test_memory_is_preferred_in_the_dialog_and_kept_to_at_once(rested, hand, fresh) -> None:
     used = travel(rested).outline.used
     assert used > 0

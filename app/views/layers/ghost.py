@@ -29,6 +29,7 @@ class GhostLayer(Layer):
         self._particles = Discs(theme.GHOST, 5.0, 2.9)
         self._contours = Curves(theme.GHOST, 3.9, dashed=True)
         self.add(self._particles, self._contours)
+        self._step: tuple[int | None, int] | None = None
         session.image_changed.connect(self._use_image)
         session.snapshot_changed.connect(lambda snapshot: self._show(None) if snapshot is None else None)
         session.reported.connect(self._hear)
@@ -59,7 +60,9 @@ class GhostLayer(Layer):
     def _show(self, compared: Compared | None) -> None:
         position = compared.position if compared is not None else None
         self._particles.show(NO_POSITIONS if position is None else position)
-        if compared is None or compared.branch is None:
-            self._contours.show([])
-        elif compared.result is not None:  # while steps go by only the particles are looked at
+        step = (compared.branch, compared.state.step) if compared is not None and compared.state is not None else None
+        if compared is not None and compared.result is not None:
             self._contours.show([contour.path for contour in compared.result.contours])
+        elif step != self._step:  # while steps go by only the particles are looked at
+            self._contours.show([])
+        self._step = step

@@ -68,6 +68,13 @@ class TimelinePanel(QWidget):
         self.step.valueChanged.connect(lambda step: travel.go(travel.place[0], step))
         self._of = QLabel()
         self._memory = QLabel()
+        self.parameters = QToolButton()
+        self.parameters.setText(tr("Use its parameters"))
+        self.parameters.setToolTip(
+            tr("This step was taken with other parameters than are set now; set those, so that going on repeats it.")
+        )
+        self.parameters.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.parameters.clicked.connect(lambda _=False: travel.use_its_parameters())
         self.name = QLineEdit()
         self.name.setAccessibleName(tr("Name of the branch"))
         self.name.setToolTip(tr("Name of the branch; type another one and press Enter."))
@@ -140,6 +147,7 @@ class TimelinePanel(QWidget):
         grid.addLayout(transport, 0, 0)
         grid.addLayout(step, 1, 0)
         grid.addWidget(self._memory, 2, 0)
+        grid.addWidget(self.parameters, 2, 0, Qt.AlignmentFlag.AlignLeft)
         grid.addWidget(scroll, 0, 1, 3, 1)
         grid.addWidget(side, 0, 2, 3, 1)
         grid.setColumnStretch(1, 1)
@@ -184,6 +192,7 @@ class TimelinePanel(QWidget):
             self.name.setText(known.name if known is not None else "")
         self._show_others(branch)
         self._show_memory()
+        self.show_parameters()
         if self._theme is not None:
             play = self.buttons["play"]
             if play.property("pictured") != self._pictured("play"):
@@ -203,6 +212,12 @@ class TimelinePanel(QWidget):
         numbers = [identity for _, identity in wanted]
         compared = self._travel.comparing
         self.compare.setCurrentIndex(numbers.index(compared) if compared in numbers else 0)
+
+    def show_parameters(self) -> None:
+        """Offer the parameters of the step where others are set, in the place of what memory there is."""
+        other = self._travel.other_parameters is not None and not self._running()
+        self.parameters.setVisible(other)
+        self._memory.setVisible(not other)
 
     def _show_memory(self) -> None:
         outline = self._travel.outline

@@ -37,6 +37,7 @@ class TimelinePart(Part):
         self.panel = TimelinePanel(self.travel, lambda: is_running(desk.session.situation))
         self._keys = _Keys(self.travel, desk.window)
         desk.stage.canvas.installEventFilter(self._keys)
+        desk.session.document_changed.connect(lambda _: self.panel.show_parameters())
         desk.preferences.changed.connect(lambda key: self._use_budget() if key == BUDGET else None)
         self._use_budget()
 
@@ -120,13 +121,21 @@ class TimelinePart(Part):
                 when=has_particles,
             ),
             Entry(
+                name="timeline_parameters",
+                menu=_MENU,
+                text=tr("Use the pa&rameters of this step"),
+                do=travel.use_its_parameters,
+                tip=tr("Set the parameters with which the step that is shown was taken."),
+                gap=True,
+                when=lambda situation: has_particles(situation) and travel.other_parameters is not None,
+            ),
+            Entry(
                 name="timeline_delete",
                 menu=_MENU,
                 text=tr("&Delete the branch"),
                 do=lambda: travel.drop(travel.place[0]),
                 tip=tr("Forget the branch that is shown; what it has in common with others stays."),
                 icon="bin",
-                gap=True,
                 when=lambda situation: has_particles(situation) and len(travel.outline.branches) > 1,
             ),
         )
