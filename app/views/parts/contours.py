@@ -129,7 +129,7 @@ class ContoursPart(Part):
                 area="bottom",
                 tab="below",
                 shown=False,
-                shortcut="F5",
+                shortcut="F11",
             ),
         )
 
