@@ -78,8 +78,9 @@ class Keeper(QObject):
     def save(self, path: Path) -> None:
         """Write the session file, and keep to this place from now on; the window goes on meanwhile."""
         if self._saving is not None and not self._saving.over:
-            self._next = path
+            self._next = path  # two at once would be in each other's way
             return
+        self._next = None
         file, document = self.file, self._session.document
 
         def work(task: Task) -> Report:

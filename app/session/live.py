@@ -58,10 +58,12 @@ class Live:
         self._late: tuple[object, ...] = ()
         self._obeyed: Counter[Hashable] = Counter()
         self._settled: Counter[Hashable] = Counter()
+        self._judged: tuple[Document | None, Counter[Hashable], bool] = (None, self._obeyed, False)
 
     def begin(self, document: Document) -> None:
         """A run starts from a document."""
         self._late = document.late
+        self._judged = (None, self._obeyed, False)
         self._obeyed = self._settled = document.sources
 
     def outdated(self, document: Document) -> bool:
@@ -69,7 +71,12 @@ class Live:
 
         What has only been added joins the run.
         """
-        return document.late != self._late or bool(self._obeyed - document.sources)
+        judged, obeyed, outdated = self._judged
+        # A window asks many times a second, and many thousand points take a while to go through.
+        if judged is not document or obeyed is not self._obeyed:
+            outdated = document.late != self._late or bool(self._obeyed - document.sources)
+            self._judged = (document, self._obeyed, outdated)
+        return outdated
 
     def follow(self, before: Document, after: Document, settled: bool) -> None:
         """The document has changed; unless it is `settled`, the gesture goes on that changes it."""

@@ -1,0 +1,216 @@
+"""The window's thread never keeps the event loop waiting for more than 50 ms, whatever is being done.
+
+Measured is the time that this thread itself computes between two returns to the event loop, not what other threads,
+processes or tests take of the computer meanwhile: the measure does not depend on how busy that is. Waiting for a disk
+is no computing; therefore it is watched as well that this thread never writes anything through.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt, QTimer
+
+from app.model import edits
+from app.session.session import Session
+from app.views.application import make_application
+from app.views.main_window import MainWindow
+from app.views.parts.files import FilesPart
+from cpm_core import Parameters, uniform_grid
+from cpm_core.shapes import Circle, Points
+
+LONGEST = 0.050
+"""Longest that the window's thread may compute between two returns to its loop [s]."""
+
+SIDE, SPACING = 2048, 14.0
+PATIENCE = 120_000
+
+
+class Watch:
+    """Beats whenever the event loop comes round, and looks from outside at what the thread does in between."""
+
+    def __init__(self) -> None:
+        self.longest = 0.0
+        self.doing = ""
+        self._at = time.thread_time()
+        self._thread = threading.get_ident()
+        self._clock = time.pthread_getcpuclockid(self._thread) if hasattr(time, "pthread_getcpuclockid") else None
+        self._over = threading.Event()
+        self._seen = ""
+        self._timer = QTimer()
+        self._timer.setTimerType(Qt.TimerType.PreciseTimer)
+        self._timer.timeout.connect(self.beat)
+        self._looker = threading.Thread(target=self._look)
+
+    def __enter__(self) -> Watch:
+        self._at = time.thread_time()
+        self._timer.start(1)
+        self._looker.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.beat()
+        self._timer.stop()
+        self._over.set()
+        self._looker.join()
+
+    def beat(self) -> None:
+        """The loop has come round."""
+        now = time.thread_time()
+        if now - self._at > self.longest:
+            self.longest, self.doing = now - self._at, self._seen
+        self._at, self._seen = time.thread_time(), ""
+
+    def _look(self) -> None:
+        while self._clock is not None and not self._over.wait(0.004):
+            if time.clock_gettime(self._clock) - self._at > 0.6 * LONGEST:
+                frame = sys._current_frames().get(self._thread)
+                self._seen = "".join(traceback.format_stack(frame)[-6:])
+
+
+@contextmanager
+def free(what: str) -> Iterator[None]:
+    """Fail when the loop was kept waiting by what is done meanwhile."""
+    with Watch() as watch:
+        yield
+    if os.environ.get("CPM_TELL"):
+        sys.stderr.write(f"TELL {what}: {1e3 * watch.longest:.1f} ms {watch.doing if watch.longest > LONGEST else ''}\n")
+        return
+    assert watch.longest <= LONGEST, f"{what} kept the loop waiting for {1e3 * watch.longest:.0f} ms:\n{watch.doing}"
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_written_through_by_the_window(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    threads: list[bool] = []
+    whole = os.fsync
+    here = threading.current_thread()
+
+    def fsync(file: int) -> None:
+        threads.append(threading.current_thread() is here)
+        whole(file)
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    yield
+    assert not any(threads)
+
+
+@pytest.fixture
+def image_file(tmp_path: Path) -> Path:
+    """A large image with discs."""
+    row, col = np.indices((SIDE, SIDE), dtype=np.float32) % 128
+    values = np.where(np.hypot(row - 64, col - 64) < 40, 200.0, 30.0) + np.arange(SIDE) / 64
+    path = tmp_path / "large.npy"
+    np.save(path, values)
+    return path
+
+
+@pytest.fixture
+def window(qtbot, session: Session) -> Iterator[MainWindow]:
+    """A window without an image, as warm as after the start."""
+    make_application()
+    made = MainWindow(session)
+    made.resize(1280, 800)
+    made.show()
+    qtbot.waitExposed(made)
+    session.warm_up()
+    qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
+    gc.collect()
+    gc.freeze()
+    yield made
+    made.close()
+    made.deleteLater()
+    gc.unfreeze()
+
+
+@pytest.fixture
+def large(window: MainWindow, qtbot, image_file: Path) -> MainWindow:
+    """The window with a large image and 20,000 particles drawn on it."""
+    session = window.session
+    with free("opening a large image"):
+        session.open(image_file)
+        qtbot.waitUntil(lambda: session.document.image is not None, timeout=PATIENCE)
+        qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
+        qtbot.wait(100)
+    points = Points(tuple((row, col) for row, col in uniform_grid((SIDE, SIDE), SPACING).tolist()))
+    assert len(points.positions) > 20_000
+    with free("drawing 20,000 points"):
+        session.edit("draw", lambda document: edits.add_shape(document, points))
+        qtbot.wait(50)
+    calm = Parameters(scales=1, d_max=0.0)
+    session.edit("one scale", lambda document: edits.set_parameters(document, calm))
+    return window
+
+
+def test_the_watch_sees_what_blocks(qtbot) -> None:
+    def block() -> None:
+        end = time.thread_time() + 1.5 * LONGEST
+        while time.thread_time() < end:
+            pass
+
+    with Watch() as watch:
+        QTimer.singleShot(10, block)
+        qtbot.wait(300)
+    assert watch.longest > LONGEST
+    if hasattr(time, "pthread_getcpuclockid"):
+        assert "in block" in watch.doing
+
+
+def test_nothing_blocks_the_window(large: MainWindow, hand, qtbot, tmp_path: Path) -> None:
+    session, canvas = large.session, hand.canvas
+    with free("running with 20,000 particles"):
+        hand.key(Qt.Key.Key_Space)
+        qtbot.waitUntil(lambda: session.status.step >= 3, timeout=PATIENCE)
+    with free("moving sliders while it runs"):
+        for name in ("beta", "ratio"):
+            slider = large.panels["parameters"].rows[name].slider
+            for key in (Qt.Key.Key_Right, Qt.Key.Key_Right, Qt.Key.Key_Left):
+                qtbot.keyClick(slider, key)
+                qtbot.wait(20)
+    for layer in canvas.layers:
+        with free(f"showing the layer {layer.name}"):
+            layer.set_shown(not layer.shown)
+            qtbot.wait(60)
+        with free(f"hiding the layer {layer.name}"):
+            layer.set_shown(not layer.shown)
+            qtbot.wait(20)
+    with free("zooming"):
+        for factor in (1.5, 1.5, 0.5):
+            canvas.zoom(factor)
+            qtbot.wait(20)
+        canvas.fit()
+    with free("pausing"):
+        session.pause()
+        qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
+    for name, dock in {dock.objectName(): dock for dock in large.docks}.items():
+        with free(f"opening the panel {name}"):
+            dock.toggleViewAction().trigger()
+            qtbot.wait(30)
+            dock.toggleViewAction().trigger()
+            large.docks.reveal(name)
+            qtbot.wait(30)
+    with free("editing, undo and redo"):
+        for row in range(5):
+            circle = Circle((100.0 * row, 500.0), 60.0)
+            session.edit("draw", lambda document, circle=circle: edits.add_shape(document, circle))
+            qtbot.wait(10)
+        for key in (Qt.Key.Key_Z, Qt.Key.Key_Z, Qt.Key.Key_Y, Qt.Key.Key_Z):
+            hand.key(key, Qt.KeyboardModifier.ControlModifier)
+            qtbot.wait(10)
+    keeper = large.part(FilesPart).keeper
+    with free("saving"):
+        keeper.save(tmp_path / "large.cpm")
+        qtbot.waitUntil(lambda: not keeper.unsaved, timeout=PATIENCE)
+    with free("opening the session again"):
+        session.reset()
+        session.open(tmp_path / "large.cpm")
+        qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
