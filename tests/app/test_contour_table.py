@@ -310,6 +310,20 @@ def test_shift_n_goes_through_the_contours_longest_first(found, hand) -> None:
     assert numbers == [1, 2, 3, 4, 1]
 
 
+def test_a_table_that_is_opened_later_shows_what_is_selected_and_said_by_then(found, table, hand) -> None:
+    dock = found.docks["contours"]
+    dock.hide()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_V)
+    pick(hand, SINGLE)
+    hand.key(KEY.Key_X)
+    assert table.column("verdict") == ["–"] * 4, "nobody sees it"
+    hand.key(KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
+    assert dock.isVisible()
+    assert table.column("verdict") == ["–", "✗ rejected", "–", "–"]
+    assert [index.row() for index in table.selectionModel().selectedRows()] == [1]
+
+
 def test_escape_selects_nothing(found, table, hand) -> None:
     hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
     assert len(found.session.curation.selected) == 4

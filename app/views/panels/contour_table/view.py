@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIndex, QPersistentModelIndex, Qt
-from PySide6.QtGui import QKeyEvent, QResizeEvent
+from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
 
 from app.model.language import tr
@@ -38,6 +38,7 @@ class ContourTable(QTableView):
         super().__init__()
         self._curation = curation
         self._showing = False
+        self._stale = False
         self._rows = ContourModel(curation, self)
         self._sorted = Sorted(self._rows, self)
         self.setModel(self._sorted)
@@ -96,6 +97,12 @@ class ContourTable(QTableView):
         self.setColumnWidth(NAME, max(self._least_name, event.size().width() - others))
         super().resizeEvent(event)
 
+    def showEvent(self, event: QShowEvent) -> None:
+        """Catch up with what has changed meanwhile."""
+        super().showEvent(event)
+        if self._stale:
+            self._show()
+
     def leaveEvent(self, event: QEvent) -> None:
         """The pointer is over no row."""
         self._curation.hover(None)
@@ -123,6 +130,9 @@ class ContourTable(QTableView):
             self.edit(self._sorted.index(row, NAME))
 
     def _show(self) -> None:
+        self._stale = not self.isVisible()  # a table that nobody sees is not to take time from the run
+        if self._stale:
+            return
         self._showing = True
         self._rows.refresh()
         self._showing = False
@@ -133,6 +143,8 @@ class ContourTable(QTableView):
             self._curation.select(self._key(index) for index in self.selectionModel().selectedRows())
 
     def _show_selection(self) -> None:
+        if self._stale:
+            return
         wanted = self._curation.selected
         if {self._key(index) for index in self.selectionModel().selectedRows()} == wanted:
             return
