@@ -39,7 +39,7 @@ class ContourLayer(Layer):
         self._shape: tuple[int, ...] = (1, 1)
         self._hovered = Curves(theme.HOVERED, 3.7, width=7.0, halo=0.0)
         self._chosen = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
-        self._rejected = Curves(theme.REJECTED, 3.9, width=1.4, halo=0.0, dashed=True)
+        self._rejected = Curves(theme.REJECTED, 3.9, width=1.8, halo=2.8, dashed=True)
         self._curves = {True: Curves(theme.CLOSED, 4.0), False: Curves(theme.OPEN, 4.1)}
         self._own: dict[str, Curves] = {}
         self._bridges = Curves(theme.BRIDGE, 4.2, dashed=True)
