@@ -234,6 +234,12 @@ def _controls(theme: Theme) -> str:
     QSlider::handle:horizontal:focus {{ border: 2px solid {theme.accent}; width: 10px; height: 10px; }}
     QSlider::sub-page:horizontal:disabled {{ background: {theme.line}; }}
     QSlider::handle:horizontal:disabled {{ background: {theme.window}; border-color: {theme.line}; }}
+    QPushButton {{ background: {theme.button}; color: {theme.text}; border: 1px solid {theme.line}; border-radius: 5px;
+                   padding: 4px 12px; }}
+    QPushButton:hover, QPushButton:focus {{ border-color: {theme.accent}; }}
+    QPushButton:pressed, QPushButton:checked {{ background: {theme.chosen}; }}
+    QPushButton:default {{ border-color: {theme.accent}; }}
+    QPushButton:disabled {{ color: {theme.faded}; border-color: {theme.line}; }}
     QDockWidget QToolButton#preset, QFrame#popup QToolButton {{ background: {theme.button}; color: {theme.text};
                                 border: 1px solid {theme.line}; border-radius: 5px; padding: 4px 8px; }}
     QDockWidget QToolButton#preset:hover, QFrame#popup QToolButton:hover,

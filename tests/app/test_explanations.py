@@ -129,3 +129,16 @@ def test_the_preferences_offer_wording_motion_and_colours(window, hand) -> None:
     assert window.actions_by_name["theme_dark"].isChecked()
     assert window.palette().window().color().lightness() < 60
     dialog.reject()
+
+
+def test_space_presses_what_has_the_focus_and_runs_nothing(ready, hand) -> None:
+    box = ready.panels["parameters"].rows["smoothing"]._automatic
+    ready.panels["parameters"].advanced.fold.click()
+    hand.wait(box.isVisible)
+    box.setFocus(Qt.FocusReason.TabFocusReason)
+    hand.key(Qt.Key.Key_Space)
+    assert ready.session.document.parameters.smoothing == "auto"
+    assert ready.session.status.phase == "ready"
+    ready.stage.canvas.setFocus()
+    hand.key(Qt.Key.Key_Space)
+    assert ready.session.status.phase != "ready"
