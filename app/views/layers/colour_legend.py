@@ -7,13 +7,16 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter
 
 from app.model.language import tr
-from app.views import colour_maps
+from app.views import colour_maps, theme
 from app.views.pinned import INK, MARGIN, Pinned
 
 BEGIN = 0.18
 """Part of the maps that is too dark to be told from a dark image."""
 
-_WIDTH, _STRIP, _PAD = 150.0, 8.0, 8.0
+UNKNOWN = theme.JUNCTION
+"""Colour of particles of which the quantity is not known yet; it is in none of the maps."""
+
+_WIDTH, _STRIP, _PAD = 170.0, 8.0, 8.0
 
 
 class ColourLegend(Pinned):
@@ -63,6 +66,7 @@ class ColourLegend(Pinned):
         painter.drawText(below, Qt.AlignmentFlag.AlignLeft, low)
         painter.drawText(below, Qt.AlignmentFlag.AlignRight, high)
         if self._partly:
+            painter.setPen(QColor(UNKNOWN))
             painter.drawText(below, Qt.AlignmentFlag.AlignHCenter, tr("● too new"))
 
     def _place(self, *_: object) -> None:

@@ -14,14 +14,13 @@ from app.session.messages import Snapshot
 from app.session.session import Session
 from app.views import colour_maps, theme
 from app.views.discs import NO_POSITIONS, Discs
-from app.views.layers.colour_legend import BEGIN, ColourLegend
+from app.views.layers.colour_legend import BEGIN, UNKNOWN, ColourLegend
 from app.views.layers.layer import Layer
 from app.views.layers.options import Choice
-from app.views.pinned import INK
 from cpm_core.image import Image
 
 _STATE = "state"
-_COLOURS = ("viridis", "cividis", "plasma")
+_COLOURS = ("viridis", "cividis", "magma")
 
 
 class ParticleLayer(Layer):
@@ -107,4 +106,4 @@ class ParticleLayer(Layer):
 
 def _palette(name: str) -> list[str]:
     """Colours from little to much, and one for what is not known yet."""
-    return [QColor(*map(int, row)).name() for row in colour_maps.table(name, SHADES, BEGIN)] + [INK]
+    return [QColor(*map(int, row)).name() for row in colour_maps.table(name, SHADES, BEGIN)] + [UNKNOWN]
