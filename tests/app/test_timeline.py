@@ -10,11 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
+from app.session.chronicle import Chronicle
+from app.session.deeds import Stepped
 from app.session.timeline import Timeline
+from app.session.trace import Recorder
 from cpm_core import Engine, Parameters
+from cpm_core.charges import PlacedCharge
 from cpm_core.ground import unvisited
 from cpm_core.initialization import circle
 from cpm_core.particles import Particles, State
+from cpm_core.regions import Regions
 
 AMPLE = 10**9
 
@@ -246,3 +251,54 @@ def test_steps_of_the_engine_are_recovered_bit_for_bit(budget: int, asked: list[
 
 _row, _col = np.indices((64, 64))
 ENGINE = Engine(np.where(np.hypot(_row - 32, _col - 32) < 18.0, 200.0, 20.0), Parameters())
+
+
+def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit(compiled_loops: None) -> None:
+    barrier = Regions(barriers=(((10.0, 20.0), (50.0, 20.0)),))
+    charge = (PlacedCharge((20.0, 40.0), 2.0),)
+    parts = (
+        Stepped(Parameters()),
+        Stepped(Parameters(), charge),
+        Stepped(Parameters(), charge, barrier),
+        Stepped(Parameters(beta=0.4), (), barrier),
+        Stepped(Parameters()),
+    )
+    engines = {None: ENGINE, barrier: ENGINE.with_regions(barrier)}
+    chronicle, recorder, states = Chronicle(), Recorder(), [ENGINE.start(circle((32.0, 32.0), 10.0))]
+    chronicle.set_budget(1)
+    chronicle.begin(ENGINE, states[0], recorder)
+    for step in range(50):
+        deed = parts[step // 10]
+        engine = engines[deed.regions]
+        states.append(engine.step(states[-1], deed.parameters, deed.charges))
+        recorder.record(states[-1])
+        chronicle.record(deed, states[-1], recorder)
+    assert chronicle.outline.kept <= 2
+    for step in (49, 12, 31, 5):
+        state, until = chronicle.go(1, step, lambda: True)
+        assert same(state, states[step])
+        assert chronicle.outline.parameters == parts[(step - 1) // 10].parameters
+        assert list(until.trace().step) == list(range(1, step + 1))
+
+
+def test_records_for_plots_follow_their_branches() -> None:
+    chronicle, recorder, state = Chronicle(), Recorder(), toy()
+    chronicle._timeline = Timeline(toy_step, AMPLE)
+    chronicle.begin(ENGINE, state, recorder)
+
+    def go_on(value: int, count: int) -> None:
+        nonlocal state
+        for _ in range(count):
+            state = toy_step(state, ("step", value))
+            recorder.record(replace(state, epsilon=float(value)))
+            chronicle.record(("step", value), state, recorder)
+
+    go_on(1, 20)
+    state, recorder = chronicle.go(1, 5, lambda: True)
+    go_on(2, 10)
+    _, first = chronicle.go(1, 20, lambda: True)
+    _, second = chronicle.go(2, 15, lambda: True)
+    assert list(first.trace().epsilon) == [1.0] * 20
+    assert list(second.trace().epsilon) == [1.0] * 5 + [2.0] * 10
+    state, recorder = chronicle.drop(2)
+    assert (state.step, list(recorder.trace().epsilon)) == (5, [1.0] * 5)

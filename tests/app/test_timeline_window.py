@@ -134,7 +134,7 @@ def test_a_branch_compared_with_is_seen_beside_and_the_difference_told(rested, h
     end = min(rested.session.status.step, fresh[-1].step)
     np.testing.assert_array_equal(np.sort(ghost._particles._position, axis=0), np.sort(fresh[end].position, axis=0))
     assert "px apart on average" in panel.difference
-    assert f"{fresh[end].count} particles" in panel.difference
+    assert f"{fresh[end].count} particles " in panel.difference
     hand.canvas.setFocus()
     for _ in range(3):
         hand.key(KEY.Key_Comma)

@@ -23,13 +23,13 @@ from app.session.chronicle import MEGABYTE
 from app.session.time_travel import TimeTravel
 from app.session.timeline_commands import Compared
 from app.views.icons import icon
-from app.views.panels.timeline_view import TimelineView
+from app.views.panels.timeline_view import ROW, TimelineView
 from app.views.theme import Theme
 
 _SLOWLY = 100
 """Time between two looks while the run goes on [ms]."""
 
-_COLUMN = 262
+_COLUMN = 276
 _LAST = 999_999
 
 
@@ -121,12 +121,13 @@ class TimelinePanel(QWidget):
         for widget in (label, self.step, self._of):
             step.addWidget(widget)
         step.addStretch(1)
-        scroll = QScrollArea()
+        scroll = self._scroll = QScrollArea()
         scroll.setWidget(self.view)
         scroll.setWidgetResizable(True)
         scroll.setFrameShape(QFrame.Shape.NoFrame)
         scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not move along
         side = QWidget()
         side.setFixedWidth(_COLUMN)
         column = QGridLayout(side)
@@ -190,6 +191,7 @@ class TimelinePanel(QWidget):
         self.delete.setEnabled(len(travel.outline.branches) > 1)
         if not self.name.hasFocus() or not self.name.isModified():
             self.name.setText(known.name if known is not None else "")
+            self.name.setCursorPosition(0)
         self._show_others(branch)
         self._show_memory()
         self.show_parameters()
@@ -199,6 +201,8 @@ class TimelinePanel(QWidget):
                 play.setProperty("pictured", self._pictured("play"))
                 play.setIcon(icon(self._pictured("play"), self._theme.text, faded=self._theme.line))
         self.view.refresh()
+        if there:
+            self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, ROW)
 
     def _show_others(self, branch: int) -> None:
         others = [(known.name, known.identity) for known in self._travel.outline.branches if known.identity != branch]
@@ -231,16 +235,15 @@ class TimelinePanel(QWidget):
         if compared is None or compared.state is None:
             self._difference.setText("")
             return
-        state = compared.state
-        branch = self._travel.branch(compared.branch or 0)
-        told = tr("{branch} has {there} particles at step {step}, this one {here}.")
-        name = branch.name if branch is not None else ""
-        words = [told.format(branch=name, there=state.count, step=state.step, here=self._travel.count)]
+        ended = compared.state.step < self._travel.place[1]
+        there = tr("{there} particles at its end, {here} here") if ended else tr("{there} particles there, {here} here")
+        words = there.format(there=compared.state.count, here=self._travel.count)
         if compared.apart is not None:
-            told = tr("Contours {mean} px apart on average, {largest} px at most.")
+            told = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
             apart = compared.apart
-            words.append(told.format(mean=f"{apart.mean:.2f}", largest=f"{apart.largest:.2f}"))
-        self._difference.setText(" ".join(words))
+            words = told.format(particles=words, mean=f"{apart.mean:.2f}", largest=f"{apart.largest:.2f}")
+        self._difference.setText(words)
+        self._difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
 
     def _rename(self) -> None:
         known = self._travel.branch(self._travel.place[0])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
@@ -98,14 +100,15 @@ class TimelineView(QWidget):
             words = tr("Every step of a run will be kept here, for going back to it.")
             painter.drawText(QRectF(self.rect()), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, words)
         else:
-            self._draw_axis(painter)
+            self._draw_grid(painter)
             for branch in branches:
                 self._draw_branch(painter, branch)
+            self._draw_axis(painter)
             self._draw_place(painter)
         if self.hasFocus():
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.setPen(QPen(self._colour(QPalette.ColorRole.Highlight), 1.0))
-            painter.drawRoundedRect(QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5), 4.0, 4.0)
+            painter.drawRoundedRect(self._seen().adjusted(0.5, 0.5, -0.5, -0.5), 4.0, 4.0)
         painter.end()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -195,10 +198,20 @@ class TimelineView(QWidget):
         rows = [known.identity for known in self._travel.outline.branches]
         return _HEAD + ROW * (rows.index(branch) + 0.5)
 
+    def _seen(self) -> QRectF:
+        seen = self.visibleRegion().boundingRect()
+        return QRectF(self.rect() if seen.isEmpty() else seen)
+
+    def _base(self) -> float:
+        return self._seen().bottom() - _FOOT
+
     def _branch_at(self, y: float) -> int | None:
+        """The branch of a row; on the axis that where the run stands."""
         branches = self._travel.outline.branches
         if not branches:
             return None
+        if y > self._base():
+            return self._travel.place[0]
         row = int((y - _HEAD) / ROW)
         return branches[min(max(row, 0), len(branches) - 1)].identity
 
@@ -210,23 +223,34 @@ class TimelineView(QWidget):
 
     # Drawing
 
+    def _ticks(self, painter: QPainter) -> Iterator[int]:
+        """Steps that the axis names."""
+        _, width = self._span()
+        span = max(self._longest() - self._travel.first, _SOONEST)
+        every = _round_up(span * painter.fontMetrics().horizontalAdvance("00000") * 1.6 / width)
+        first = -(-self._travel.first // every) * every
+        yield from range(first, self._travel.first + span + 1, every)
+
+    def _draw_grid(self, painter: QPainter) -> None:
+        painter.setPen(QPen(self._colour(QPalette.ColorRole.Mid), 1.0))
+        for step in self._ticks(painter):
+            painter.drawLine(QPointF(self._x(step), _HEAD), QPointF(self._x(step), self.height() - _FOOT))
+
     def _draw_axis(self, painter: QPainter) -> None:
-        base = self.height() - _FOOT + 2.0
+        """The axis stays at the foot of what is seen, however many branches there are."""
+        base = self._base()
         metrics = painter.fontMetrics()
         left, width = self._span()
-        every = _round_up(self._longest() * metrics.horizontalAdvance("00000") * 1.6 / width)
+        painter.fillRect(QRectF(0.0, base, self.width(), _FOOT), self._colour(QPalette.ColorRole.Window))
         painter.setPen(QPen(self._colour(QPalette.ColorRole.Mid), 1.0))
         painter.drawLine(QPointF(left, base), QPointF(left + width, base))
-        step = -(-self._travel.first // every) * every
-        while self._x(step) <= left + width + 0.5:
+        half = metrics.horizontalAdvance("0000000") / 2
+        for step in self._ticks(painter):
             x = self._x(step)
             painter.setPen(QPen(self._colour(QPalette.ColorRole.Mid), 1.0))
-            painter.drawLine(QPointF(x, _HEAD), QPointF(x, base + 3.0))
+            painter.drawLine(QPointF(x, base), QPointF(x, base + 3.0))
             painter.setPen(self._colour(QPalette.ColorRole.PlaceholderText))
-            half = metrics.horizontalAdvance("0000000") / 2
-            align = Qt.AlignmentFlag.AlignHCenter
-            painter.drawText(QRectF(x - half, base + 2.0, 2 * half, _FOOT), align, f"{step}")
-            step += every
+            painter.drawText(QRectF(x - half, base + 1.0, 2 * half, _FOOT), Qt.AlignmentFlag.AlignHCenter, f"{step}")
 
     def _draw_branch(self, painter: QPainter, branch: Branch) -> None:
         here, identity = self._travel.place[0], branch.identity
@@ -283,11 +307,12 @@ class TimelineView(QWidget):
         at = self.point(branch, step)
         colour = self._colour(QPalette.ColorRole.WindowText)
         painter.setPen(QPen(colour, 1.4))
-        painter.drawLine(QPointF(at.x(), 2.0), QPointF(at.x(), self.height() - _FOOT + 2.0))
+        top = self._seen().top()
+        painter.drawLine(QPointF(at.x(), top + 2.0), QPointF(at.x(), self._base()))
         painter.setBrush(colour)
         painter.setPen(Qt.PenStyle.NoPen)
-        top = [QPointF(at.x() - 5.0, 1.0), QPointF(at.x() + 5.0, 1.0), QPointF(at.x(), 8.0)]
-        painter.drawPolygon(QPolygonF(top))
+        flag = [QPointF(at.x() - 5.0, top + 1.0), QPointF(at.x() + 5.0, top + 1.0), QPointF(at.x(), top + 8.0)]
+        painter.drawPolygon(QPolygonF(flag))
         painter.setPen(QPen(self._colour(QPalette.ColorRole.Base), 1.6))
         painter.setBrush(self._colour(QPalette.ColorRole.Highlight))
         painter.drawEllipse(at, 5.2, 5.2)

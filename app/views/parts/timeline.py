@@ -9,7 +9,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QSpinBox
 
 from app.model.language import tr
-from app.model.situation import Situation, has_particles, is_running
+from app.model.situation import has_particles, is_running
 from app.session.chronicle import MEGABYTE, MEGABYTES
 from app.session.time_travel import TimeTravel, travel_of
 from app.session.timeline_commands import SetTimelineBudget
@@ -72,18 +72,18 @@ class TimelinePart(Part):
                 menu=_MENU,
                 text=tr("Ten steps b&ack"),
                 do=lambda: travel.by(-10),
-                shortcuts=("Shift+,", "<"),
-                tip=tr("Go ten steps back; with a shape selected the key makes that smaller."),
-                when=_free,
+                shortcuts=("Shift+,",),
+                tip=tr("Go ten steps back."),
+                when=has_particles,
             ),
             Entry(
                 name="timeline_forward_ten",
                 menu=_MENU,
                 text=tr("Ten steps f&orward"),
                 do=lambda: travel.by(10),
-                shortcuts=("Shift+.", ">"),
-                tip=tr("Go ten recorded steps forward; with a shape selected the key makes that larger."),
-                when=_free,
+                shortcuts=("Shift+.",),
+                tip=tr("Go ten recorded steps forward."),
+                when=has_particles,
             ),
         )
 
@@ -209,8 +209,3 @@ class _Keys(QObject):
                 self._travel.to_last()
                 return True
         return False
-
-
-def _free(situation: Situation) -> bool:
-    """Whether the keys < and > are not wanted for the size of a shape."""
-    return has_particles(situation) and situation.selected is None
