@@ -11,7 +11,7 @@ from app.model.modes import MODES
 from app.views.actions import PRIMARY, Actions
 
 _FILES, _EDITS, _RUN, _AFTER = ("open", "save"), ("undo", "redo"), ("run", "step", "reset"), ("fit", "export")
-_PICTURES = ("undo", "redo")
+_PICTURES = ("undo", "redo", "fit")
 """Buttons that everybody knows without a text."""
 
 

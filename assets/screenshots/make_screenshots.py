@@ -1,26 +1,38 @@
-"""Makes the pictures of the window that README.md shows, from the real window on the first sample.
+"""Makes the pictures of the window that README.md shows, from the real window on the samples.
 
-    python assets/screenshots/make_screenshots.py
+    python assets/screenshots/make_screenshots.py [NAME ...]
 
-Needs a display, be it a virtual one, with room for a window of 1280 by 760.
+All of them, or those named. Needs a display with room for a window of 1280 by 760, be it a virtual one;
+``QT_QPA_PLATFORM=offscreen`` does as well. Preferences of the person who runs it are neither read nor changed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
-from PySide6.QtCore import QDeadlineTimer, QEventLoop
+import numpy as np
+from PIL import Image as Picture
+from PySide6.QtCore import QDeadlineTimer, QEventLoop, QSettings, QStandardPaths
+from PySide6.QtWidgets import QWidget
 
+from app.model import edits
+from app.model.samples import sample_called
+from app.session.time_travel import travel_of
 from app.views import theme
 from app.views.application import make_application, open_window
+from app.views.main_window import MainWindow
+from app.views.parts.files import FilesPart
+from app.views.parts.mosaic import MosaicPart
+from cpm_core.shapes import Barrier, Charge
 
 HERE = Path(__file__).parent
-PATIENCE = 60_000
+WIDTH, HEIGHT = 1280, 760
+PATIENCE = 120_000
 """Longest wait for anything [ms]."""
-
-MIDWAY = 17
-"""Step of the picture taken while the particles move."""
 
 
 def wait(condition: Callable[[], bool]) -> None:
@@ -28,30 +40,171 @@ def wait(condition: Callable[[], bool]) -> None:
     application, deadline = make_application(), QDeadlineTimer(PATIENCE)
     while not condition():
         if deadline.hasExpired():
-            raise TimeoutError("the window did not get there in a minute")
+            raise TimeoutError("the window did not get there in two minutes")
         application.processEvents(QEventLoop.ProcessEventsFlag.WaitForMoreEvents, 20)
 
 
-def main() -> None:
-    """Run the sample and take its pictures."""
+@dataclass(frozen=True)
+class Stand:
+    """A window that is made to look as it is to be shown.
+
+    Attributes
+    ----------
+    window : MainWindow
+        The window.
+    """
+
+    window: MainWindow
+
+    def open(self, file: str) -> None:
+        """Open a sample."""
+        sample = sample_called(file)
+        assert sample is not None
+        session, before = self.window.session, self.window.session.image_generation
+        self.window.open_image(str(sample.path))
+        wait(lambda: session.image_generation != before)
+        self.settle()
+
+    def run(self, until: int | None = None) -> None:
+        """Let the particles go until a step, or until they rest."""
+        session = self.window.session
+        session.set_pace(60.0 if until else None)
+        session.run()
+        wait(lambda: session.status.phase == "finished" or (until is not None and session.status.step >= until))
+        session.pause()
+        self.settle()
+
+    def do(self, *names: str) -> None:
+        """Trigger actions."""
+        for name in names:
+            self.window.actions_by_name[name].trigger()
+
+    def settle(self) -> None:
+        """Wait until nothing goes on."""
+        session = self.window.session
+        wait(lambda: session.idle and not session.status.busy)
+
+    def take(self, name: str, widget: QWidget | None = None) -> None:
+        """Take a picture of the window, or of a dialog."""
+        self.window.stage.messages.hide()
+        end = QDeadlineTimer(600)
+        wait(end.hasExpired)
+        (widget or self.window).grab().save(str(HERE / f"{name}.png"))
+
+
+def midway(stand: Stand) -> None:
+    """Half of the U traced."""
+    stand.run(17)
+    stand.take("window")
+
+
+def rest(stand: Stand) -> None:
+    """The whole U found."""
+    stand.run()
+    stand.take("rest")
+
+
+def steering(stand: Stand) -> None:
+    """A hand with a charge that attracts, one that repels, and a barrier, and the field that follows them."""
+    session = stand.window.session
+    stand.open("hand.png")
+    stand.run(90)
+    shapes = (Charge((120.0, 60.0), 3.0), Charge((330.0, 120.0), -3.0), Barrier(((210.0, 235.0), (235.0, 300.0))))
+    for shape in shapes:
+        session.edit("place", lambda document, shape=shape: edits.add_shape(document, shape))
+    session.select(len(session.document.shapes) - 3)
+    stand.do("layer_field")
+    stand.run(120)
+    stand.take("steering")
+
+
+def branches(stand: Stand) -> None:
+    """Two ways on from step 40, compared."""
+    session, travel = stand.window.session, travel_of(stand.window.session)
+    stand.run()
+    travel.go(travel.outline.branch, 40)
+    stand.settle()
+    session.edit("damping", lambda document: edits.set_parameter(document, "beta", 2.5))
+    stand.run(90)
+    travel.compare(travel.outline.branches[0].identity)
+    stand.settle()
+    stand.take("branches")
+
+
+def trust(stand: Stand) -> None:
+    """Nuclei in a table, some named and one rejected, compared with a truth."""
+    window = stand.window
+    window.use_theme(theme.DARK)
+    stand.open("nuclei.png")
+    stand.run()
+    sample = sample_called("nuclei.png")
+    assert sample is not None
+    values = np.asarray(Picture.open(sample.path), dtype=float)
+    with tempfile.TemporaryDirectory() as folder:
+        mask = Path(folder) / "nuclei_mask.png"
+        Picture.fromarray((values > np.percentile(values, 88)).astype(np.uint8) * 255).save(mask)
+        window.session.curation.truth.load(mask)
+        stand.settle()
+        wait(lambda: window.session.curation.truth.idle)
+    window.docks.reveal("truth")
+    window.docks.reveal("contours")
+    stand.do("next_contour")
+    stand.settle()
+    stand.take("trust")
+
+
+def skeleton(stand: Stand) -> None:
+    """The middle of an artery, from thin to thick."""
+    stand.open("artery.png")
+    stand.do("mode_skeleton", "run")
+    session = stand.window.session
+    wait(lambda: session.skeletons.found is not None)
+    stand.take("skeleton")
+
+
+def mosaic(stand: Stand) -> None:
+    """A sweep of smoothing and edge floor on the hand."""
+    stand.open("hand.png")
+    stand.do("mosaic")
+    dialog = stand.window.part(MosaicPart).dialog
+    assert dialog is not None
+    for axis, title, values in ((dialog.down, "σ", "1, 2, 4"), (dialog.across, "β", "0.4, 0.8, 2")):
+        axis.choice.setCurrentIndex(next(i for i in range(axis.choice.count()) if axis.choice.itemText(i).endswith(title)))
+        axis.values.setText(values)
+    dialog.start_button.click()
+    wait(lambda: bool(dialog.tiles) and all(tile.done for tile in dialog.tiles.values()))
+    stand.settle()
+    stand.take("mosaic", dialog)
+    dialog.close()
+
+
+PICTURES: Mapping[str, Callable[[Stand], None]] = {
+    "window": midway,
+    "rest": rest,
+    "steering": steering,
+    "branches": branches,
+    "trust": trust,
+    "skeleton": skeleton,
+    "mosaic": mosaic,
+}
+
+
+def main(names: list[str]) -> None:
+    """Take the pictures, each of a window of its own."""
     make_application()
-    window = open_window()
-    window.resize(1280, 760)
-    theme.apply_theme(theme.LIGHT)
-    session = window.session
-    wait(lambda: session.idle and not session.status.busy)
-    session.set_pace(60.0)
-    session.run()
-    wait(lambda: session.status.step >= MIDWAY)
-    session.pause()
-    wait(lambda: session.idle)
-    window.grab().save(str(HERE / "window.png"))
-    session.set_pace(None)
-    session.run()
-    wait(lambda: session.status.phase == "finished" and session.idle)
-    window.grab().save(str(HERE / "rest.png"))
-    window.close()
+    QStandardPaths.setTestModeEnabled(True)
+    with tempfile.TemporaryDirectory() as folder:
+        for name in names or PICTURES:
+            QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(Path(folder) / name))
+            window = open_window()
+            window.resize(WIDTH, HEIGHT)
+            window.use_theme(theme.LIGHT)
+            stand = Stand(window)
+            stand.settle()
+            PICTURES[name](stand)
+            window.part(FilesPart).keeper.forget()
+            window.close()
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
