@@ -28,25 +28,26 @@ Lines = Sequence[tuple[tuple[str, ...], str]]
 """Keys that do the same, and what they do."""
 
 _POINTER: Lines = (
-    ((tr("left button"),), tr("the tool in use")),
-    ((tr("middle or right button"),), tr("move the image")),
-    ((tr("wheel"),), tr("zoom around the pointer")),
-    (("Shift",), tr("round ellipses; sides of paths in eight directions")),
+    ((tr("left"),), tr("the tool in use")),
+    ((tr("right, middle"),), tr("move the image")),
+    ((tr("wheel"),), tr("zoom")),
+    (("Shift",), tr("round; eight directions")),
     (("Ctrl",), tr("ellipse from its centre")),
 )
 _IMAGE: Lines = (
-    (("Enter",), tr("show the cross-hair for the tool in use")),
-    (("←↑↓→",), tr("move cross-hair, selected shape or image; Shift: by 10 px")),
-    (("Enter",), tr("at the cross-hair: press or let go; click for points and corners")),
-    (("Enter", "Enter"), tr("end a path on the same place")),
-    (("Ctrl+Enter",), tr("end a path")),
-    (("Backspace",), tr("take the last corner back")),
-    (("Esc",), tr("give up, put the cross-hair away, select nothing")),
-    (("<", ">"), tr("size of the selected shape or of the ring; strength of a charge; spacing of a grid")),
+    (("Enter",), tr("show the cross-hair")),
+    (("←↑↓→",), tr("move the cross-hair, the selected shape or the image")),
+    (("Shift+←↑↓→",), tr("the same by 10 px")),
+    (("Enter",), tr("press and let go at the cross-hair")),
+    (("Enter", "Enter"), tr("end a path")),
+    (("Backspace",), tr("take back a corner")),
+    (("Esc",), tr("give up")),
+    (("<", ">"), tr("size of shape or ring, strength, spacing")),
 )
-_COLUMNS, _WIDTH, _KEYS = 4, 292, 112
+_COLUMNS, _WIDTH, _KEYS = 4, 296, 100
 """Columns where there is room, the width of each, and that of the keys in it [px]."""
 
+_TOOLS = "tools"
 _LINE = 24
 """Letters of a meaning that stand in one line."""
 
@@ -76,7 +77,7 @@ class CheatSheet(QDialog):
         inside = QWidget()
         inside.setObjectName("scrolled")
         columns = QHBoxLayout(inside)
-        columns.setSpacing(28)
+        columns.setSpacing(20)
         room = window.size() - QSize(_MARGIN, _MARGIN)
         many = min(max(room.width() // _WIDTH, 1), _COLUMNS)
         for blocks in _balanced(groups(window, entries), many):
@@ -114,22 +115,24 @@ class CheatSheet(QDialog):
 
 def groups(window: QMainWindow, entries: Iterable[Entry]) -> list[tuple[str, Lines]]:
     """All keys by what they are for: those of each menu, of the panels, and of the canvas."""
-    found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in MENUS}
+    titles = {_TOOLS: tr("Tools"), **{name: _plain(title) for name, title in MENUS.items()}}
+    found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in titles}
     for entry in entries:
         if entry.shortcuts:
             keys = tuple(_shown(key) for key in entry.shortcuts[:2])
-            found[entry.menu.partition(">")[0]].append((keys, _plain(entry.text)))
+            group = _TOOLS if entry.group == "tool" else entry.menu.partition(">")[0]
+            found[group].append((keys, _plain(entry.text)))
     panels = sorted(
         ((_shown(dock.toggleViewAction().shortcut().toString()),), dock.windowTitle())
         for dock in window.findChildren(QDockWidget)
         if not dock.toggleViewAction().shortcut().isEmpty()
     )
-    menus = [(_plain(MENUS[name]), lines) for name, lines in found.items() if lines]
+    menus = [(titles[name], lines) for name, lines in found.items() if lines]
     return [
         *menus,
         *([(tr("Panels"), panels)] if panels else []),
         (tr("Keys on the image"), _IMAGE),
-        (tr("Pointer on the image"), _POINTER),
+        (tr("Mouse on the image"), _POINTER),
     ]
 
 

@@ -182,7 +182,7 @@ def test_a_question_mark_opens_the_sheet_of_all_keys_and_closes_it(window, hand)
         for entry in window.actions_by_name.entries:
             if entry.shortcuts:
                 assert entry.text.replace("&", "").rstrip("…") in text
-        for word in ("Ctrl+Z", "cross-hair", "wheel", "Layers"):
+        for word in ("Ctrl+Z", "cross-hair", "wheel", "Layers", "Tools"):
             assert word in text
         hand.wait(sheet.isActiveWindow)
         hand.qtbot.keyClick(sheet, close)
