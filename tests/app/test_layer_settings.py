@@ -85,10 +85,20 @@ def test_space_on_a_check_box_does_not_run_the_particles(ready, hand):
 
 
 def test_layers_have_keys_of_their_own(window):
-    keys = [layer.shortcut for layer in window.stage.canvas.layers]
+    keys = [layer.shortcut for layer in window.stage.canvas.layers if layer.shortcut]
     assert len(set(keys)) == len(keys)
     others = [key for entry in window.actions_by_name.entries for key in entry.shortcuts]
     assert len(set(others)) == len(others)
+
+
+def test_the_menu_tells_and_changes_what_particles_are_coloured_by(window, hand):
+    actions, layer = window.actions_by_name, hand.canvas.layers["particles"]
+    for way in layer.ways:
+        layer.choose("colour", way)
+        assert [other for other in layer.ways if actions[f"colour_{other}"].isChecked()] == [way]
+    actions["colour_force"].trigger()
+    assert layer.word("colour") == "force"
+    assert actions["colour_force"].isChecked()
 
 
 def test_settings_are_kept_for_the_next_start_but_not_what_is_shown(window):

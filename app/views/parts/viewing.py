@@ -26,11 +26,20 @@ class ViewingPart(Part):
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk)
         layers = desk.stage.canvas.layers
+        self._told: tuple[object, ...] = ()
         self._panel = LayersPanel(layers)
         desk.stage.canvas.pointed.connect(layers.forces.point_at)
         for layer in layers:
-            layer.changed.connect(desk.session.status_changed)
+            layer.changed.connect(self._follow)
             layer.use_view_state(_kept(desk.preferences, layer))
+
+    def _follow(self) -> None:
+        """Let the menu be right; what it does not show, as while levels are dragged, is none of its business."""
+        layers = self.desk.stage.canvas.layers
+        told = (*(layer.shown for layer in layers), layers.particles.word("colour"))
+        if told != self._told:
+            self._told = told
+            self.desk.session.status_changed.emit()
 
     def entries(self) -> Sequence[Entry]:
         """Zoom, and one toggle a layer."""
