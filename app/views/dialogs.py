@@ -33,7 +33,7 @@ def ask_where_to_save(parent: QWidget, suggestion: str) -> str:
 
 def ask_for_export(parent: QWidget, suggestion: str) -> str:
     """Path to export contours to, empty when the user has thought better of it; a suffix left out is added."""
-    filters = {f"{text} (*{suffix})": suffix for suffix, text in WRITABLE.items()}
+    filters = {f"{tr(text)} (*{suffix})": suffix for suffix, text in WRITABLE.items()}
     chosen, used = QFileDialog.getSaveFileName(parent, tr("Export contours"), suggestion, ";;".join(filters))
     if chosen and not Path(chosen).suffix:
         chosen += filters.get(used, next(iter(WRITABLE)))

@@ -102,7 +102,7 @@ _NUCLEI = Page(
         Step(tr("{run}. Each nucleus gets a closed contour, the faint ones, too. The panel above the sliders counts "
                 "them."), "nuclei_end.jpg"),
         Step(tr("Nuclei that touch have one contour around both: where they meet there is no edge between them. A "
-                "barrier drawn across holds them apart; then run anew.")),
+                "barrier drawn across gives each a contour of its own, one of which may be open there. Run anew.")),
         Step(tr("Raise “Drop short contours” (<i>l</i><sub>min</sub>, under Advanced): the smallest nuclei go at "
                 "once, without another run. Lower it, and they are back.")),
         Step(tr("{export}, as a label mask (PNG): every nucleus has a number of its own, ready to be measured.")),

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from cpm_core.formats import WRITABLE
 from cpm_core.parameters import PARAMETERS
 from cpm_core.shapes import SHAPES
 
@@ -38,6 +39,8 @@ def in_core() -> Iterator[tuple[str, str]]:
     for name, kind in SHAPES.items():
         if isinstance(kind.title, str):
             yield kind.title, f"shape {name}"
+    for suffix, said in WRITABLE.items():
+        yield said, f"format {suffix}"
     listed = json.loads((ROOT / "assets" / "samples" / "samples.json").read_text(encoding="utf-8"))
     for entry in listed:
         yield entry["title"], f"sample {entry['file']}"

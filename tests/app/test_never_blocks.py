@@ -84,7 +84,9 @@ def free(what: str) -> Iterator[None]:
     with Watch() as watch:
         yield
     if os.environ.get("CPM_TELL"):
-        sys.stderr.write(f"TELL {what}: {1e3 * watch.longest:.1f} ms {watch.doing if watch.longest > LONGEST else ''}\n")
+        sys.stderr.write(
+            f"TELL {what}: {1e3 * watch.longest:.1f} ms {watch.doing if watch.longest > LONGEST else ''}\n"
+        )
         return
     assert watch.longest <= LONGEST, f"{what} kept the loop waiting for {1e3 * watch.longest:.0f} ms:\n{watch.doing}"
 
