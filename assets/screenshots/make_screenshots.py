@@ -168,8 +168,9 @@ def mosaic(stand: Stand) -> None:
     stand.do("mosaic")
     dialog = stand.window.part(MosaicPart).dialog
     assert dialog is not None
-    for axis, title, values in ((dialog.down, "σ", "1, 2, 4"), (dialog.across, "β", "0.4, 0.8, 2")):
-        axis.choice.setCurrentIndex(next(i for i in range(axis.choice.count()) if axis.choice.itemText(i).endswith(title)))
+    for axis, symbol, values in ((dialog.down, "σ", "1, 2, 4"), (dialog.across, "β", "0.4, 0.8, 2")):
+        titles = [axis.choice.itemText(index) for index in range(axis.choice.count())]
+        axis.choice.setCurrentIndex(next(index for index, title in enumerate(titles) if title.endswith(symbol)))
         axis.values.setText(values)
     dialog.start_button.click()
     wait(lambda: bool(dialog.tiles) and all(tile.done for tile in dialog.tiles.values()))

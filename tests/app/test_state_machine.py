@@ -1,0 +1,274 @@
+"""Whatever is done in whatever order, document, run and files stay consistent with each other."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
+from PySide6.QtCore import QCoreApplication
+
+from app.model import edits
+from app.model.document import Document
+from app.session.journal import Journal
+from app.session.keeper import Keeper
+from app.session.recovery import left_behind
+from app.session.session import Session
+from cpm_core.formats.session_file import load_session
+from cpm_core.parameters import Parameters
+from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Shape
+
+PATIENCE = 20.0
+SIDE = 32
+
+places = st.tuples(st.integers(2, SIDE - 3), st.integers(2, SIDE - 3)).map(
+    lambda place: (float(place[0]), float(place[1]))
+)
+shapes = st.one_of(
+    st.builds(Circle, places, st.sampled_from([3.0, 5.0, 8.0])),
+    st.builds(Points, st.lists(places, min_size=1, max_size=3).map(tuple)),
+    st.builds(Barrier, st.tuples(places, places)),
+    st.just(Everywhere("grid")),
+)
+
+
+class SessionMachine(RuleBasedStateMachine):
+    """A session without a window, against a model of two lists of documents.
+
+    Rules that move through time belong here as well: they change `status.step`, and never document or files.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.folder = Path(tempfile.mkdtemp())
+        row, col = np.indices((SIDE, SIDE))
+        np.save(self.folder / "disc.npy", np.where(np.hypot(row - 16, col - 16) < 9, 200.0, 20.0))
+        self.said: list[str] = []
+        self.session = Session()
+        self.session.set_pace(None)
+        self.session.said.connect(lambda sentence, trouble: self.said.append(sentence) if trouble else None)
+        self.keeper = Keeper(self.session, lambda: {"place": {}})
+        self.journal = Journal(self.keeper, self.folder / "journals")
+        self.past: list[Document] = []
+        self.future: list[Document] = []
+        self.saved: dict[Path, Document] = {}
+        self.generation = 0
+        self.now = Document()
+
+    @initialize()
+    def open(self) -> None:
+        self.session.open(self.folder / "disc.npy")
+        self.wait(lambda: self.session.document.image is not None)
+        self.settle()
+        self.begin()
+        self.edit(edits.set_parameters(self.now, Parameters(scales=1)))
+
+    # What the model does
+
+    def begin(self) -> None:
+        """There is no way back from here."""
+        self.past, self.future, self.now = [], [], self.session.document
+
+    def edit(self, after: Document) -> None:
+        """Let the session become a document, and expect so."""
+        self.session.edit("change", lambda document: after)
+        if after != self.now:
+            self.past.append(self.now)
+            self.future, self.now = [], after
+
+    def wait(self, condition) -> None:
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            QCoreApplication.processEvents()
+            assert time.monotonic() < end
+            time.sleep(0.001)
+
+    def settle(self) -> None:
+        """Let everything that goes on by itself come to its end."""
+        self.wait(lambda: self.session.idle)
+
+    # Edit, undo, redo
+
+    @precondition(lambda self: len(self.now.shapes) < 6)
+    @rule(shape=shapes)
+    def add(self, shape: Shape) -> None:
+        self.edit(edits.add_shape(self.now, shape))
+
+    @precondition(lambda self: self.now.shapes)
+    @rule(data=st.data(), by=places)
+    def move(self, data: st.DataObject, by: tuple[float, float]) -> None:
+        index = data.draw(st.integers(0, len(self.now.shapes) - 1))
+        self.edit(edits.move_shape(self.now, index, (by[0] - SIDE / 2, by[1] - SIDE / 2)))
+
+    @precondition(lambda self: self.now.shapes)
+    @rule(data=st.data())
+    def delete(self, data: st.DataObject) -> None:
+        self.edit(edits.delete_shape(self.now, data.draw(st.integers(0, len(self.now.shapes) - 1))))
+
+    @rule(name=st.sampled_from(["beta", "annealing", "min_length"]), share=st.sampled_from([0.2, 0.5, 0.9]))
+    def set_parameter(self, name: str, share: float) -> None:
+        self.edit(edits.set_parameter(self.now, name, share))
+
+    @rule()
+    def refuse(self) -> None:
+        self.session.edit("nonsense", lambda document: edits.set_parameter(document, "beta", -1.0))
+        assert "beta" in self.said[-1]
+
+    @rule()
+    def undo(self) -> None:
+        self.session.undo()
+        if self.past:
+            self.future.append(self.now)
+            self.now = self.past.pop()
+
+    @rule()
+    def redo(self) -> None:
+        self.session.redo()
+        if self.future:
+            self.past.append(self.now)
+            self.now = self.future.pop()
+
+    @precondition(lambda self: self.past)
+    @rule()
+    def undo_then_redo_changes_nothing(self) -> None:
+        before = self.session.document
+        self.session.undo()
+        assert self.session.document != before
+        self.session.redo()
+        assert self.session.document == before
+
+    @rule(data=st.data())
+    def go_to(self, data: st.DataObject) -> None:
+        every = [*self.past, self.now, *reversed(self.future)]
+        done = data.draw(st.integers(0, len(every) - 1))
+        self.session.go_to(done)
+        self.past, self.now, self.future = every[:done], every[done], every[done + 1 :][::-1]
+
+    # Run, pause, step, reset
+
+    @rule()
+    def run(self) -> None:
+        self.session.run()
+
+    @rule()
+    def pause(self) -> None:
+        self.session.pause()
+        assert self.session.status.phase != "running"
+
+    @rule()
+    def step(self) -> None:
+        self.session.step()
+
+    @rule()
+    def reset(self) -> None:
+        self.session.reset()
+        assert self.session.status.step == 0
+
+    @rule(seconds=st.sampled_from([0.0, 0.01, 0.05]))
+    def let_go_on(self, seconds: float) -> None:
+        end = time.monotonic() + seconds
+        while time.monotonic() <= end:
+            QCoreApplication.processEvents()
+
+    @rule()
+    def come_to_rest(self) -> None:
+        self.session.pause()
+        self.settle()
+        status = self.session.status
+        assert status.phase in ("ready", "paused", "finished")
+        assert (status.phase == "finished") == bool(status.stop_reason)
+        assert not status.busy
+        if status.phase == "ready":
+            assert status.step == 0
+
+    # Save, load, recover
+
+    @rule(name=st.sampled_from(["a.cpm", "b.cpm"]))
+    def save(self, name: str) -> None:
+        path = self.folder / name
+        self.keeper.save(path)
+        self.saved[path] = self.now
+        self.wait(lambda: self.session.tasks.idle and self.keeper.path == path and not self.keeper.unsaved)
+        file = load_session(path)
+        assert (file.shapes, file.parameters) == (self.now.shapes, self.now.parameters)
+
+    @precondition(lambda self: self.saved)
+    @rule(data=st.data())
+    def load(self, data: st.DataObject) -> None:
+        path = data.draw(st.sampled_from(sorted(self.saved)))
+        before = self.session.image_generation
+        self.session.open(path)
+        self.wait(lambda: self.session.image_generation != before)
+        self.settle()
+        assert self.session.document == self.saved[path]
+        assert not self.keeper.unsaved
+        assert self.session.status.phase == "ready"
+        self.begin()
+
+    @rule()
+    def what_is_unsaved_is_in_the_journal(self) -> None:
+        self.journal.write()
+        self.journal.flush()
+        assert self.journal.path.exists() == self.keeper.unsaved
+        if self.keeper.unsaved:
+            file = load_session(self.journal.path)
+            assert (file.shapes, file.parameters) == (self.now.shapes, self.now.parameters)
+        assert left_behind(self.folder / "journals") == []
+
+    # What always holds
+
+    @invariant()
+    def the_document_is_the_one_expected(self) -> None:
+        assert self.session.document == self.now
+        assert bool(self.session.situation.undo_name) == bool(self.past)
+        assert bool(self.session.situation.redo_name) == bool(self.future)
+        assert self.session.changes[1] == len(self.past)
+        assert self.session.selected is None or self.session.selected < len(self.now.shapes)
+
+    @invariant()
+    def generations_never_go_back(self) -> None:
+        assert self.session.generation >= self.generation
+        self.generation = self.session.generation
+        assert self.session.image_generation <= self.generation
+
+    @invariant()
+    def nobody_has_died(self) -> None:
+        alive = {thread.name for thread in threading.enumerate()}
+        assert {"cpm-engine", "cpm-reconstruction"} <= alive
+        assert not [said for said in self.said if "unexpected" in said]
+
+    @invariant()
+    def particles_stay_few(self) -> None:
+        assert self.session.status.count <= 4 * SIDE * SIDE
+        assert len(self.session.tasks.current) <= 1
+
+    def teardown(self) -> None:
+        self.journal.close()
+        self.session.close()
+        journals = self.folder / "journals"
+        assert not journals.exists() or list(journals.iterdir()) == []
+        shutil.rmtree(self.folder)
+
+
+@pytest.mark.usefixtures("qapp", "compiled_loops")
+def test_whatever_is_done_in_whatever_order_everything_stays_consistent() -> None:
+    run_state_machine_as_test(
+        SessionMachine,
+        settings=settings(
+            max_examples=15, stateful_step_count=20, deadline=None, suppress_health_check=list(HealthCheck)
+        ),
+    )
