@@ -57,6 +57,19 @@ def test_every_force_is_named_with_its_figure(held, ready, hand):
             assert told[title] == f"{np.hypot(*held.probed.forces[kind]):.3f}"
 
 
+def test_the_legend_lies_on_the_canvas_and_not_on_the_particle(held, ready, hand):
+    state = moment(ready)[1]
+    hand.canvas.zoom(5.0, hand.canvas.point(tuple(state.position[0])))
+    room = hand.canvas.view.boundingRect()
+    for index in range(0, state.count, 5):
+        at = state.position[index]
+        hand.canvas.pointed.emit(tuple(at))
+        hand.wait(lambda index=index: held.probed and held.probed.identity == state.particles.identity[index])
+        if room.contains(held.item._at):
+            assert room.contains(held.item._legend)
+            assert not held.item._legend.contains(held.item._at)
+
+
 def test_far_from_all_particles_there_is_nothing_to_tell(held, ready, hand):
     hand.move(*moment(ready)[1].position[0])
     hand.wait(lambda: held.probed is not None)

@@ -168,11 +168,24 @@ class ForceItem(Pinned):
             metrics.horizontalAdvance(self._title) + 2 * _PAD,
         )
         height = metrics.height() * (len(self.lines) + 1) + _PAD
-        x = at.x() + _OFF if at.x() + _OFF + width < room.width() else at.x() - _OFF - width
-        y = min(max(at.y() + _OFF, 0.0), max(room.height() - height - 4.0, 0.0))
-        self._legend = QRectF(round(x), round(y), width, height)
+        self._legend = self._free_place(QSizeF(width, height), room)
         self.put(QPointF(0.0, 0.0))
         self.resize(room)
+
+    def _free_place(self, size: QSizeF, room: QSizeF) -> QRectF:
+        """Where beside the particle a legend hides least of the arrows, all of it on the canvas."""
+        fractions = np.linspace(0.1, 1.0, 10)[:, None, None]
+        along = fractions * np.array([*self._arrows.values(), np.zeros(2)])
+        places = []
+        for right, below in ((True, True), (True, False), (False, True), (False, False)):
+            x = self._at.x() + (_OFF if right else -_OFF - size.width())
+            y = self._at.y() + (_OFF if below else -_OFF - size.height())
+            x = min(max(x, 4.0), max(room.width() - size.width() - 4.0, 4.0))
+            y = min(max(y, 4.0), max(room.height() - size.height() - 4.0, 4.0))
+            row, col = along[..., 0] + self._at.y() - y, along[..., 1] + self._at.x() - x
+            hidden = (row > 0) & (row < size.height()) & (col > 0) & (col < size.width())
+            places.append((int(hidden.sum()), QRectF(round(x), round(y), size.width(), size.height())))
+        return min(places, key=lambda place: place[0])[1]
 
     def paint(self, painter: QPainter, option: object, widget: object = None) -> None:
         """Draw ring, arrows and legend."""
