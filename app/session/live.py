@@ -8,14 +8,15 @@ them. A start that is moved or removed has let its particles go already; the run
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Protocol
 
 from app.model import edits
 from app.model.document import Document
+from app.model.language import tr
 from app.model.status import RunStatus
-from app.session.commands import Command
+from app.session.commands import Command, SetParameters, Sow
 from app.session.live_commands import Erase, Join, Limit, PlaceCharges
 from cpm_core.paths import Position
 from cpm_core.shapes import Points, Region, Start
@@ -45,16 +46,19 @@ class Steered(Protocol):
 
 
 class Live:
-    """Compares documents, and tells the worker what has changed for the run that exists.
+    """Compares documents, and tells the worker what has changed, above all for the run that exists.
 
     Parameters
     ----------
     session : Steered
         Whose document and run they are.
+    busy : callable
+        Told what is being prepared, and the words for it.
     """
 
-    def __init__(self, session: Steered) -> None:
+    def __init__(self, session: Steered, busy: Callable[[str, str], None]) -> None:
         self._session = session
+        self._busy = busy
         self._late: tuple[object, ...] = ()
         self._obeyed: Counter[Hashable] = Counter()
         self._settled: Counter[Hashable] = Counter()
@@ -81,6 +85,11 @@ class Live:
     def follow(self, before: Document, after: Document, settled: bool) -> None:
         """The document has changed; unless it is `settled`, the gesture goes on that changes it."""
         session = self._session
+        if before.parameters != after.parameters:
+            session.post(SetParameters(after.parameters))
+        if after.sowable and before.sowing != after.sowing:
+            self._busy("sowing", tr("Looking for places to start from…"))
+            session.post(Sow(session.image_generation, after))
         if before.charges != after.charges:
             session.post(PlaceCharges(session.image_generation, after.charges))
         if not session.status.started:

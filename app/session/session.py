@@ -29,7 +29,6 @@ from app.session.commands import (
     SetOverlays,
     SetPace,
     SetParameters,
-    Sow,
     Start,
     WarmUp,
 )
@@ -72,7 +71,7 @@ class Session(Announcements):
         self._numbered = 0
         self._generation = 0
         self._image_generation = 0
-        self.live = Live(self)
+        self.live = Live(self, self._progress.busy)
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
         self._timer = QTimer(self)
@@ -331,11 +330,6 @@ class Session(Announcements):
     def _change(self, change: Callable[[], None], settled: bool = True) -> None:
         before = self.document
         change()
-        if before.parameters != self.document.parameters:
-            self.post(SetParameters(self.document.parameters))
-        if self.document.sowable and before.sowing != self.document.sowing:
-            self._progress.busy("sowing", tr("Looking for places to start from…"))
-            self.post(Sow(self._image_generation, self.document))
         if before != self.document:
             self.live.follow(before, self.document, settled)
             self.document_changed.emit(self.document)
