@@ -135,11 +135,3 @@ class Document:
         """Image and parameters that act only when a run starts."""
         acting = (getattr(self.parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "run")
         return (self.image, *acting)
-
-    @property
-    def recipe(self) -> tuple[object, ...]:
-        """Everything that acts only when a run starts; a run with another recipe is out of date.
-
-        Regions of interest, barriers and placed charges are no part of it: a run obeys them at once.
-        """
-        return (self.late, self.sources)

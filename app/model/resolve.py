@@ -58,7 +58,7 @@ def resolve(situation: Situation) -> Resolved:
         undo_text=_named(tr("Undo"), situation.undo_name),
         redo_text=_named(tr("Redo"), situation.redo_name),
         running=status.phase == "running",
-        state=_state(document, status),
+        state=_state(situation),
         hint=_hint(situation),
         numbers=_numbers(status),
     )
@@ -85,9 +85,12 @@ def _run_text(document: Document, status: RunStatus) -> str:
     return tr("Run anew") if status.started else tr("Run")
 
 
-def _state(document: Document, status: RunStatus) -> str:
+def _state(situation: Situation) -> str:
+    document, status = situation.document, situation.status
     if status.busy:
         return status.busy
+    if document.mode == "skeleton" and not status.started and document.image is not None:
+        return tr("The skeleton is found") if situation.has_skeleton else tr("Ready to find the skeleton")
     match status.phase:
         case "empty":
             return tr("No image is open.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterable, Iterator, Sequence
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer
@@ -67,6 +68,11 @@ class Docks(QObject):
 
     def __iter__(self) -> Iterator[QDockWidget]:
         return iter(self._docks.values())
+
+    @property
+    def version(self) -> int:
+        """Number of the places that are remembered: where other panels were known, new ones would have none."""
+        return zlib.crc32(",".join(self._docks).encode()) & 0x7FFFFFFF
 
     def reveal(self, name: str) -> None:
         """Open a panel and bring it to the front."""

@@ -143,8 +143,9 @@ _CANVAS = Page(
         tr("Strokes, regions of interest and barriers are drawn freehand with a drag, or corner by corner with clicks; "
            "Enter or a double click ends them, Backspace takes the last corner back, Esc gives up."),
         tr("Particles stay in a region of interest and do not cross a barrier."),
-        tr("A changed drawing acts from the next start. Changed parameters act at once; a run that has come to rest "
-           "goes on with them after Resume."),
+        tr("Whatever is drawn while a run exists acts in it at once: starts that are added join it, and charges, "
+           "barriers and regions of interest are obeyed at the next step. Changed parameters act at once, too; a run "
+           "that has come to rest goes on with them after Resume."),
         tr("Everything that changes the drawing or the parameters can be undone: {undo}."),
     ),
 )  # fmt: skip

@@ -134,7 +134,7 @@ class MainWindow(QMainWindow):
             event.ignore()
             return
         self.preferences.put(_GEOMETRY, self.saveGeometry())
-        self.preferences.put(_PLACES, self.saveState())
+        self.preferences.put(_PLACES, self.saveState(self.docks.version))
         self.docks.leave()
         self.hide()
         self.session.close()
@@ -161,4 +161,4 @@ class MainWindow(QMainWindow):
         geometry = self.preferences.get(_GEOMETRY, QByteArray())
         if not geometry.isEmpty():
             self.restoreGeometry(geometry)
-            self.restoreState(self.preferences.get(_PLACES, QByteArray()))
+            self.restoreState(self.preferences.get(_PLACES, QByteArray()), self.docks.version)

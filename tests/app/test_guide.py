@@ -79,7 +79,7 @@ def test_the_guide_is_one_window_that_can_be_closed_and_opened_again(window, han
     assert window.part(HelpingPart).guide is guide
     guide.close()
     hand.wait(lambda: window.part(HelpingPart).guide is None)
-    window.actions_by_name["all_keys"].trigger()
+    window.part(HelpingPart).show_guide(KEYS)
     assert window.part(HelpingPart).guide.page == KEYS
 
 

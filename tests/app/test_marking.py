@@ -33,4 +33,4 @@ def test_everything_can_be_forgotten_at_once() -> None:
 
 
 def test_marks_change_nothing_that_a_run_starts_from() -> None:
-    assert marking.judge(Document(), [Target(None, HERE)], "kept").recipe == Document().recipe
+    assert marking.judge(Document(), [Target(None, HERE)], "kept").sources == Document().sources

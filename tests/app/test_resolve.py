@@ -64,12 +64,12 @@ def test_undo_and_redo_are_named_after_what_they_do() -> None:
     assert not can_redo(Situation(DRAWN))
 
 
-def test_the_recipe_changes_with_starts_and_scales_but_not_with_what_acts_at_once() -> None:
-    assert edits.clear_shapes(DRAWN).recipe != DRAWN.recipe
+def test_what_a_run_starts_from_are_starts_and_scales_but_not_what_acts_at_once() -> None:
+    assert edits.clear_shapes(DRAWN).sources != DRAWN.sources
     for shape in (Barrier(((1.0, 2.0), (3.0, 4.0))), Charge((5.0, 6.0))):
-        assert edits.add_shape(DRAWN, shape).recipe == DRAWN.recipe
-    assert edits.set_parameter(DRAWN, "scales", 2).recipe != DRAWN.recipe
-    assert edits.set_parameter(DRAWN, "beta", 1.0).recipe == DRAWN.recipe
+        assert edits.add_shape(DRAWN, shape).sources == DRAWN.sources
+    assert edits.set_parameter(DRAWN, "scales", 2).late != DRAWN.late
+    assert edits.set_parameter(DRAWN, "beta", 1.0).late == DRAWN.late
 
 
 def test_limits_alone_are_no_drawing_to_start_from() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from app.model.language import tr
 from app.model.samples import sample_called
 from app.views.entry import Entry
-from app.views.guide import KEYS, Guide
+from app.views.guide import Guide
 from app.views.help import show_about
 from app.views.part import Desk, Part
 from app.views.tour import Tour
@@ -37,13 +37,6 @@ class HelpingPart(Part):
                 shortcuts=("F1",),
                 tip=tr("First steps, three tasks step by step, and what works on the canvas."),
                 icon="guide",
-            ),
-            Entry(
-                name="all_keys",
-                menu="Help",
-                text=tr("All &keys"),
-                do=lambda: self.show_guide(KEYS),
-                tip=tr("A list of all keys."),
             ),
             Entry(
                 name="tour",
