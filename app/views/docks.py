@@ -22,6 +22,12 @@ _AREAS: dict[Area, Qt.DockWidgetArea] = {
 _WIDTH = 352
 """Width of what stands beside the canvas at first [px]."""
 
+_LEAST = 1
+"""Height of what lies below the canvas: as little as it bears [px]."""
+
+_NEXT = 4
+"""Distance at which a panel lies just below its tabs [px]."""
+
 _UPPER_SHARE = 0.36
 """Share of the height that the uppermost panel beside the canvas gets."""
 
@@ -86,16 +92,20 @@ class Docks(QObject):
         for panel in self._panels:
             dock, key = self._docks[panel.name], (panel.area, panel.tab)
             dock.setFloating(False)
-            window.addDockWidget(_AREAS[panel.area], dock)
             if panel.tab and key in first:
                 window.tabifyDockWidget(first[key], dock)
             else:
+                window.addDockWidget(_AREAS[panel.area], dock)
                 first[key] = dock
-            dock.setVisible(panel.shown)
+        for panel in self._panels:
+            if self._docks[panel.name].isHidden() == panel.shown:
+                self._docks[panel.name].setVisible(panel.shown)
         for dock in first.values():
             dock.raise_()
         beside = [dock for (area, _), dock in first.items() if area == "right"]
         window.resizeDocks(beside, [_WIDTH] * len(beside), Qt.Orientation.Horizontal)
+        below = [dock for (area, _), dock in first.items() if area == "bottom"]
+        window.resizeDocks(below, [_LEAST] * len(below), Qt.Orientation.Vertical)
         self._share_height(beside)
         self._tidying.start()
 
@@ -143,6 +153,13 @@ class Docks(QObject):
     def _look_soon(self) -> None:
         self._tidying.start()
 
+    def _leads(self, bar: QTabBar) -> bool:
+        """Whether one of the panels lies just below a bar of tabs."""
+        place = bar.geometry()
+        return any(
+            not dock.isHidden() and dock.x() == place.x() and 0 <= dock.y() - place.bottom() <= _NEXT for dock in self
+        )
+
     def _tidy(self) -> None:
         """Give headings to the panels that have no tab, and let no tab cut its name off."""
         for name, dock in self._docks.items():
@@ -154,8 +171,11 @@ class Docks(QObject):
                 dock.setTitleBarWidget(wanted)
                 before.hide()
                 wanted.show()
-        for bar in self._window.findChildren(QTabBar):
-            if bar.parent() is self._window and bar.elideMode() != Qt.TextElideMode.ElideNone:
+        for bar in self._window.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly):
+            # Qt leaves bars of arrangements that are over where they were, with names of panels that are elsewhere.
+            if bar.isHidden() == self._leads(bar):
+                bar.setVisible(bar.isHidden())
+            if bar.elideMode() != Qt.TextElideMode.ElideNone:
                 bar.setElideMode(Qt.TextElideMode.ElideNone)
                 bar.setUsesScrollButtons(True)
                 bar.setExpanding(False)

@@ -20,7 +20,7 @@ class SpeedControl(QWidget):
         self.slider.setRange(0, len(PACES) - 1)
         self.slider.setPageStep(1)
         self.slider.setValue(FIRST_PACE)
-        self.slider.setFixedWidth(110)
+        self.slider.setFixedWidth(96)
         self.slider.setAccessibleName(tr("Speed"))
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._label = QLabel(pace_text(PACES[FIRST_PACE]))

@@ -160,6 +160,7 @@ def _bars(theme: Theme) -> str:
     QToolBar QToolButton:checked {{ background: {theme.button}; border-color: {theme.accent}; }}
     QToolBar QToolButton:disabled {{ color: {theme.faded}; }}
     QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: right top; }}
+    QToolBar QToolButton#qt_toolbar_ext_button {{ padding: 0; background: {theme.button}; border-color: {theme.line}; }}
     QToolBar QToolButton#primary {{ background: {theme.accent}; color: {theme.accent_text}; font-weight: 600; }}
     QToolBar QToolButton#primary:hover {{ background: {theme.accent_hover}; }}
     QToolBar QToolButton#primary:focus {{ border: 2px solid {theme.text}; padding: 3px 5px; }}

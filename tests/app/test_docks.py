@@ -80,3 +80,25 @@ def test_six_panels_upon_each_other_show_their_names_in_full(window, qtbot, them
     assert bar.tabRect(5).right() <= bar.width()
     assert docks["Parameters"].width() <= 400
     other.close()
+
+
+def test_no_tab_names_a_panel_that_is_elsewhere(window, hand) -> None:
+    panels = {dock.windowTitle(): dock for dock in window.docks}
+
+    def tidy() -> bool:
+        named = [bar.tabText(index) for bar in seen_bars(window) for index in range(bar.count())]
+        return len(set(named)) == len(named) and not any(panels[name].isHidden() for name in named)
+
+    hand.wait(tidy)
+    for dock in window.docks:
+        dock.show()
+    hand.wait(lambda: tidy() and len(seen_bars(window)) == 2)
+    window.docks.restore()
+    hand.wait(tidy)
+
+
+def test_every_button_of_the_tool_bar_has_room_at_1280(window, hand) -> None:
+    window.resize(1280, 720)
+    hand.wait(lambda: window.width() == 1280)
+    for name in ("open", "save", "undo", "redo", "primary", "step", "reset", "fit", "export", "mode_skeleton"):
+        hand.wait(window._bar.findChild(QToolButton, name).isVisible)
