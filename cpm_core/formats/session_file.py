@@ -256,13 +256,16 @@ def shape_from_plain(plain: object, where: str) -> Shape:
         raise ValueError(f"{where} is of the kind {shown(kind)} but must be one of {', '.join(SHAPES)}.")
     where = f"{where} ({kind})"
     for name, value in values.items():
-        if name in ("points", "positions") and isinstance(value, list) and len(value) < (least := _LEAST.get(kind, 1)):
-            raise ValueError(f"{where} has {len(value)} {name} but needs at least {least}.")
         low, high = _LIMITS.get(name, (-LARGEST, LARGEST))
         for each in value if isinstance(value, list) else [value]:
             if isinstance(each, int | float) and not low <= each <= high:
                 raise ValueError(f"{name} of {where} is {shown(each)} but must be a number from {low:g} to {high:g}.")
-    return from_plain(SHAPES[kind], values, where)
+    shape = from_plain(SHAPES[kind], values, where)
+    for name in ("points", "positions"):
+        different, least = len(set(getattr(shape, name, ()))), _LEAST.get(kind, 1)
+        if name in values and different < least:
+            raise ValueError(f"{where} has {different} different {name} but needs at least {least}.")
+    return shape
 
 
 def _parsed(content: bytes, name: str) -> Plain:

@@ -28,6 +28,7 @@ from app.session.journal import Journal
 from app.session.keeper import Keeper
 from app.session.recovery import left_behind
 from app.session.session import Session
+from app.session.time_travel import travel_of
 from cpm_core.formats.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Shape
@@ -41,7 +42,7 @@ places = st.tuples(st.integers(2, SIDE - 3), st.integers(2, SIDE - 3)).map(
 shapes = st.one_of(
     st.builds(Circle, places, st.sampled_from([3.0, 5.0, 8.0])),
     st.builds(Points, st.lists(places, min_size=1, max_size=3).map(tuple)),
-    st.builds(Barrier, st.tuples(places, places)),
+    st.builds(Barrier, st.lists(places, min_size=2, max_size=4, unique=True).map(tuple)),
     st.just(Everywhere("grid")),
 )
 
@@ -49,7 +50,7 @@ shapes = st.one_of(
 class SessionMachine(RuleBasedStateMachine):
     """A session without a window, against a model of two lists of documents.
 
-    Rules that move through time belong here as well: they change `status.step`, and never document or files.
+    To go through time changes where the run stands, and never document or files.
     """
 
     def __init__(self) -> None:
@@ -63,6 +64,7 @@ class SessionMachine(RuleBasedStateMachine):
         self.session.said.connect(lambda sentence, trouble: self.said.append(sentence) if trouble else None)
         self.keeper = Keeper(self.session, lambda: {"place": {}})
         self.journal = Journal(self.keeper, self.folder / "journals")
+        self.travel = travel_of(self.session)
         self.past: list[Document] = []
         self.future: list[Document] = []
         self.saved: dict[Path, Document] = {}
@@ -194,6 +196,44 @@ class SessionMachine(RuleBasedStateMachine):
         assert not status.busy
         if status.phase == "ready":
             assert status.step == 0
+
+    # Seek, branch
+
+    def stands(self) -> bool:
+        """Whether the run has come to rest by the user's hand, so that it can be gone through."""
+        self.session.pause()
+        self.settle()
+        return self.session.status.step > 0 and self.travel.last(self.travel.place[0]) > self.travel.first
+
+    @rule(share=st.floats(0.0, 1.0))
+    def seek(self, share: float) -> None:
+        if not self.stands():
+            return
+        branch, first, last = self.travel.place[0], self.travel.first, self.travel.last(self.travel.place[0])
+        step = round(first + share * (last - first))
+        self.travel.go(branch, step)
+        self.settle()
+        assert self.travel.place == (branch, step)
+        assert self.session.status.step == step
+        assert self.travel.last(branch) == last
+
+    @rule(share=st.floats(0.0, 0.9), beta=st.floats(0.1, 3.0))
+    def branch(self, share: float, beta: float) -> None:
+        if not self.stands() or self.session.status.stale:
+            return
+        before = {branch.identity: self.travel.last(branch.identity) for branch in self.travel.outline.branches}
+        branch, last = self.travel.place[0], self.travel.last(self.travel.place[0])
+        step = min(round(self.travel.first + share * (last - self.travel.first)), last - 1)
+        self.travel.go(branch, step)
+        self.settle()
+        self.edit(edits.set_parameter(self.now, "beta", beta))
+        self.session.step()
+        self.settle()
+        if self.session.status.step == step:  # it was the end of the run, or nobody was left
+            return
+        assert self.travel.place == (self.travel.place[0], step + 1)
+        for identity, end in before.items():
+            assert self.travel.last(identity) >= end
 
     # Save, load, recover
 

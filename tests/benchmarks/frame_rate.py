@@ -31,6 +31,7 @@ from app.session.messages import Snapshot
 from app.session.session import FRAME, Session
 from app.views.application import make_application
 from app.views.main_window import MainWindow
+from app.views.parts.files import FilesPart
 from cpm_core.engine import Engine
 from cpm_core.initialization import uniform_grid
 from cpm_core.particles import Particles
@@ -188,6 +189,7 @@ def measure(seconds: float, count: int | None = None, colour: str = "state") -> 
         f"canvas {window.stage.canvas.width()} x {window.stage.canvas.height()}, "
         f"at the end: {session.resolved.state}"
     )
+    window.part(FilesPart).keeper.forget()  # nobody is there to be asked whether it is to be saved
     window.close()
     return times
 

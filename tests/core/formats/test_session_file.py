@@ -43,7 +43,7 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
     if get_origin(hint) is tuple:
         items = get_args(hint)
         if items[-1] is Ellipsis:
-            return st.lists(values(items[0], ""), min_size=3, max_size=6).map(tuple)
+            return st.lists(values(items[0], ""), min_size=3, max_size=6, unique=True).map(tuple)
         return st.tuples(*(values(item, "") for item in items))
     if get_origin(hint) is Literal:
         return st.sampled_from(get_args(hint))
@@ -220,6 +220,7 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
         (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, 1e7], "radius": 2}]}', "10000000.0"),
         (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, 2], "radius": 2, "x": 1}]}', '"x"'),
         (b'{"cpm-session": 1, "shapes": [{"shape": "region", "points": [[1, 2]]}]}', "at least 3"),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "barrier", "points": [[1, 2], [1.0, 2]]}]}', "1 different points"),
         (b'{"cpm-session": 1, "shapes": [{"shape": "everywhere", "kind": "edge"}]}', '"edge" but must be one of'),
         (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, NaN], "radius": 2}]}', "damaged"),
         (b'{"cpm-session": 1, "parameters": {"beta": -Infinity}}', "damaged"),
