@@ -115,6 +115,8 @@ def _hint(situation: Situation) -> str:
     shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
     if status.started:
         return _hint_on_run(status) or (_what_a_charge_does(shape) if isinstance(shape, Charge) else "")
+    if isinstance(shape, Charge):
+        return _what_a_charge_does(shape)
     if not document.shapes:
         return tr("Drag on the image to draw a circle in or around an object.")
     if not document.starts:
@@ -138,8 +140,6 @@ def _what_can_be_done_to(shape: Shape) -> str:
     name = describe(shape)
     if isinstance(shape, Everywhere):
         return tr("Press Space to let the particles go; Delete takes back the {shape}.").format(shape=name)
-    if isinstance(shape, Charge):
-        return _what_a_charge_does(shape)
     told = {
         Grid: tr("Arrow keys or the select tool (S) move the {shape}, < and > change its spacing; Delete removes it."),
         Threshold: tr(
@@ -153,8 +153,11 @@ def _what_can_be_done_to(shape: Shape) -> str:
 
 
 def _what_a_charge_does(charge: Charge) -> str:
-    told = tr("Drag the {shape} or move it with arrow keys; < and > make it weaker and stronger; Delete removes it.")
-    return told.format(shape=describe(charge))
+    told = tr(
+        "Drag the {shape} of strength {strength} or move it with arrow keys; < and > make it weaker and stronger; "
+        "Delete removes it."
+    )
+    return told.format(shape=describe(charge), strength=f"{abs(charge.strength):g}")
 
 
 def _sentence(text: str) -> str:

@@ -143,9 +143,11 @@ _CANVAS = Page(
         tr("Strokes, regions of interest and barriers are drawn freehand with a drag, or corner by corner with clicks; "
            "Enter or a double click ends them, Backspace takes the last corner back, Esc gives up."),
         tr("Particles stay in a region of interest and do not cross a barrier."),
-        tr("Whatever is drawn while a run exists acts in it at once: starts that are added join it, and charges, "
-           "barriers and regions of interest are obeyed at the next step. Changed parameters act at once, too; a run "
-           "that has come to rest goes on with them after Resume."),
+        tr("What is drawn into a run acts at once: new starts bring their particles, regions of interest, barriers and "
+           "placed charges hold at the next step, and a run that has come to rest goes on with them. A start that is "
+           "moved or removed acts from the next start."),
+        tr("Changed parameters act at once; a run that has come to rest goes on with them after Resume."),
+        tr("Enter on the image shows a cross-hair, which arrow keys move: with it every tool can be used by keys."),
         tr("Everything that changes the drawing or the parameters can be undone: {undo}."),
     ),
 )  # fmt: skip

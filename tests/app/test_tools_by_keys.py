@@ -189,12 +189,13 @@ def test_a_question_mark_opens_the_sheet_of_all_keys_and_closes_it(window, hand)
         assert sheets() == []
 
 
-def test_the_charges_strength_and_place_are_changed_by_keys_alone(window, hand, keys) -> None:
+def test_the_strength_and_place_of_a_charge_are_changed_by_keys_alone(window, hand, keys) -> None:
     hand.key(KEYS["attract"])
     keys("!!!")
     hand.key(KEY.Key_Greater)
     (charge,) = drawn(window)
     assert charge.strength == Charge((0.0, 0.0)).strength + 0.5
     hand.key(KEY.Key_Escape)
+    assert f"of strength {charge.strength:g}" in window.stage.hint.text()
     hand.key(KEY.Key_Down)
     assert drawn(window)[0].position == (charge.position[0] + 1, charge.position[1])

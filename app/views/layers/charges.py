@@ -16,14 +16,15 @@ from cpm_core.charges import RADIUS, REACH
 from cpm_core.shapes import Charge, Circle
 
 _Z = 7.6
-_DISC, _SIGN = 22.0, 11.0
-"""Diameters [px of the screen]."""
+_DISC, _STRONGER, _SIGN = 18.0, 2.0, 11.0
+"""Diameters of a disc without strength, what a strength of one adds to it, and of a sign [px of the screen]."""
 
 
 class Charges:
     """The charges of a document, seen as well while particles run, for they act all the time.
 
-    A thin ring lies where a charge pulls the most; a dashed one, around the chosen charge, where it is no longer felt.
+    The stronger a charge is, the larger is its disc. A thin ring lies where it pulls the most; a dashed one, around the
+    chosen charge, where it is no longer felt.
     """
 
     def __init__(self, view: pg.ViewBox) -> None:
@@ -53,6 +54,7 @@ class Charges:
         self._discs.setData(
             x=x,
             y=y,
+            size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
             brush=[pg.mkBrush(colour) for colour in colours],
             pen=[pg.mkPen(colour, width=width) for colour, width in rims],
         )
