@@ -233,8 +233,7 @@ class Session(Announcements):
     def pause(self) -> None:
         """Stop after the step that is being taken."""
         if self.status.phase == "running":
-            self._progress.phase("paused")
-            self.post(Halt())
+            self.hold(Halt())
 
     def toggle(self) -> None:
         """Pause when running, otherwise run, or find the skeleton where that is wanted."""
@@ -249,8 +248,7 @@ class Session(Announcements):
         """Take one step, starting when nothing has been started."""
         if can_step(self.situation) and self._ready():
             self._start_if_needed()
-            self._progress.phase("paused")
-            self.post(Go(self._generation, steps=1))
+            self.hold(Go(self._generation, steps=1))
 
     def reset(self) -> None:
         """Forget the particles and go back to the drawing."""
@@ -259,11 +257,10 @@ class Session(Announcements):
             self._progress.forget()
             self.post(Discard(self._generation))
 
-    def look_back(self, command: Command) -> None:
-        """Hold the run and let a command bring another moment of it."""
-        if self.status.started:
-            self._progress.phase("paused")
-            self.post(command)
+    def hold(self, command: Command) -> None:
+        """Hold a run that has been begun, by a command after which it stands at some step."""
+        self._progress.phase("paused")
+        self.post(command)
 
     def set_pace(self, steps_per_second: float | None) -> None:
         """Limit the speed; None for none."""

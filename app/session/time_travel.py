@@ -149,10 +149,12 @@ class TimeTravel(QObject):
 
     def drop(self, branch: int) -> None:
         """Forget a branch; where the run stands on it, the run is held."""
+        if self.branch(branch) is None:
+            return
         command = DropBranch(self._session.generation, branch)
         if branch == self.place[0]:
             self._asked = None
-            self._session.look_back(command)
+            self._session.hold(command)
             self._stay.start()
         else:
             self._session.post(command)
@@ -191,7 +193,7 @@ class TimeTravel(QObject):
             return
         asked = self._asked = (branch, step)
         seek = Seek(self._session.generation, branch, step, wanted=lambda: self._asked in (None, asked))
-        self._session.look_back(seek)
+        self._session.hold(seek)
         self._stay.start()
         self.changed.emit()
 
