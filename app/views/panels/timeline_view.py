@@ -8,6 +8,7 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QFocusEvent,
+    QFont,
     QHelpEvent,
     QKeyEvent,
     QMouseEvent,
@@ -25,10 +26,13 @@ from app.session.lineage import Branch
 from app.session.time_travel import TimeTravel
 from app.views import theme
 
-ROW = 18
+ROW = 24
 """Height of a branch [px]."""
 
-_FOOT, _HEAD, _SIDE = 16, 8, 10
+_FOOT, _HEAD, _SIDE = 16, 6, 10
+_FINE_PRINT = 10
+"""Height of the letters that tell scales [px]."""
+
 _END = 20
 _LONGEST_NAME = 130
 _SOONEST = 20
@@ -285,7 +289,13 @@ class TimelineView(QWidget):
         painter.drawLine(QPointF(x, y - 5.0), QPointF(x, y + 5.0))
         text = f"1/{2**scale}" if scale else "1/1"
         painter.setPen(self._colour(QPalette.ColorRole.PlaceholderText))
-        painter.drawText(QRectF(x + 3.0, y - ROW / 2 - 2.0, 40.0, ROW / 2), Qt.AlignmentFlag.AlignLeft, text)
+        font = painter.font()
+        fine = QFont(font)
+        fine.setPixelSize(_FINE_PRINT)
+        painter.setFont(fine)
+        flags = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignBottom
+        painter.drawText(QRectF(x + 3.0, y - ROW / 2 - 2.0, 40.0, ROW / 2), flags, text)
+        painter.setFont(font)
 
     def _draw_name(self, painter: QPainter, branch: Branch, y: float, colour: QColor | None) -> None:
         font = painter.font()
