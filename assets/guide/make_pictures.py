@@ -15,6 +15,7 @@ from app.model import edits
 from app.model.samples import sample_called
 from app.views.application import make_application, open_window
 from app.views.main_window import MainWindow
+from app.views.parts.files import FilesPart
 from cpm_core.shapes import Region
 
 HERE = Path(__file__).parent
@@ -103,6 +104,7 @@ def main() -> None:
     session.edit("everywhere", lambda document: edits.toggle_everywhere(document, "grid"))
     run(window)
     take(window, "hand_finger")
+    window.part(FilesPart).keeper.forget()  # nobody is there to be asked whether it is to be saved
     window.close()
 
 

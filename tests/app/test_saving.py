@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, Qt, QTimer, QUrl
-from PySide6.QtGui import QDropEvent
+from PySide6.QtGui import QDropEvent, QPalette
 from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMessageBox
 
 from app.model import edits
 from app.model.presets import Preset
+from app.views import theme
 from app.views.main_window import MainWindow
 from app.views.parts.files import FilesPart
 from app.views.parts.parameters import ParametersPart
@@ -387,6 +388,17 @@ def test_a_click_in_the_history_goes_there_and_back(ready, hand, qtbot) -> None:
     assert grey[3] == grey[2] != grey[1] == grey[0]
     draw(ready, 50.0)
     assert panel.lines == ["Beginning", "Draw circle", "Draw circle"]
+
+
+def test_what_is_undone_is_grey_in_either_theme(ready) -> None:
+    ready.session.undo()
+    names = ready.panels["history"].findChild(QListWidget)
+    greys = []
+    for used in (theme.LIGHT, theme.DARK):
+        ready.use_theme(used)
+        greys.append(names.item(1).foreground().color())
+        assert greys[-1] == names.palette().color(QPalette.ColorGroup.Disabled, QPalette.ColorRole.Text)
+    assert greys[0] != greys[1]
 
 
 def test_the_history_is_walked_by_keys(ready, hand, qtbot) -> None:

@@ -59,9 +59,10 @@ class HistoryPanel(QWidget):
         while self._list.count() > len(lines):
             self._list.takeItem(self._list.count() - 1)
         self._shown = shown
-        self._mark()
+        self.mark()
 
-    def _mark(self) -> None:
+    def mark(self) -> None:
+        """Mark what is done in the colours of the palette there is now."""
         done = self._shown[1]
         grey = self.palette().brush(QPalette.ColorGroup.Disabled, QPalette.ColorRole.Text)
         for row in range(self._list.count()):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from app.model.language import tr
 from app.views.panels.history import HistoryPanel
 from app.views.part import Desk, Panel, Part
+from app.views.theme import Theme
 
 
 class HistoryPart(Part):
@@ -23,3 +24,7 @@ class HistoryPart(Part):
         """The changes."""
         title = tr("History")
         return (Panel(name="history", title=title, widget=self.panel, tab="settings", shown=False, shortcut="Ctrl+H"),)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Grey is another grey now."""
+        self.panel.mark()
