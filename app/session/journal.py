@@ -49,6 +49,7 @@ class Journal(QObject):
         self._lock = lock_of(self.path)
         self._writer: ThreadPoolExecutor | None = None
         self._last: Future[None] | None = None
+        self._closed = False
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
         self._timer.setInterval(EVERY)
@@ -73,6 +74,7 @@ class Journal(QObject):
 
     def close(self) -> None:
         """The program ends well: nothing is left behind."""
+        self._closed = True
         self._timer.stop()
         if self._writer is not None:
             self._submit(None)
@@ -81,7 +83,7 @@ class Journal(QObject):
             self._lock.unlock()
 
     def _plan(self) -> None:
-        if not self._timer.isActive() and (self._keeper.unsaved or self._writer is not None):
+        if not (self._closed or self._timer.isActive()) and (self._keeper.unsaved or self._writer is not None):
             self._timer.start()
 
     def _submit(self, file: SessionFile | None) -> None:
