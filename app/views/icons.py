@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
 from PySide6.QtSvg import QSvgRenderer
@@ -11,8 +13,9 @@ from app.model.assets import asset
 _SIZES = (16, 20, 24, 32, 40, 48)
 
 
+@cache
 def icon(name: str, colour: str, faded: str | None = None) -> QIcon:
-    """Icon by name.
+    """Icon by name, drawn once.
 
     Parameters
     ----------

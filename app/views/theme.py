@@ -107,11 +107,12 @@ def system_theme() -> Theme:
 
 
 def apply_theme(theme: Theme) -> None:
-    """Give the whole application a theme."""
+    """Give the whole application a theme; one that it has already is not given anew, for that takes long."""
     application = QApplication.instance()
-    if isinstance(application, QApplication):
+    sheet = _style_sheet(theme)
+    if isinstance(application, QApplication) and application.styleSheet() != sheet:
         application.setPalette(_palette(theme))
-        application.setStyleSheet(_style_sheet(theme))
+        application.setStyleSheet(sheet)
 
 
 def _palette(theme: Theme) -> QPalette:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, QSettings, Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QSettings, Qt
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
@@ -153,6 +153,8 @@ def window(qtbot: QtBot, session: Session, image_file: Path) -> Iterator[MainWin
     yield made
     made.close()
     made.deleteLater()
+    # Now, and not when some later test comes round to it: every widget that lives makes all the others slower.
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
 @pytest.fixture
