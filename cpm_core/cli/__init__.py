@@ -45,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("cpm: there is not enough memory for this: use a smaller image or fewer particles.", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt as interrupt:
-        print(f"cpm: interrupted; {interrupt or 'nothing was written'}.", file=sys.stderr)
+        print(f"cpm: interrupted; {str(interrupt) or 'nothing was written'}.", file=sys.stderr)
         return INTERRUPTED
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QCursor
 
 from app.model import edits
 from app.views.cheat_sheet import CheatSheet
@@ -17,6 +18,7 @@ KEYS = {tool.name: getattr(KEY, f"Key_{tool.shortcut}") for tool in TOOLS}
 @pytest.fixture
 def keys(window, hand):
     """Keys in a row on the image; the cross-hair begins in the middle of what is seen."""
+    QCursor.setPos(window.mapToGlobal(QPoint(2, 2)))  # off the image, wherever it was left
     hand.canvas.setFocus()
     names = {"^": KEY.Key_Up, "v": KEY.Key_Down, "<": KEY.Key_Left, ">": KEY.Key_Right, "!": KEY.Key_Return}
 
