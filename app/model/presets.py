@@ -7,6 +7,7 @@ import binascii
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
+from functools import cache
 from typing import Any
 
 from app.model.assets import asset
@@ -57,6 +58,7 @@ class Preset:
         return not self.key
 
 
+@cache
 def built_in() -> tuple[Preset, ...]:
     """The presets that come with the program."""
     return tuple(_made(key, parameters) for key, parameters in PRESETS.items())

@@ -19,7 +19,7 @@ from app.model.status import RunStatus
 from app.session.commands import Command, SetParameters, Sow
 from app.session.live_commands import Erase, Join, Limit, PlaceCharges
 from cpm_core.paths import Position
-from cpm_core.shapes import Points, Region, Start
+from cpm_core.shapes import Points, Region, Shape, Start
 
 
 class Steered(Protocol):
@@ -62,25 +62,26 @@ class Live:
         self._late: tuple[object, ...] = ()
         self._obeyed: Counter[Hashable] = Counter()
         self._settled: Counter[Hashable] = Counter()
-        self._judged: tuple[Document | None, Counter[Hashable], bool] = (None, self._obeyed, False)
+        self._looked_at: tuple[Shape, ...] | None = None
+        self._judged: tuple[tuple[Shape, ...] | None, Counter[Hashable], bool] = (None, self._obeyed, False)
 
     def begin(self, document: Document) -> None:
         """A run starts from a document."""
         self._late = document.late
-        self._judged = (None, self._obeyed, False)
         self._obeyed = self._settled = document.sources
+        self._looked_at = document.shapes
 
     def outdated(self, document: Document) -> bool:
         """Whether a run that started from the document now would begin otherwise than the one that exists did.
 
         What has only been added joins the run.
         """
-        judged, obeyed, outdated = self._judged
+        judged, obeyed, lost = self._judged
         # A window asks many times a second, and many thousand points take a while to go through.
-        if judged is not document or obeyed is not self._obeyed:
-            outdated = document.late != self._late or bool(self._obeyed - document.sources)
-            self._judged = (document, self._obeyed, outdated)
-        return outdated
+        if judged is not document.shapes or obeyed is not self._obeyed:
+            lost = bool(self._obeyed - document.sources)
+            self._judged = (document.shapes, self._obeyed, lost)
+        return lost or document.late != self._late
 
     def follow(self, before: Document, after: Document, settled: bool) -> None:
         """The document has changed; unless it is `settled`, the gesture goes on that changes it."""
@@ -102,6 +103,9 @@ class Live:
     def settle(self) -> None:
         """A gesture has ended: the starts that it has added join the run."""
         document = self._session.document
+        if document.shapes is self._looked_at:
+            return  # parameters, most often, and many points take a while to go through
+        self._looked_at = document.shapes
         drawn = document.sources
         lost, gained = self._settled - drawn, drawn - self._settled
         self._settled = drawn

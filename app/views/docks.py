@@ -173,7 +173,9 @@ class Docks(QObject):
                 wanted.show()
         for bar in self._window.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly):
             # Qt leaves bars of arrangements that are over where they were, with names of panels that are elsewhere.
-            if bar.isHidden() == self._leads(bar):
+            # Those that it has put out of sight are left alone: it would show them again, and that would never end.
+            away = bar.geometry().right() < 0 or bar.geometry().bottom() < 0
+            if not away and bar.isHidden() == self._leads(bar):
                 bar.setVisible(bar.isHidden())
             if bar.elideMode() != Qt.TextElideMode.ElideNone:
                 bar.setElideMode(Qt.TextElideMode.ElideNone)

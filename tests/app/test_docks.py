@@ -102,3 +102,14 @@ def test_every_button_of_the_tool_bar_has_room_at_1280(window, hand) -> None:
     hand.wait(lambda: window.width() == 1280)
     for name in ("open", "save", "undo", "redo", "primary", "step", "reset", "fit", "export", "mode_skeleton"):
         hand.wait(window._bar.findChild(QToolButton, name).isVisible)
+
+
+def test_a_window_that_is_left_alone_does_not_tidy_its_panels_over_and_over(window, hand) -> None:
+    tidied: list[int] = []
+    window.docks._tidying.timeout.connect(lambda: tidied.append(1))
+    window.docks.reveal("contours")
+    window.docks.restore()
+    hand.qtbot.wait(100)
+    tidied.clear()
+    hand.qtbot.wait(300)
+    assert len(tidied) <= 2

@@ -93,7 +93,7 @@ class Trembling(Engine):
         self._trembling = np.where(ring % 3 > 0, 0.0, 0.3)[:, None] * rng.normal(size=(2, self.count, 2))
         return self._placed(super().start(seeds), 0)
 
-    def step(self, state, parameters):
+    def step(self, state, parameters, charges=()):
         return self._placed(state, state.step + 1)
 
     def result(self, state, parameters):
@@ -180,7 +180,7 @@ def measure(seconds: float, count: int | None = None, colour: str = "state") -> 
     frame.setTimerType(Qt.TimerType.PreciseTimer)
     frame.timeout.connect(window.stage.canvas.viewport().update)
     frame.start(FRAME)
-    QTimer.singleShot(int(seconds * 1000), application.quit)
+    QTimer.singleShot(int(seconds * 1000), lambda: application.exit(0))  # quit would ask whether to save
     application.exec()
     end.set()
     keys.join()

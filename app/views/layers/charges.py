@@ -12,6 +12,7 @@ from PySide6.QtGui import QPainterPath
 from app.views import theme
 from app.views.coordinates import to_xy
 from app.views.curves import Curves
+from app.views.markers import Markers
 from cpm_core.charges import RADIUS, REACH
 from cpm_core.shapes import Charge, Circle
 
@@ -30,8 +31,8 @@ class Charges:
     def __init__(self, view: pg.ViewBox) -> None:
         self._rings = (Curves(theme.ATTRACTING, _Z - 0.2, width=1.8), Curves(theme.REPELLING, _Z - 0.2, width=1.8))
         self._reach = Curves(theme.CHOSEN, _Z - 0.1, width=1.2, halo=2.6, dashed=True)
-        self._discs = pg.ScatterPlotItem(size=_DISC, pxMode=True)
-        self._signs = pg.ScatterPlotItem(size=_SIGN, pxMode=True, pen=None, brush=pg.mkBrush("w"))
+        self._discs = Markers(size=_DISC, pxMode=True)
+        self._signs = Markers(size=_SIGN, pxMode=True, pen=None, brush=pg.mkBrush("w"))
         self._marks = (self._discs, self._signs)
         for index, item in enumerate(self._marks):
             item.setZValue(_Z + 0.1 * index)

@@ -19,6 +19,7 @@ from app.views import theme
 from app.views.coordinates import to_xy
 from app.views.curves import Curves
 from app.views.layers.layer import Layer
+from app.views.markers import Markers
 from app.views.names import Names
 from cpm_core.curation import middle
 from cpm_core.image import Image
@@ -44,9 +45,7 @@ class ContourLayer(Layer):
         self._own: dict[str, Curves] = {}
         self._bridges = Curves(theme.BRIDGE, 4.2, dashed=True)
         self._names = Names(5.7)
-        self._junctions = pg.ScatterPlotItem(
-            size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION)
-        )
+        self._junctions = Markers(size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))
         self._junctions.setZValue(5.5)
         self._lines = [self._hovered, self._chosen, self._rejected, *self._curves.values(), self._bridges]
         self.show_rejected = True

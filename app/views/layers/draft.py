@@ -8,6 +8,7 @@ from PySide6.QtCore import Qt
 
 from app.views import theme
 from app.views.coordinates import to_xy
+from app.views.markers import Markers
 from app.views.pens import line_pen
 from cpm_core.paths import Position
 from cpm_core.shapes import Circle
@@ -22,7 +23,7 @@ class Draft:
         self._halo = pg.PlotCurveItem(pen=line_pen(theme.HALO, 4.0), antialias=True)
         self._path = pg.PlotCurveItem(antialias=True)
         self._closing = pg.PlotCurveItem(antialias=True)
-        self._corners = pg.ScatterPlotItem(size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
+        self._corners = Markers(size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
         self._ring = pg.PlotCurveItem(antialias=True)
         self._rim = pg.PlotCurveItem(pen=line_pen(theme.HALO, 3.4), antialias=True)
         for index, item in enumerate((self._halo, self._path, self._closing, self._corners, self._rim, self._ring)):

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pyqtgraph as pg
+from PySide6.QtWidgets import QGraphicsItem
 
 from app.model.document import Document
 from app.model.language import tr
@@ -19,6 +20,7 @@ from app.views.layers.charges import Charges
 from app.views.layers.draft import Draft
 from app.views.layers.layer import Layer
 from app.views.layers.limits import Limits
+from app.views.markers import Markers
 from cpm_core.image import Image
 from cpm_core.paths import Position
 from cpm_core.shapes import (
@@ -69,7 +71,7 @@ class DrawingLayer(Layer):
         self._seeds = Discs(theme.MOVING, 6.0, 0.0)
         self._points = Discs(theme.MOVING, 7.0, 0.0)
         self._chosen_points = Discs(theme.CHOSEN, 9.0, 0.0)
-        self._handles = pg.ScatterPlotItem(
+        self._handles = Markers(
             size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
         )
         self._limits = Limits(view)
@@ -78,7 +80,7 @@ class DrawingLayer(Layer):
         self._sown: Sown = NOWHERE
         self._shown_starts: tuple[Sowable, ...] = ()
         self._curves = (self._lines, self._areas, self._chosen)
-        self._marks = (
+        self._marks: tuple[QGraphicsItem, ...] = (
             *self._everywhere.values(),
             self._seeds,
             self._points,
@@ -159,16 +161,17 @@ class DrawingLayer(Layer):
 
     def show_or_hide(self) -> None:
         """Show or hide it all."""
-        for item in self._curves:
-            item.set_wanted(self.shown)
-        for item in self._marks:
-            item.setVisible(self.shown)
+        for curves in self._curves:
+            curves.set_wanted(self.shown)
+        for mark in self._marks:
+            mark.setVisible(self.shown)
         self._limits.set_visible(self.shown)
         self._charges.set_visible(self.shown)
 
     def fade(self) -> None:
         """Faint behind a run."""
-        for item in (*self._curves, *self._marks):
+        faint: tuple[QGraphicsItem, ...] = (*self._curves, *self._marks)
+        for item in faint:
             item.setOpacity(self.opacity * self._faint)
         self._handles.setOpacity(self.opacity)
         chosen = self._chosen_start

@@ -121,7 +121,8 @@ class RunningPart(Part):
         running = is_running(self.desk.session.situation)
         if running != self._figures.isActive():
             (self._figures.start if running else self._figures.stop)()
-        self._show_figures()
+        if not running:
+            self._show_figures()
 
     def _show_figures(self) -> None:
         session = self.desk.session
