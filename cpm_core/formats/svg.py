@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from xml.sax.saxutils import escape, quoteattr
+from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,7 @@ def encode(result: Result | Skeleton) -> bytes:
     """
     rows, cols = result.shape
     width, height = _page(result)
-    known = f' data-unit={quoteattr(result.unit)} data-spacing="{_text(result.spacing)}"' if result.unit else ""
+    known = f' data-unit="{escape(result.unit)}" data-spacing="{_text(result.spacing)}"' if result.unit else ""
     if isinstance(result, Skeleton):
         title = "Skeleton"
         paths = [_path(c, n, r) for n, (c, r) in enumerate(zip(result.contours, result.radii, strict=True), start=1)]
@@ -47,7 +47,7 @@ def encode(result: Result | Skeleton) -> bytes:
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="-0.5 -0.5 {cols} {rows}" '
         f'preserveAspectRatio="none"{known}>',
-        f"<title>{title} of {escape(result.source)}</title>",
+        f"<title>{title} of {escape(result.source, quote=False)}</title>",
         f'<g fill="none" stroke="{DEFAULT}" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round">',
         *paths,
         "</g>",
@@ -62,7 +62,7 @@ def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None
     known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '
     known += "" if contour.sides is None else f'data-contrast="{contour.contrast:.4f}" '
     known += f'stroke="{contour.colour}" ' if contour.colour else ""
-    end = f"><title>{escape(contour.name)}</title></path>" if contour.name else "/>"
+    end = f"><title>{escape(contour.name, quote=False)}</title></path>" if contour.name else "/>"
     return (
         f'<path fill="none" vector-effect="non-scaling-stroke" data-closed="{str(contour.closed).lower()}" '
         f'data-label="{label}" data-strength="{contour.strength:.6g}" data-length="{contour.length:.3f}" {known}'
