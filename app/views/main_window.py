@@ -16,6 +16,7 @@ from app.views import theme
 from app.views.actions import Actions
 from app.views.docks import Docks
 from app.views.entry import Entry
+from app.views.garbage import GarbageCollector
 from app.views.menus import Menus
 from app.views.part import Desk, Part
 from app.views.parts import PARTS
@@ -53,6 +54,7 @@ class MainWindow(QMainWindow):
         super().__init__()
         self.session = session
         self.preferences = preferences or Preferences(self)
+        self._garbage = GarbageCollector(self)
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
@@ -92,6 +94,7 @@ class MainWindow(QMainWindow):
         self._show()
         self._restore_places()
         self.stage.canvas.setFocus()
+        self._garbage.start()
 
     def part(self, kind: type[P]) -> P:
         """A part by its class."""
@@ -138,6 +141,7 @@ class MainWindow(QMainWindow):
         self.docks.leave()
         self.hide()
         self.session.close()
+        self._garbage.stop()
         super().closeEvent(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:

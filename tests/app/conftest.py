@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import itertools
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -20,6 +22,10 @@ from app.views.main_window import MainWindow
 from cpm_core.shapes import Circle
 
 SIDE = 64
+
+_windows = itertools.count(1)
+_COLLECTED_EVERY = 10
+"""Windows after which what is left of them is collected, which takes as long as to make one."""
 ASK = unsaved.ask
 
 
@@ -92,6 +98,14 @@ def qapp_cls() -> type[QApplication]:
     return QApplication
 
 
+@pytest.fixture(scope="session", autouse=True)
+def garbage_is_collected_by_hand() -> Iterator[None]:
+    """What is left of a window is not to be destroyed by a thread of a later test; see `app.views.garbage`."""
+    gc.disable()
+    yield
+    gc.enable()
+
+
 @pytest.fixture(autouse=True)
 def nothing_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
     """Fail when a test leaves a thread running or a window open."""
@@ -155,6 +169,8 @@ def window(qtbot: QtBot, session: Session, image_file: Path) -> Iterator[MainWin
     made.deleteLater()
     # Now, and not when some later test comes round to it: every widget that lives makes all the others slower.
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    if next(_windows) % _COLLECTED_EVERY == 0:
+        gc.collect()
 
 
 @pytest.fixture

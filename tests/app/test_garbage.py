@@ -1,0 +1,71 @@
+"""Garbage is collected on the window's thread only, for Qt falls over when another one destroys what is not its own."""
+
+from __future__ import annotations
+
+import gc
+import threading
+import weakref
+from typing import ClassVar
+
+import pytest
+
+from app.views.garbage import GarbageCollector
+
+
+class Knot:
+    """Something that refers to itself, and tells on which thread it goes."""
+
+    gone_on: ClassVar[list[str]] = []
+
+    def __init__(self) -> None:
+        self.myself = self
+
+    def __del__(self) -> None:
+        Knot.gone_on.append(threading.current_thread().name)
+
+
+def make_garbage(count: int) -> None:
+    for _ in range(count):
+        Knot()
+
+
+@pytest.fixture
+def automatic():
+    """Python collects by itself, as it does in a program."""
+    Knot.gone_on.clear()
+    gc.enable()
+    yield
+    gc.disable()
+    gc.collect()
+
+
+def test_no_other_thread_collects_while_a_window_is_open(automatic, window) -> None:
+    assert not gc.isenabled()
+    other = threading.Thread(target=make_garbage, args=(5000,))
+    other.start()
+    other.join()
+    assert not Knot.gone_on
+    GarbageCollector.collect()
+    assert len(Knot.gone_on) == 5000
+    assert set(Knot.gone_on) == {threading.main_thread().name}
+
+
+def test_without_a_window_python_collects_as_before(automatic, qapp) -> None:
+    other = threading.Thread(target=make_garbage, args=(5000,), name="other")
+    collector = GarbageCollector(qapp)
+    collector.start()
+    collector.stop()
+    assert gc.isenabled()
+    other.start()
+    other.join()
+    assert "other" in Knot.gone_on
+    collector.deleteLater()
+
+
+def test_little_garbage_is_left_until_there_is_more(automatic, window) -> None:
+    gc.collect()
+    knot = Knot()
+    seen = weakref.ref(knot)
+    del knot
+    GarbageCollector.collect()
+    assert seen() is not None
