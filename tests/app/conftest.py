@@ -23,9 +23,9 @@ from cpm_core.shapes import Circle
 
 SIDE = 64
 
-_windows = itertools.count(1)
+_sessions = itertools.count(1)
 _COLLECTED_EVERY = 10
-"""Windows after which what is left of them is collected, which takes as long as to make one."""
+"""Sessions after which what is left of them is collected, which takes as long as to make one."""
 ASK = unsaved.ask
 
 
@@ -98,7 +98,7 @@ def qapp_cls() -> type[QApplication]:
     return QApplication
 
 
-@pytest.fixture(scope="session", autouse=True)
+@pytest.fixture(scope="package", autouse=True)
 def garbage_is_collected_by_hand() -> Iterator[None]:
     """What is left of a window is not to be destroyed by a thread of a later test; see `app.views.garbage`."""
     gc.disable()
@@ -152,6 +152,11 @@ def session(qapp: QApplication, compiled_loops: None) -> Iterator[Session]:
     made.set_pace(None)
     yield made
     made.close()
+    # Its signals hold on to the window, to the layers and to all that they have shown.
+    made.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    if next(_sessions) % _COLLECTED_EVERY == 0:
+        gc.collect()
 
 
 @pytest.fixture
@@ -169,8 +174,6 @@ def window(qtbot: QtBot, session: Session, image_file: Path) -> Iterator[MainWin
     made.deleteLater()
     # Now, and not when some later test comes round to it: every widget that lives makes all the others slower.
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
-    if next(_windows) % _COLLECTED_EVERY == 0:
-        gc.collect()
 
 
 @pytest.fixture
