@@ -189,7 +189,7 @@ class Session(Announcements):
         """Remove the selected shape."""
         index = self.selected
         if index is not None:
-            name = f"delete {describe(self.document.shapes[index])}"
+            name = tr("delete {shape}").format(shape=describe(self.document.shapes[index]))
             self.select(None)
             self.edit(name, lambda document: edits.delete_shape(document, index))
 

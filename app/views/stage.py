@@ -102,7 +102,7 @@ class Stage(QWidget):
         row = min(max(seen.center().y(), 0.0), rows - 1.0)
         col = min(max(seen.center().x(), 0.0), cols - 1.0)
         circle = Circle((row, col), max(4.0, _MIDDLE_FRACTION * min(seen.width(), seen.height(), rows, cols)))
-        self._session.edit("add circle", lambda document: edits.add_shape(document, circle))
+        self._session.edit(tr("add circle"), lambda document: edits.add_shape(document, circle))
         self._session.select(len(self._session.document.shapes) - 1)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:

@@ -130,6 +130,8 @@ def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, t
 def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[NDArray[np.float64]]:
     """Particles of the circles, strokes and points on the command line."""
     given = arguments.circle or arguments.stroke or arguments.points or arguments.auto
+    if not (given or starts_of(session.shapes)) and session.mode == "skeleton":
+        raise ValueError("The session is about a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
     if not (given or starts_of(session.shapes)):
         raise ValueError(
             "No start is given: add --circle ROW,COL,RADIUS, --stroke ROW,COL,ROW,COL,..., "

@@ -26,6 +26,9 @@ SHOWING = {
 }  # fmt: skip
 """Calls whose texts a person reads."""
 
+NAMING = {"edit"}
+"""Calls whose first text is the name of a change, which stands after "Undo"."""
+
 WORDS = {"text", "tip", "title", "short", "about", "hint", "label", "note"}
 """Arguments that a person reads, of whatever is called."""
 
@@ -51,7 +54,7 @@ def bypassing(source: str) -> list[tuple[int, str]]:
         if not isinstance(node, ast.Call):
             continue
         name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-        said = list(node.args) if name in SHOWING else []
+        said = list(node.args) if name in SHOWING else node.args[:1] if name in NAMING else []
         said += [keyword.value for keyword in node.keywords if keyword.arg in WORDS and name != "Theme"]
         found += [(part.lineno, ast.unparse(part)) for part in said
                   if readable(part) and getattr(part, "value", "") not in NOT_READ]  # fmt: skip
@@ -72,6 +75,7 @@ def test_no_sentence_bypasses_translation(path) -> None:
         ("label.setText(f'<b>{title}</b><br>{more}')", 0),
         ("Entry(name='run', text='Run', tip=tr('Let them go.'))", 1),
         ("label.setText('–')", 0),
+        ("session.edit('move circle', edit, 'drag 1')", 1),
     ],
 )
 def test_the_search_sees_what_bypasses_translation(source, count) -> None:

@@ -300,6 +300,14 @@ class Cluster:
         Cluster.cancelled = futures
 
 
+def test_a_session_about_a_skeleton_says_which_command_finds_one(command, disks, tmp_path):
+    path = tmp_path / "bones.cpm"
+    save_session(SessionFile(ImageFile(str(disks), fingerprint(disks), (80, 105)), mode="skeleton"), path)
+    status, out, err = command("run", "--session", path)
+    assert (status, out) == (2, "")
+    assert "cpm skeleton" in err
+
+
 @pytest.fixture
 def dask(monkeypatch):
     module = types.ModuleType("distributed")

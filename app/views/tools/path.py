@@ -235,7 +235,9 @@ class PathTool:
             self._session.say(told.format(shape=kind.title, advice=kind.advice))
             return
         shape = kind.make(path)
-        self._session.edit(f"draw {kind.title}", lambda document: edits.add_shape(document, shape))
+        self._session.edit(
+            tr("draw {shape}").format(shape=kind.title), lambda document: edits.add_shape(document, shape)
+        )
         self._session.select(len(self._session.document.shapes) - 1)
 
     def take_back(self) -> None:

@@ -28,7 +28,7 @@ class PointTool(Momentary):
         self._index = len(self._session.document.shapes)
         self._gesture = new_gesture("point")
         point = Points((at,))
-        self._session.edit("place point", lambda document: edits.add_shape(document, point), self._gesture)
+        self._session.edit(tr("place point"), lambda document: edits.add_shape(document, point), self._gesture)
         self._session.select(None)
 
     def drag(self, at: Position) -> None:
@@ -36,7 +36,7 @@ class PointTool(Momentary):
         index, point = self._index, Points((at,))
         if index is not None:
             self._session.edit(
-                "place point", lambda document: edits.replace_shape(document, index, point), self._gesture
+                tr("place point"), lambda document: edits.replace_shape(document, index, point), self._gesture
             )
 
     def release(self) -> None:
@@ -48,5 +48,5 @@ class PointTool(Momentary):
         """Take it back."""
         index = self._index
         if index is not None:
-            self._session.edit("place point", lambda document: edits.delete_shape(document, index), self._gesture)
+            self._session.edit(tr("place point"), lambda document: edits.delete_shape(document, index), self._gesture)
         self.release()

@@ -44,9 +44,9 @@ class SelectTool(Momentary):
             return
         by = (at[0] - self._anchor[0], at[1] - self._anchor[1])
         if self._part == "handle":
-            self._replace(f"reshape {describe(self._shape)}", self._shape.led(self._anchor, at))
+            self._replace(tr("reshape {shape}").format(shape=describe(self._shape)), self._shape.led(self._anchor, at))
         else:
-            self._replace(f"move {describe(self._shape)}", self._shape.moved(by))
+            self._replace(tr("move {shape}").format(shape=describe(self._shape)), self._shape.moved(by))
 
     def release(self) -> None:
         """Leave the shape where it is."""
@@ -56,7 +56,7 @@ class SelectTool(Momentary):
     def cancel(self) -> None:
         """Put the shape back."""
         if self._shape is not None:
-            self._replace("move", self._shape)
+            self._replace(tr("move"), self._shape)
         self.release()
 
     def cursor(self, at: Position, reach: float) -> Cursor:
