@@ -152,5 +152,27 @@ _CANVAS = Page(
     ),
 )  # fmt: skip
 
-PAGES = (_FIRST, _ARTERY, _NUCLEI, _HAND, _CANVAS)
+_FURTHER = Page(
+    "further",
+    tr("Going further"),
+    tr("What helps when the first run has not found what you were after, and what comes after the last one."),
+    (),
+    (
+        tr("<b>Steer.</b> Drop a charge that attracts or repels ({attract}, {repel}) among the particles and drag it: "
+           "the field follows at once, and the particles with it. {barrier} keeps them where they are; {eraser} takes "
+           "particles and shapes away."),
+        tr("<b>Go back.</b> Drag along the timeline, or {timeline_back}. Change something there and run: that is a "
+           "branch of its own. Both are kept and can be compared; {preferences} say how much memory that may take."),
+        tr("<b>See why.</b> The panel Layers shows the edge map, the potential, the field and much more; "
+           "{layer_forces} names the forces on a particle."),
+        tr("<b>Choose.</b> {contour_table} lists what was found; {reject} leaves contours out of what is exported. "
+           "{load_truth} tells how far they are from contours known to be right, and where."),
+        tr("<b>Find values.</b> {mosaic} runs the image with some values of two parameters side by side."),
+        tr("<b>Keep.</b> {save} keeps everything but the particles in one file, which runs without a window as well: "
+           "<code>cpm run --session FILE</code> for one image, <code>cpm batch</code> for many."),
+        tr("<b>Show.</b> {export_animation} and {export_strip} show others how the contours were found."),
+    ),
+)  # fmt: skip
+
+PAGES = (_FIRST, _ARTERY, _NUCLEI, _HAND, _FURTHER, _CANVAS)
 """In the order in which they stand."""
