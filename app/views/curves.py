@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -22,6 +23,12 @@ _RIM = 4.0
 _PIECE = 64
 _UNSEEN = 0.1
 """Distance off a line at which a corner is not seen [px of the screen]."""
+
+_STEPS = 2
+"""Zooms, for each time as large, at which it is told anew what cannot be seen; in between a little more is drawn."""
+
+_WIDEST = 12.0
+"""Room that the widest line takes beside its corners [px of the screen]."""
 
 _DASHES = (2.5, 1.8)
 
@@ -53,6 +60,7 @@ class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type 
         self._room = QRectF()
         self._paths: Sequence[Array] = ()
         self._pieces: list[QPainterPath] = []
+        self._boxes = boxes([])
         self._made_for = 0.0
         self._wanted = True
         self.count = 0
@@ -86,21 +94,41 @@ class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type 
         """Draw the halos, then the curves."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setBrush(QColor(0, 0, 0, 0))
-        self._make_pieces(painter.worldTransform().m11() * painter.device().devicePixelRatioF())
+        zoom = painter.worldTransform().m11() * painter.device().devicePixelRatioF()
+        self._make_pieces(2.0 ** (math.ceil(_STEPS * math.log2(zoom)) / _STEPS))
+        seen = self._in_sight(painter, zoom)
         for pen in self._pens:
             painter.setPen(pen)
-            for piece in self._pieces:
-                painter.drawPath(piece)
+            for index in seen:
+                painter.drawPath(self._pieces[index])
 
     def _make_pieces(self, zoom: float) -> None:
         """Leave out what cannot be told apart where a px of the image is `zoom` pixels of the screen: it takes long."""
         if self._made_for != zoom:
             self._made_for = zoom
-            seen = coarser(self._paths, _UNSEEN / zoom)
-            self._pieces = [pg.arrayToQPath(*to_xy(piece)) for path in seen for piece in pieces(path)]
+            seen = [piece for path in coarser(self._paths, _UNSEEN / zoom) for piece in pieces(path)]
+            self._pieces = [pg.arrayToQPath(*to_xy(piece)) for piece in seen]
+            self._boxes = boxes(seen)
+
+    def _in_sight(self, painter: QPainter, zoom: float) -> list[int]:
+        """Pieces that reach into what is painted: the painter takes as long for the others."""
+        device, (inverse, _) = painter.device(), painter.worldTransform().inverted()
+        seen, rim = inverse.mapRect(QRectF(0.0, 0.0, device.width(), device.height())), _WIDEST / zoom
+        (top, left), (bottom, right) = self._boxes
+        rows = (bottom >= seen.top() - rim) & (top <= seen.bottom() + rim)
+        return np.flatnonzero(rows & (right >= seen.left() - rim) & (left <= seen.right() + rim)).tolist()
 
 
 def pieces(path: Array) -> Iterator[Array]:
     """Pieces of a path that overlap by a segment, so that no joint is left open."""
     for begin in range(0, max(len(path) - 1, 1), _PIECE):
         yield np.ascontiguousarray(path[max(begin - 1, 0) : begin + _PIECE + 1])
+
+
+def boxes(paths: Sequence[Array]) -> tuple[Array, Array]:
+    """Upper left and lower right corners of the boxes around paths, each (row, col), shape (2, P)."""
+    if not paths:
+        return np.empty((2, 0)), np.empty((2, 0))
+    corners = np.concatenate(paths)
+    first = np.concatenate([[0], np.cumsum([len(path) for path in paths])[:-1]])
+    return np.minimum.reduceat(corners, first).T, np.maximum.reduceat(corners, first).T
