@@ -12,7 +12,7 @@ import numpy as np
 from app.model import controls
 from app.model.document import Document
 from cpm_core import paths
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import Parameters
 from cpm_core.paths import Position
 from cpm_core.shapes import Everywhere, Kind, Points, Shape
 
@@ -32,11 +32,6 @@ def replace_shape(document: Document, index: int, shape: Shape) -> Document:
 def move_shape(document: Document, index: int, by: Position) -> Document:
     """The document with one shape displaced by (rows, cols)."""
     return replace_shape(document, index, document.shapes[index].moved(by))
-
-
-def lead_shape(document: Document, index: int, handle: Position, to: Position) -> Document:
-    """The document with one shape led by its handle to a position."""
-    return replace_shape(document, index, document.shapes[index].led(handle, to))
 
 
 def delete_shape(document: Document, index: int) -> Document:
@@ -107,8 +102,3 @@ def set_parameter(document: Document, name: str, value: float | str) -> Document
 def set_parameters(document: Document, parameters: Parameters) -> Document:
     """The document with all parameters replaced."""
     return replace(document, parameters=parameters)
-
-
-def use_preset(document: Document, name: str) -> Document:
-    """The document with the parameters of a preset."""
-    return set_parameters(document, PRESETS[name])

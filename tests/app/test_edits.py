@@ -37,9 +37,7 @@ def test_a_moved_circle_keeps_its_radius_and_a_resized_one_its_center(circle: Ci
     assert isinstance(moved, Circle)
     assert moved.radius == circle.radius
     assert moved.center == (circle.center[0] + by[0], circle.center[1] + by[1])
-    resized = edits.lead_shape(
-        document, 0, circle.handles()[0], (circle.center[0] + 30.0, circle.center[1] + 40.0)
-    ).shapes[0]
+    resized = circle.led(circle.handles()[0], (circle.center[0] + 30.0, circle.center[1] + 40.0))
     assert isinstance(resized, Circle)
     assert resized.center == circle.center
     assert resized.radius == pytest.approx(50.0)
@@ -134,8 +132,8 @@ def test_a_value_out_of_range_is_refused_with_its_name(name: str, value: float |
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_a_preset_replaces_all_parameters_and_nothing_else(name: str) -> None:
+def test_the_parameters_of_a_preset_replace_all_and_nothing_else(name: str) -> None:
     document = Document(shapes=(Circle((1.0, 2.0), 3.0),), parameters=Parameters(beta=1.5))
-    after = edits.use_preset(document, name)
+    after = edits.set_parameters(document, PRESETS[name])
     assert after.parameters == PRESETS[name]
     assert after.shapes == document.shapes
