@@ -30,7 +30,6 @@ _SLOWLY = 100
 """Time between two looks while the run goes on [ms]."""
 
 _COLUMN = 276
-_LAST = 999_999
 
 
 class TimelinePanel(QWidget):
