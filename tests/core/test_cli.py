@@ -292,7 +292,7 @@ def test_no_window_library_is_loaded():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="interrupts are those of POSIX")
-def test_an_interrupt_ends_the_run_cleanly_and_writes_nothing(disk, tmp_path):
+def test_an_interrupt_ends_the_run_cleanly_and_writes_nothing(disk, tmp_path, interrupts_heeded):
     program = (
         "import sys\n"
         "from cpm_core.cli import main, run\n"

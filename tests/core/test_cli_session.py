@@ -225,7 +225,7 @@ def environment():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="interrupts are those of POSIX")
-def test_an_interrupt_ends_a_batch_at_once_and_leaves_whole_files_only(tmp_path):
+def test_an_interrupt_ends_a_batch_at_once_and_leaves_whole_files_only(tmp_path, interrupts_heeded):
     save_session(SessionFile(shapes=(Everywhere("grid"),)), tmp_path / "a.cpm")
     images = [str(SAMPLES / "u_shape.png")] + 8 * [str(SAMPLES / "cells.png")]
     out = tmp_path / "out"
