@@ -30,6 +30,9 @@ _STEPS = 2
 _WIDEST = 12.0
 """Room that the widest line takes beside its corners [px of the screen]."""
 
+_MANY = 100
+"""Pieces in sight from which on the painter must be spared."""
+
 _DASHES = (2.5, 1.8)
 
 
@@ -92,12 +95,13 @@ class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type 
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the halos, then the curves."""
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setBrush(QColor(0, 0, 0, 0))
         zoom = painter.worldTransform().m11() * painter.device().devicePixelRatioF()
         self._make_pieces(2.0 ** (math.ceil(_STEPS * math.log2(zoom)) / _STEPS))
         seen = self._in_sight(painter, zoom)
         for pen in self._pens:
+            # Of many halos nobody sees whether they are smooth; the lines upon them are.
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing, pen is self._pens[-1] or len(seen) < _MANY)
             painter.setPen(pen)
             for index in seen:
                 painter.drawPath(self._pieces[index])
