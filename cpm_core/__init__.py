@@ -55,30 +55,30 @@ without new ground. A `State` is a moment of a run, from which the next follows 
 what a run has found; a `Level` is what particles feel at one scale.
 """
 
-from cpm_core.bridge import Bridge
-from cpm_core.charges import PlacedCharge
-from cpm_core.comparison import Comparison, compare
-from cpm_core.contour import Contour
-from cpm_core.contour_table import containment, measure
-from cpm_core.coulomb import coulomb_force
-from cpm_core.edge_map import edge_map
-from cpm_core.energies import Energies
-from cpm_core.engine import Engine
-from cpm_core.field.electric import electric_field
-from cpm_core.forces import Forces
+from cpm_core.contours.agreement import Comparison, compare
+from cpm_core.contours.bridge import Bridge
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.ground_truth import Truth, load_truth
+from cpm_core.contours.measurements import containment, measure
+from cpm_core.contours.result import Result
+from cpm_core.dynamics.energies import Energies
+from cpm_core.dynamics.forces import Forces
+from cpm_core.field.edge_map import edge_map
+from cpm_core.field.electric_field import electric_field
+from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import encoded, export, load_contours, load_image
-from cpm_core.formats.animation import write_animation
-from cpm_core.formats.snapshot_strip import strip
-from cpm_core.image import Image
-from cpm_core.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
+from cpm_core.formats.animations.animation import write_animation
+from cpm_core.formats.animations.snapshot_strip import strip
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
+from cpm_core.medial_axis.skeleton import Skeleton, skeleton
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
-from cpm_core.particles import Particles, State
+from cpm_core.particles.coulomb.coulomb_force import coulomb_force
+from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
+from cpm_core.particles.state import Particles, State
 from cpm_core.reconstruction import reconstruct_curve
-from cpm_core.regions import Regions
-from cpm_core.result import Result
-from cpm_core.segmentation import segment
-from cpm_core.skeleton import Skeleton, skeleton
-from cpm_core.truth import Truth, load_truth
+from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.segment import segment
 
 __all__ = [
     "PARAMETERS",

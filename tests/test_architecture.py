@@ -17,8 +17,8 @@ FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
 CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "PIL", "tifffile"}
 
 LATE_LIBRARIES = {
-    "cpm_core.gallery.drawing": {"matplotlib"},
-    "cpm_core.formats.mp4": {"imageio_ffmpeg"},
+    "cpm_core.cli.figures.drawing": {"matplotlib"},
+    "cpm_core.formats.animations.mp4": {"imageio_ffmpeg"},
     "cpm_core.cli.workers": {"distributed"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
@@ -83,8 +83,8 @@ def test_imports_point_one_way(path):
 @pytest.mark.parametrize(
     ("name", "source"),
     [
-        ("cpm_core.engine", "from app.model.document import Document"),
-        ("cpm_core.engine", "def late():\n    import PySide6.QtCore"),
+        ("cpm_core.segmentation.engine", "from app.model.document import Document"),
+        ("cpm_core.segmentation.engine", "def late():\n    import PySide6.QtCore"),
         ("cpm_core.field.pppm", "from ...app import views"),
         ("app.model.edits", "from ..session import session"),
         ("app.model.edits", "from pyqtgraph import Point"),
@@ -100,7 +100,10 @@ def test_the_rules_see_an_import_that_breaks_them(name, source):
 @pytest.mark.parametrize(
     ("name", "source"),
     [
-        ("cpm_core.engine", "import numpy\nfrom cpm_core.particles import State\nfrom . import coulomb"),
+        (
+            "cpm_core.segmentation.engine",
+            "import numpy\nfrom cpm_core.particles import State\nfrom . import coulomb",
+        ),
         ("app.session.session", "from PySide6.QtCore import QObject\nfrom app.model.document import Document"),
         ("app.views.canvas", "import pyqtgraph\nfrom app.session.session import Session\nfrom ..model import edits"),
     ],
@@ -157,7 +160,7 @@ def test_parts_of_large_libraries_are_loaded_when_they_are_asked_for():
     code = "import sys, cpm_core, app.model.document; print(*sys.modules)"
     command = [sys.executable, "-c", code]
     loaded = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
-    assert "cpm_core.engine" in loaded
+    assert "cpm_core.segmentation.engine" in loaded
     assert slow.isdisjoint(loaded)
 
 

@@ -12,7 +12,7 @@ import cpm_core as cpm
 from app.model.document import Document
 from app.model.samples import sample_called, samples
 from cpm_core.shapes import SHAPES, Circle, Everywhere, Stroke
-from cpm_core.sowing import Sower
+from cpm_core.shapes.image_starts import Sower
 
 SAMPLES = Path(__file__).parent.parent / "assets" / "samples"
 LISTED = json.loads((SAMPLES / "samples.json").read_text(encoding="utf-8"))

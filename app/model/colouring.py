@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from app.model.language import tr
 from app.model.round_numbers import round_up
-from cpm_core.equilibrium import EPSILON
-from cpm_core.particles import State
+from cpm_core.dynamics.equilibrium import EPSILON
+from cpm_core.particles.state import State
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.uint8]

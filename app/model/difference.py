@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.result import Result
+from cpm_core.contours.result import Result
 
 Array = NDArray[np.float64]
 

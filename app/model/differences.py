@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.comparison import Comparison
-from cpm_core.contour import Contour
-from cpm_core.curation import Position
-from cpm_core.reconstruction.measures import distance_to
-from cpm_core.truth import Truth
+from cpm_core.contours.agreement import Comparison
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.distances import distance_to
+from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.review import Position
 
 Array = NDArray[np.float64]
 

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.language import tr
-from cpm_core.charges import PlacedCharge
-from cpm_core.curation import Mark
-from cpm_core.drawing import charges_of, regions_of, starts_of
+from cpm_core.contours.review import Mark
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.regions import Regions
 from cpm_core.parameters import PARAMETERS, Parameters
-from cpm_core.regions import Regions
 from cpm_core.shapes import Points, Region, Shape, Start
-from cpm_core.sowing import NOWHERE, Sowable, Sown
+from cpm_core.shapes.document_shapes import charges_of, regions_of, starts_of
+from cpm_core.shapes.image_starts import NOWHERE, Sowable, Sown
 
 Mode = Literal["shape", "automatic", "skeleton"]
 """What a person is after; see `app.model.modes`."""

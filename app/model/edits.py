@@ -11,9 +11,9 @@ import numpy as np
 
 from app.model import controls
 from app.model.document import Document
-from cpm_core import paths
+from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import Position
 from cpm_core.parameters import Parameters
-from cpm_core.paths import Position
 from cpm_core.shapes import Everywhere, Kind, Points, Shape
 
 
@@ -66,7 +66,7 @@ def erase(document: Document, path: Sequence[Position], radius: float) -> Docume
 def _rubbed(shape: Shape, path: Sequence[Position], radius: float) -> Shape | None:
     """What an eraser leaves of a shape."""
     if isinstance(shape, Points):
-        near = paths.distances(path, shape.seeds()) <= radius
+        near = polyline.distances(path, shape.seeds()) <= radius
         if not near.any():
             return shape
         left = tuple(point for point, gone in zip(shape.positions, near.tolist(), strict=True) if not gone)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from app.model.document import Document
-from cpm_core.curation import Mark, Position, Verdict
+from cpm_core.contours.review import Mark, Position, Verdict
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from app.model.language import tr
 from app.model.round_numbers import round_up
-from cpm_core.equilibrium import EPSILON
+from cpm_core.dynamics.equilibrium import EPSILON
 
 Array = NDArray[np.float64]
 

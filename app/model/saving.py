@@ -8,7 +8,7 @@ from typing import Any
 
 from app.model.document import Document, ImageReference
 from app.model.modes import mode_called
-from cpm_core.formats.session_file import ImageFile, SessionFile
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile
 from cpm_core.parameters import Parameters
 
 View = Mapping[str, Any]

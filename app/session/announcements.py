@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, Signal
 
 from app.session.messages import Overlays, Reconstruction, Report, Snapshot
-from cpm_core.sowing import Sown
+from cpm_core.shapes.image_starts import Sown
 
 
 class Announcements(QObject):

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from app.session.deeds import Deed, Stepped
 from app.session.timeline import Outline, Timeline
 from app.session.trace import Recorder
-from cpm_core.engine import Engine
-from cpm_core.particles import State
-from cpm_core.regions import Regions
+from cpm_core.image.regions import Regions
+from cpm_core.particles.state import State
+from cpm_core.segmentation.engine import Engine
 
 MEGABYTES = 256
 """Memory for the timeline where nothing else is preferred."""

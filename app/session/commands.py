@@ -16,9 +16,9 @@ from app.session.messages import Exported, Failed, Opened, Report, Sowing, Troub
 from app.session.tasks import Task
 from app.session.trouble import sentence
 from app.session.workshop import Workshop
-from cpm_core.curation import Mark, apply
+from cpm_core.contours.review import Mark, apply
 from cpm_core.parameters import Parameters
-from cpm_core.sowing import NOWHERE
+from cpm_core.shapes.image_starts import NOWHERE
 
 
 class Command:

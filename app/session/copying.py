@@ -8,7 +8,7 @@ from app.model.language import tr
 from app.session.messages import Report
 from app.session.session import Session
 from app.session.tasks import Task
-from cpm_core.curation import apply
+from cpm_core.contours.review import apply
 from cpm_core.formats import encoded
 
 

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from cpm_core.compilation import warm_up
-from cpm_core.engine import Engine
+from cpm_core.contours.result import Result
 from cpm_core.formats import export, load_image
-from cpm_core.image import Image
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
 from cpm_core.parameters import Parameters
-from cpm_core.regions import Regions
-from cpm_core.result import Result
+from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.warm_up import warm_up
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,11 +14,11 @@ from app.model.language import tr
 from app.model.marking import Target
 from app.session.ground_truth import GroundTruth
 from app.session.survey import Survey
-from cpm_core.contour import Contour
-from cpm_core.contour_table import Measures
-from cpm_core.curation import Curated, Mark, Neighbourhood, Verdict, anchor, curated
-from cpm_core.paths import Position
-from cpm_core.result import Result
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.measurements import Measures
+from cpm_core.contours.result import Result
+from cpm_core.contours.review import Curated, Mark, Neighbourhood, Verdict, anchor, curated
+from cpm_core.numerics.polyline import Position
 
 if TYPE_CHECKING:
     from app.session.session import Session

@@ -7,13 +7,13 @@ from typing import Protocol
 
 import numpy as np
 
-from cpm_core import paths
-from cpm_core.charges import PlacedCharge
-from cpm_core.engine import Engine
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.regions import Regions
+from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import Position
 from cpm_core.parameters import Parameters
-from cpm_core.particles import State
-from cpm_core.paths import Position
-from cpm_core.regions import Regions
+from cpm_core.particles.state import State
+from cpm_core.segmentation.engine import Engine
 
 
 class Deed(Protocol):
@@ -63,4 +63,4 @@ class Erased:
 
     def again(self, engine: Engine, state: State) -> State:
         """Take them out."""
-        return engine.erased(state, lambda places: paths.distances(self.path, places) <= self.radius)
+        return engine.erased(state, lambda places: polyline.distances(self.path, places) <= self.radius)

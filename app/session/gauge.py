@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from cpm_core.engine import Engine
 from cpm_core.parameters import Parameters
-from cpm_core.particles import State
+from cpm_core.particles.state import State
+from cpm_core.segmentation.engine import Engine
 
 _EVERY = 8
 """Steps between two looks: one takes about as long as a small part of a step."""

@@ -13,9 +13,9 @@ from app.model.differences import Difference, differences
 from app.model.language import tr
 from app.session.latest import Latest
 from app.session.messages import Report
-from cpm_core.comparison import TOLERANCE, Comparison, compare
-from cpm_core.contour import Contour
-from cpm_core.truth import Truth, load_truth
+from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.ground_truth import Truth, load_truth
 
 if TYPE_CHECKING:
     from app.session.curation import Curation

@@ -12,7 +12,7 @@ from pathlib import Path
 from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer
 
 from app.session.keeper import Keeper
-from cpm_core.formats.session_file import SUFFIX, SessionFile, save_session
+from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 
 KEY = "journal"
 """Where a journal, which is a session file otherwise, tells what it is the journal of."""

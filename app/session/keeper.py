@@ -14,7 +14,7 @@ from app.model.saving import View, to_file
 from app.session.messages import Opened, Report
 from app.session.session import Session
 from app.session.tasks import Task
-from cpm_core.formats.session_file import SUFFIX, SessionFile, save_session
+from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.particles import State
+from cpm_core.particles.state import State
 
 Place = tuple[int, int]
 """Branch that owns a state, and its step."""

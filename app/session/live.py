@@ -18,7 +18,7 @@ from app.model.language import tr
 from app.model.status import RunStatus
 from app.session.commands import Command, SetParameters, Sow
 from app.session.live_commands import Erase, Join, Limit, PlaceCharges
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import Points, Region, Shape, Start
 
 

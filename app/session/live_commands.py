@@ -8,9 +8,9 @@ from app.model.document import Document
 from app.session.commands import Command
 from app.session.messages import WentOn
 from app.session.workshop import Workshop
-from cpm_core.charges import PlacedCharge
-from cpm_core.paths import Position
-from cpm_core.regions import Regions
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.regions import Regions
+from cpm_core.numerics.polyline import Position
 
 
 @dataclass(frozen=True, slots=True)

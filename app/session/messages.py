@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from app.model.shades import Shades
 from app.session.survey import Survey
 from app.session.timeline import Outline
-from cpm_core.engine import Engine
-from cpm_core.formats.session_file import SessionFile
-from cpm_core.image import Image
+from cpm_core.contours.result import Result
+from cpm_core.formats.sessions.session_file import SessionFile
+from cpm_core.image.image import Image
 from cpm_core.parameters import Parameters
-from cpm_core.particles import State
-from cpm_core.result import Result
-from cpm_core.sowing import Sown
+from cpm_core.particles.state import State
+from cpm_core.segmentation.engine import Engine
+from cpm_core.shapes.image_starts import Sown
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from app.model.language import tr
 from app.session.core import Core
 from app.session.messages import NotOpened, Opened, Report, Saved
 from app.session.tasks import Task, Tasks
-from cpm_core.formats.session_file import SUFFIX, find_image, fingerprint, load_session
-from cpm_core.multiscale import most_scales
+from cpm_core.formats.sessions.session_file import SUFFIX, find_image, fingerprint, load_session
+from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import Parameters
 
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from app.model import shades
 from app.model.iso_lines import iso_lines
-from cpm_core.charges import PlacedCharge
-from cpm_core.engine import Engine
+from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.parameters import Parameters
+from cpm_core.segmentation.engine import Engine
 
 Overlay = Callable[[Engine, Parameters, Sequence[PlacedCharge]], NDArray[np.generic]]
 

@@ -13,7 +13,7 @@ from app.session.commands import Command
 from app.session.messages import Report
 from app.session.trouble import sentence
 from app.session.workshop import Workshop
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 
 Vector = NDArray[np.float64]
 

@@ -25,7 +25,7 @@ from app.session.messages import (
     WentOn,
 )
 from app.session.runner import Runner
-from cpm_core.sowing import Sown
+from cpm_core.shapes.image_starts import Sown
 
 _FIGURES_EVERY = 0.1
 """Time between two updates of figures that a person reads [s]."""

@@ -10,9 +10,9 @@ from app.session.mailbox import Mailbox
 from app.session.messages import Reconstruction
 from app.session.survey import Surveyor
 from app.session.trouble import sentence
-from cpm_core.engine import Engine
 from cpm_core.parameters import Parameters
-from cpm_core.particles import State
+from cpm_core.particles.state import State
+from cpm_core.segmentation.engine import Engine
 
 _SHORTEST_PAUSE = 0.15
 _REST_PER_WORK = 5.0

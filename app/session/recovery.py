@@ -15,7 +15,7 @@ from app.model.language import tr
 from app.session.journal import KEY, lock_of
 from app.session.messages import Saved
 from app.session.opening import Wanted
-from cpm_core.formats.session_file import SUFFIX, SessionFile, load_session
+from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
 
 _log = logging.getLogger(__name__)
 

@@ -16,15 +16,15 @@ from app.session.overlays import OVERLAYS
 from app.session.pacer import Pacer
 from app.session.reconstructor import Reconstructor, Request
 from app.session.trace import Recorder
-from cpm_core.charges import PlacedCharge
-from cpm_core.engine import Engine
-from cpm_core.image import Image
+from cpm_core.contours.result import Result
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
+from cpm_core.numerics.polyline import Position
 from cpm_core.parameters import PARAMETERS, Parameters
-from cpm_core.particles import State
-from cpm_core.paths import Position
-from cpm_core.regions import Regions
-from cpm_core.result import Result
-from cpm_core.sowing import NOWHERE, Sower, Sown
+from cpm_core.particles.state import State
+from cpm_core.segmentation.engine import Engine
+from cpm_core.shapes.image_starts import NOWHERE, Sower, Sown
 
 RESTING_SPEED = 0.1
 """Speed under which a particle is shown as resting [px per unit of time]."""

@@ -9,7 +9,7 @@ from app.model.shades import Shades, Window
 from app.session.commands import Command
 from app.session.messages import Report
 from app.session.workshop import Workshop
-from cpm_core.image import Image
+from cpm_core.image.image import Image
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -13,9 +13,9 @@ from app.model.language import tr
 from app.session.messages import Exported, Report
 from app.session.tasks import Task
 from cpm_core.formats import export
-from cpm_core.image import Image
+from cpm_core.image.image import Image
+from cpm_core.medial_axis.skeleton import Skeleton, skeleton
 from cpm_core.parameters import Parameters
-from cpm_core.skeleton import Skeleton, skeleton
 
 if TYPE_CHECKING:
     from app.session.session import Session

@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
-from cpm_core.contour_table import Measures, measure
-from cpm_core.curation import Position, attached, middle
-from cpm_core.result import Result
+from cpm_core.contours.measurements import Measures, measure
+from cpm_core.contours.result import Result
+from cpm_core.contours.review import Position, attached, middle
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -15,12 +15,12 @@ from app.model.mosaic import Plan, Tile
 from app.session.messages import Report
 from app.session.tasks import Task
 from app.session.trouble import sentence
-from cpm_core.curation import apply
-from cpm_core.engine import Engine
-from cpm_core.image import Image
-from cpm_core.result import Result
-from cpm_core.sowing import Sower
-from cpm_core.threads import cores
+from cpm_core.contours.result import Result
+from cpm_core.contours.review import apply
+from cpm_core.image.image import Image
+from cpm_core.numerics.parallel import cores
+from cpm_core.segmentation.engine import Engine
+from cpm_core.shapes.image_starts import Sower
 
 if TYPE_CHECKING:
     from app.session.session import Session
@@ -174,6 +174,6 @@ class _Runs:
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from cpm_core.contour import Contour
+    from cpm_core.contours.contour import Contour
 
     _Dice = Callable[[Sequence[Contour]], float | None]

@@ -13,8 +13,8 @@ from app.session.messages import Report, Snapshot, Trouble
 from app.session.session import Session
 from app.session.timeline import Outline
 from app.session.timeline_commands import Compare, Compared, DropBranch, RenameBranch, Seek
+from cpm_core.contours.result import Result
 from cpm_core.parameters import Parameters
-from cpm_core.result import Result
 
 _PLAY_EVERY = 50
 """Time between two steps of what is played again [ms]."""

@@ -15,7 +15,7 @@ from app.model.language import tr
 from app.session.kept_states import KeptStates, Place
 from app.session.lineage import Branch, Deed, Line, Lineage
 from cpm_core.parameters import Parameters
-from cpm_core.particles import State
+from cpm_core.particles.state import State
 
 
 @dataclass(frozen=True, eq=False, slots=True)

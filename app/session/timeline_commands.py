@@ -9,8 +9,8 @@ from app.model.difference import Difference, difference
 from app.session.commands import Command
 from app.session.messages import Array, Report
 from app.session.workshop import Workshop
-from cpm_core.particles import State
-from cpm_core.result import Result
+from cpm_core.contours.result import Result
+from cpm_core.particles.state import State
 
 
 def _always() -> bool:

@@ -7,8 +7,8 @@ from dataclasses import fields
 import numpy as np
 
 from app.session.messages import Array, Trace
-from cpm_core.energies import kinetic_energy
-from cpm_core.particles import State
+from cpm_core.dynamics.energies import kinetic_energy
+from cpm_core.particles.state import State
 
 _FIRST_CAPACITY = 1024
 _POTENTIAL = [field.name for field in fields(Trace)].index("potential")

@@ -23,7 +23,7 @@ from app.model.language import tr
 from app.session.preferences import Preferences
 from app.views.frame_renderer import NARROWEST, WIDEST, frame_size
 from app.views.step_choice import every
-from cpm_core.formats import mp4
+from cpm_core.formats.animations import mp4
 
 _FORMATS = (
     (".gif", tr("GIF, which everything shows")),

@@ -12,8 +12,8 @@ from app.views import theme
 from app.views.coordinates import image_rectangle, to_position
 from app.views.layers import Layers
 from app.views.tools.tool import Grip, Tool
-from cpm_core.image import Image
-from cpm_core.paths import Position
+from cpm_core.image.image import Image
+from cpm_core.numerics.polyline import Position
 
 REACH = 8.0
 """How far off a line or handle the pointer still takes hold of it [px of the screen]."""

@@ -14,7 +14,7 @@ from app.views import theme
 from app.views.canvas import Canvas
 from app.views.coordinates import to_xy
 from app.views.pens import line_pen
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 
 _Z = 9.0
 _ARM, _GAP = 18.0, 4.0

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 from app.views import theme
 from app.views.coordinates import image_rectangle, to_xy
 from app.views.pens import cached, line_pen
-from cpm_core.paths import coarser
+from cpm_core.numerics.polyline import coarser
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QFileDialog, QWidget
 
 from app.model.language import tr
 from cpm_core.formats import READABLE, WRITABLE
-from cpm_core.formats.session_file import SUFFIX
+from cpm_core.formats.sessions.session_file import SUFFIX
 
 
 def ask_for_file(parent: QWidget, folder: str) -> str:

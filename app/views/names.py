@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.views import theme
 from app.views.coordinates import image_rectangle
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 
 _PAD = 4.0
 _RIM = 300.0

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QLineEdit
 from app.model.language import tr
 from app.session.curation import Curation
 from app.views.canvas import Canvas
-from cpm_core.curation import middle
+from cpm_core.contours.review import middle
 
 _WIDTH = 170
 

@@ -8,8 +8,8 @@ from app.model.language import tr
 from app.model.lengths import length_text
 from app.session.session import Session
 from app.views.canvas import Canvas
-from cpm_core.image import Image
-from cpm_core.paths import Position
+from cpm_core.image.image import Image
+from cpm_core.numerics.polyline import Position
 
 
 class PointerReadout(QLabel):

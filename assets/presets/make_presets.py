@@ -14,7 +14,7 @@ import PIL.ImageDraw
 import cpm_core as cpm
 from app.model.document import Document
 from app.model.samples import sample_called
-from cpm_core.sowing import Sower
+from cpm_core.shapes.image_starts import Sower
 
 HERE = Path(__file__).parent
 SIZE, FINER = (288, 168), 3

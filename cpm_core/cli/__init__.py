@@ -7,7 +7,9 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from cpm_core.cli import batch, bench, figures, info, run, skeleton
+from cpm_core.cli import batch, info, run, skeleton
+from cpm_core.cli.bench import command as bench
+from cpm_core.cli.figures import command as figures
 
 BAD_INPUT = 2
 INTERRUPTED = 130

@@ -8,7 +8,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 from cpm_core.formats import READABLE, WRITABLE, check_export
-from cpm_core.formats.session_file import SUFFIX
+from cpm_core.formats.sessions.session_file import SUFFIX
 from cpm_core.parameters import PARAMETERS, Parameters
 
 

@@ -18,10 +18,10 @@ from cpm_core.cli.jobs import Done, Job
 from cpm_core.cli.progress import Count
 from cpm_core.cli.wording import counted
 from cpm_core.cli.workers import elsewhere, here
-from cpm_core.drawing import starts_of
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.atomic import write_together
-from cpm_core.formats.session_file import load_session
+from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.shapes.document_shapes import starts_of
 
 SUMMARY = "summary.csv"
 """The table of all images."""

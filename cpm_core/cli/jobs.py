@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field
 
-from cpm_core.curation import apply
-from cpm_core.drawing import charges_of, regions_of, seeds_of
+from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image
-from cpm_core.formats.session_file import SessionFile
+from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation import segment
+from cpm_core.segmentation.segment import segment
+from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of
 
 
 @dataclass(frozen=True, slots=True)

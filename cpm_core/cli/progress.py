@@ -6,7 +6,7 @@ import sys
 import time
 from types import TracebackType
 
-from cpm_core.particles import State
+from cpm_core.particles.state import State
 
 _REDRAW = 0.1  # [s] between two lines of progress
 

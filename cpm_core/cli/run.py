@@ -26,17 +26,17 @@ from cpm_core.cli.arguments import (
 )
 from cpm_core.cli.progress import Progress
 from cpm_core.cli.wording import counted
-from cpm_core.curation import apply
-from cpm_core.drawing import charges_of, regions_of, seeds_of, starts_of
+from cpm_core.contours.result import Result
+from cpm_core.contours.review import apply
 from cpm_core.formats import export, load_image, load_points
-from cpm_core.formats.session_file import SessionFile, find_image, load_session
-from cpm_core.image import Image
-from cpm_core.initialization import circle, stroke
+from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.regions import Regions
-from cpm_core.result import Result
-from cpm_core.segmentation import segment
+from cpm_core.particles.initialization import circle, stroke
+from cpm_core.segmentation.segment import segment
 from cpm_core.shapes import Barrier, Everywhere, Kind, Region
+from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
 
 _AUTOMATIC: Mapping[str, Kind] = MappingProxyType({"grid": "grid", "gradient": "edges", "centers": "centers"})
 """What the starts that need no drawing are called here, and elsewhere."""

@@ -18,8 +18,8 @@ from cpm_core.cli.arguments import (
 )
 from cpm_core.cli.wording import counted
 from cpm_core.formats import export, load_image
+from cpm_core.medial_axis.skeleton import PRUNING, Skeleton, skeleton
 from cpm_core.parameters import PRESETS
-from cpm_core.skeleton import PRUNING, Skeleton, skeleton
 
 _PRESET = "noisy"
 _PARAMETERS = ("smoothing", "edge_floor", "min_strength", "min_length")

@@ -11,10 +11,10 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from cpm_core import kernel_cache
 from cpm_core.cli.jobs import Done, Job, do
-from cpm_core.compilation import warm_up
-from cpm_core.threads import cores
+from cpm_core.numerics import jit_cache
+from cpm_core.numerics.parallel import cores
+from cpm_core.segmentation.warm_up import warm_up
 
 _DIED = "The process that worked on it ended all of a sudden; perhaps there was not enough memory."
 
@@ -86,7 +86,7 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[Done, None, None]:
 
 def _compile_once() -> None:
     """Compile here what nobody has compiled on this computer yet, so that not every process does it for itself."""
-    folder = kernel_cache.folder_of_this_package()
+    folder = jit_cache.folder_of_this_package()
     if folder is not None and not any(folder.rglob("*.nbi")):
         warm_up()
 

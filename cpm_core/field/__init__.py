@@ -1,9 +1,4 @@
-"""The electric field of the fixed charges, and how particles between the pixels feel it.
+"""The electric field of the fixed charges, eq. (7) and (8), and how particles between the pixels feel it.
 
-`electric` is the door: it asks one of the methods, `convolution` (exact) or `pppm` (as published).
+`electric_field` asks one of the methods, `convolution` (exact) or `pppm` (as published).
 """
-
-from cpm_core.field.electric import electric_field
-from cpm_core.field.interpolation import interpolate
-
-__all__ = ["electric_field", "interpolate"]

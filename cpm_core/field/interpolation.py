@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.kernels import compiled
+from cpm_core.numerics.jit import compiled
 
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]

@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.kernels import compiled
+from cpm_core.numerics.jit import compiled
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,9 @@ import warnings
 from pathlib import Path
 from typing import Protocol
 
-from cpm_core.formats import (
-    branch_mask,
+from cpm_core.contours.result import Result
+from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.contours import (
     coco,
     contour_csv,
     contour_json,
@@ -22,24 +23,17 @@ from cpm_core.formats import (
     geojson,
     imagej_roi,
     imagej_rois,
-    label_mask,
-    label_tiff,
     labelme,
     measures_csv,
-    nifti,
-    nifti_packed,
-    numpy_array,
-    raster,
     svg,
-    tiff,
 )
-from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.contour_files import CONTOURS_READABLE, load_contours
-from cpm_core.formats.decoded import Decoded, UnreadableError
-from cpm_core.formats.points_csv import load_points
-from cpm_core.image import Image
-from cpm_core.result import Result
-from cpm_core.skeleton import Skeleton
+from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, load_contours
+from cpm_core.formats.contours.points_csv import load_points
+from cpm_core.formats.images import numpy_array, raster, tiff
+from cpm_core.formats.images.decoded import Decoded, UnreadableError
+from cpm_core.formats.masks import branch_mask, label_mask, label_tiff, nifti, nifti_packed
+from cpm_core.image.image import Image
+from cpm_core.medial_axis.skeleton import Skeleton
 
 __all__ = [
     "CONTOURS_READABLE",

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contour import Contour
-from cpm_core.level import Level
+from cpm_core.contours.contour import Contour
+from cpm_core.field.scale_field import Level
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contour import lengths_along
+from cpm_core.contours.contour import lengths_along
 
 Array = NDArray[np.float64]
 

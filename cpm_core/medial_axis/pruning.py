@@ -6,8 +6,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.medial_axis.axis import Axis
-from cpm_core.reconstruction.graph import Graph
+from cpm_core.contours.graph import Graph
+from cpm_core.medial_axis.medial_axis import Axis
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core import paths
-from cpm_core.paths import MOST_HANDLES, Position
+from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import MOST_HANDLES, Position
 
 A = TypeVar("A", bound="Area")
 
@@ -35,7 +35,7 @@ class Area:
 
     def moved(self: A, by: Position) -> A:
         """The same displaced by (rows, cols)."""
-        return replace(self, points=paths.moved(self.points, by))  # type: ignore[type-var]
+        return replace(self, points=polyline.moved(self.points, by))  # type: ignore[type-var]
 
     def grown(self: A, by: float) -> A:
         """The same enlarged around its middle, so that its farthest corner goes so many px outwards."""
@@ -51,12 +51,12 @@ class Area:
 
     def led(self: A, handle: Position, to: Position) -> A:
         """The same with the corner next to a handle led to a position."""
-        return replace(self, points=paths.led(self.points, handle, to))  # type: ignore[type-var]
+        return replace(self, points=polyline.led(self.points, handle, to))  # type: ignore[type-var]
 
     def distance(self, position: Position) -> float:
         """Distance of a position from its line [px]."""
-        return paths.distance((*self.points, self.points[0]), position)
+        return polyline.distance((*self.points, self.points[0]), position)
 
     def encloses(self, position: Position) -> bool:
         """Whether its line winds around a position."""
-        return bool(paths.inside(self.points, np.array([position]))[0])
+        return bool(polyline.inside(self.points, np.array([position]))[0])

@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core import paths
-from cpm_core.paths import MOST_HANDLES, Position
+from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import MOST_HANDLES, Position
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class Barrier:
 
     def moved(self, by: Position) -> Barrier:
         """The same barrier displaced by (rows, cols)."""
-        return Barrier(paths.moved(self.points, by))
+        return Barrier(polyline.moved(self.points, by))
 
     def grown(self, by: float) -> Barrier:
         """Itself: its corners are what it is reshaped by."""
@@ -45,11 +45,11 @@ class Barrier:
 
     def led(self, handle: Position, to: Position) -> Barrier:
         """The same barrier with the corner next to a handle led to a position."""
-        return Barrier(paths.led(self.points, handle, to))
+        return Barrier(polyline.led(self.points, handle, to))
 
     def distance(self, position: Position) -> float:
         """Distance of a position from its line [px]."""
-        return paths.distance(self.points, position)
+        return polyline.distance(self.points, position)
 
     def encloses(self, position: Position) -> bool:
         """It is taken hold of by its line only."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.charges import STRONGEST, PlacedCharge
-from cpm_core.paths import Position
+from cpm_core.field.placed_charges import STRONGEST, PlacedCharge
+from cpm_core.numerics.polyline import Position
 
 WEAKEST, _STEP = 0.5, 0.5
 """Least strength, either way, and how much it is changed at a time."""
@@ -24,7 +24,7 @@ class Charge:
     position : tuple of float
         (row, col) in px of the image.
     strength : float
-        Above zero it attracts particles, below it repels them; see `cpm_core.charges`.
+        Above zero it attracts particles, below it repels them; see `cpm_core.field.placed_charges`.
     """
 
     position: Position

@@ -9,8 +9,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core import initialization
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
+from cpm_core.particles import initialization
 
 SMALLEST_RADIUS = 1.0
 """Radius under which a drawn circle is taken for a slip of the hand [px]."""

@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core import initialization, paths
-from cpm_core.paths import Position
+from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import Position
+from cpm_core.particles import initialization
 from cpm_core.shapes.circle import SMALLEST_RADIUS
 
 _CORNERS = 180
@@ -88,7 +89,7 @@ class Ellipse:
 
     def distance(self, position: Position) -> float:
         """Distance of a position from the rim [px]."""
-        return paths.distance([(row, col) for row, col in self.outline.tolist()], position)
+        return polyline.distance([(row, col) for row, col in self.outline.tolist()], position)
 
     def encloses(self, position: Position) -> bool:
         """Whether a position lies inside."""

@@ -11,8 +11,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.initialization import STRONG, above, divergence_centers, uniform_grid
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
+from cpm_core.particles.initialization import STRONG, above, divergence_centers, uniform_grid
 
 Kind = Literal["grid", "edges", "centers"]
 """Where particles start that nobody has drawn: evenly, on strong edges, or where the electric field diverges."""
@@ -26,7 +26,7 @@ _TITLES: Mapping[Kind, str] = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class Everywhere:
-    """Particles all over the image; which positions they are depends on the image, and `cpm_core.sowing` finds them.
+    """Particles all over the image, at positions that depend on it (`cpm_core.shapes.image_starts`).
 
     Attributes
     ----------

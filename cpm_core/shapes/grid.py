@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core import paths
-from cpm_core.paths import Position
+from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import Position
 from cpm_core.shapes.area import Area
 
 FINEST, COARSEST = 2.0, 64.0
@@ -41,7 +41,7 @@ class Grid(Area):
             np.meshgrid(_along(height, self.spacing), _along(width, self.spacing), indexing="ij"), axis=-1
         )
         places = places.reshape(-1, 2) + low
-        found = places[paths.inside(self.points, places)]
+        found = places[polyline.inside(self.points, places)]
         return np.asarray(found if len(found) else np.mean(self.points, axis=0)[None])
 
     def grown(self, by: float) -> Grid:

@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core import initialization
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
+from cpm_core.particles import initialization
 from cpm_core.shapes.area import Area
 
 

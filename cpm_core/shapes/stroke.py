@@ -8,8 +8,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core import initialization, paths
-from cpm_core.paths import MOST_HANDLES, Position
+from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import MOST_HANDLES, Position
+from cpm_core.particles import initialization
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,7 @@ class Stroke:
 
     def moved(self, by: Position) -> Stroke:
         """The same stroke displaced by (rows, cols)."""
-        return Stroke(paths.moved(self.points, by))
+        return Stroke(polyline.moved(self.points, by))
 
     def grown(self, by: float) -> Stroke:
         """Itself: its corners are what it is reshaped by."""
@@ -49,11 +50,11 @@ class Stroke:
 
     def led(self, handle: Position, to: Position) -> Stroke:
         """The same stroke with the corner next to a handle led to a position."""
-        return Stroke(paths.led(self.points, handle, to))
+        return Stroke(polyline.led(self.points, handle, to))
 
     def distance(self, position: Position) -> float:
         """Distance of a position from its line [px]."""
-        return paths.distance(self.points, position)
+        return polyline.distance(self.points, position)
 
     def encloses(self, position: Position) -> bool:
         """It is taken hold of by its line only."""

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core import paths
-from cpm_core.initialization import above
-from cpm_core.paths import Position
+from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import Position
+from cpm_core.particles.initialization import above
 from cpm_core.shapes.area import Area
 
 LOWEST, HIGHEST, _STEP = 0.02, 0.98, 0.02
@@ -43,7 +43,7 @@ class Threshold(Area):
         high = np.clip(np.floor(np.max(self.points, axis=0)), 0, corner).astype(int)
         window = strength()[low[0] : high[0] + 1, low[1] : high[1] + 1]
         pixels = np.indices(window.shape).reshape(2, -1).T + low
-        within = paths.inside(self.points, pixels.astype(float)).reshape(window.shape)
+        within = polyline.inside(self.points, pixels.astype(float)).reshape(window.shape)
         return above(np.where(within, window, 0.0), self.fraction) + low if within.any() else np.empty((0, 2))
 
     def grown(self, by: float) -> Threshold:

@@ -19,9 +19,9 @@ from app.session.trace import Recorder
 from app.views import colour_maps, theme
 from app.views.discs import Discs
 from cpm_core import Engine, Parameters
-from cpm_core.equilibrium import epsilon
-from cpm_core.ground import unvisited
-from cpm_core.particles import Particles, State
+from cpm_core.dynamics.equilibrium import epsilon
+from cpm_core.particles.coverage import unvisited
+from cpm_core.particles.state import Particles, State
 from tests.app.conftest import disc
 
 NOBODY_BORN = Births(np.empty(0), np.empty(0))

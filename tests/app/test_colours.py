@@ -3,7 +3,7 @@
 import pytest
 
 from app.views import theme
-from cpm_core.gallery import drawing
+from cpm_core.cli.figures import drawing
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from app.model.difference import difference
-from cpm_core.contour import Contour
-from cpm_core.result import Result
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
 
 
 def result(*contours: Contour) -> Result:

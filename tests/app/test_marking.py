@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.model import marking
 from app.model.document import Document
 from app.model.marking import Target
-from cpm_core.curation import Mark
+from cpm_core.contours.review import Mark
 
 HERE, THERE = (10.0, 12.0), (40.0, 41.0)
 

@@ -19,7 +19,7 @@ from app.views.mosaic import MosaicDialog
 from app.views.mosaic.enlarged import EnlargedTile
 from app.views.parts.mosaic import MosaicPart
 from cpm_core import Engine, Parameters, segment
-from cpm_core.initialization import circle
+from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Charge
 from tests.app.conftest import Hand, disc
 

@@ -11,7 +11,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
 from app.views.parts.running import RunningPart
-from cpm_core import Regions, paths
+from cpm_core import Regions
+from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Region, Stroke
 
 KEY = Qt.Key
@@ -63,8 +64,8 @@ def test_a_drag_draws_freehand_and_the_path_keeps_to_where_the_pointer_went(wind
     hand.drag(*way)
     shape = only(window)
     assert type(shape) is KINDS[key]
-    assert max(paths.distance(shape.points, position) for position in way) < 1.5
-    assert max(paths.distance(way, point) for point in shape.points) < 1.0
+    assert max(polyline.distance(shape.points, position) for position in way) < 1.5
+    assert max(polyline.distance(way, point) for point in shape.points) < 1.0
     assert 8 <= len(shape.points) < len(way)
 
 

@@ -18,7 +18,7 @@ from app.session.journal import KEY, folder_of_journals, lock_of
 from app.session.recovery import left_behind
 from app.views.parts.files import FilesPart
 from app.views.parts.recovery import RecoveryPart
-from cpm_core.formats.session_file import ImageFile, SessionFile, load_session, save_session
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 
 ROOT = Path(__file__).parents[2]

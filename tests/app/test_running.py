@@ -14,7 +14,7 @@ from app.model import edits
 from app.model.shades import of_edge_map
 from app.views.parts.running import RunningPart
 from cpm_core import Engine, Parameters
-from cpm_core.initialization import circle
+from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Circle
 
 KEY = Qt.Key

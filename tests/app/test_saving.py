@@ -21,8 +21,8 @@ from app.views.parts.files import FilesPart
 from app.views.parts.parameters import ParametersPart
 from app.views.recent_files import MOST
 from cpm_core import Parameters
-from cpm_core.curation import Mark
-from cpm_core.formats.session_file import load_session
+from cpm_core.contours.review import Mark
+from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle, Points, Region
 
 KEY = Qt.Key

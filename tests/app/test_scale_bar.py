@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from app.model.lengths import bar
 from app.views.layers.scale_bar import LONGEST
-from cpm_core.image import Image
+from cpm_core.image.image import Image
 
 METRES = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
 

@@ -29,7 +29,7 @@ from app.session.keeper import Keeper
 from app.session.recovery import left_behind
 from app.session.session import Session
 from app.session.time_travel import travel_of
-from cpm_core.formats.session_file import load_session
+from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Shape
 

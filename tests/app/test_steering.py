@@ -12,7 +12,7 @@ from app.model import edits
 from app.session.timeline_commands import SetTimelineBudget
 from app.views.parts.running import RunningPart
 from app.views.parts.timeline import TimelinePart
-from cpm_core.charges import RADIUS, PlacedCharge
+from cpm_core.field.placed_charges import RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
 
 KEY = Qt.Key

@@ -15,11 +15,11 @@ from app.session.deeds import Stepped
 from app.session.timeline import Timeline
 from app.session.trace import Recorder
 from cpm_core import Engine, Parameters
-from cpm_core.charges import PlacedCharge
-from cpm_core.ground import unvisited
-from cpm_core.initialization import circle
-from cpm_core.particles import Particles, State
-from cpm_core.regions import Regions
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.regions import Regions
+from cpm_core.particles.coverage import unvisited
+from cpm_core.particles.initialization import circle
+from cpm_core.particles.state import Particles, State
 
 AMPLE = 10**9
 

@@ -18,8 +18,8 @@ from app.views.parts.running import RunningPart
 from app.views.parts.timeline import BUDGET, TimelinePart
 from app.views.preferences_dialog import PreferencesDialog
 from cpm_core import Engine, Parameters
-from cpm_core.initialization import circle
-from cpm_core.particles import State
+from cpm_core.particles.initialization import circle
+from cpm_core.particles.state import State
 
 KEY = Qt.Key
 SHIFT, CONTROL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier

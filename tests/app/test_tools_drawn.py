@@ -12,7 +12,8 @@ from PySide6.QtWidgets import QApplication
 
 from app.model import edits
 from app.views.tools import TOOLS
-from cpm_core import edge_map, paths
+from cpm_core import edge_map
+from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
 
 KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
@@ -114,7 +115,7 @@ def test_a_closed_line_is_drawn_corner_by_corner_and_its_particles_are_shown(win
     if kind is Threshold:
         strength = edge_map(values, 1.0)
         pixels = np.argwhere(np.ones(values.shape, bool)).astype(float)
-        within = paths.inside(shape.points, pixels).reshape(values.shape)
+        within = polyline.inside(shape.points, pixels).reshape(values.shape)
         assert shown == np.count_nonzero(within & (strength > shape.fraction * strength[within].max())) > 10
     else:
         assert shown == len(shape.seeds()) > 10
@@ -125,8 +126,8 @@ def test_a_closed_line_is_drawn_corner_by_corner_and_its_particles_are_shown(win
     [
         (Circle((30.0, 30.0), 10.0), lambda shape: shape.radius),
         (Ellipse((30.0, 30.0), (10.0, 5.0)), lambda shape: shape.radii[0]),
-        (Polygon(CORNERS), lambda shape: paths.area(shape.points)),
-        (Region(CORNERS), lambda shape: paths.area(shape.points)),
+        (Polygon(CORNERS), lambda shape: polyline.area(shape.points)),
+        (Region(CORNERS), lambda shape: polyline.area(shape.points)),
         (Grid(CORNERS), lambda shape: shape.spacing),
         (Threshold(CORNERS), lambda shape: shape.fraction),
         (Charge((30.0, 30.0), 2.0), lambda shape: shape.strength),
@@ -158,7 +159,7 @@ def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_
     radius = window.stage.canvas.tool.radius
     positions = np.array(points.positions)
     assert len(positions) > 5
-    assert paths.distances(way, positions).max() <= radius + PIXEL
+    assert polyline.distances(way, positions).max() <= radius + PIXEL
     between = np.hypot(*(positions[:, None] - positions[None]).transpose(2, 0, 1))
     assert between[np.triu_indices(len(positions), 1)].min() >= 2.0
     hand.key(KEY.Key_Z, MODIFIER.ControlModifier)

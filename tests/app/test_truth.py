@@ -15,9 +15,9 @@ from app.model.differences import differences
 from app.session.latest import Latest
 from app.views.main_window import MainWindow
 from app.views.parts.truth import TruthPart
-from cpm_core.comparison import compare
-from cpm_core.contour import Contour
-from cpm_core.truth import truth_of_contours
+from cpm_core.contours.agreement import compare
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.ground_truth import truth_of_contours
 from tests.app.conftest import Hand, disc
 
 KEY = Qt.Key

@@ -23,9 +23,9 @@ from app.session.pacer import Pacer
 from app.session.runner import Runner
 from app.session.trace import Recorder
 from cpm_core import Image, Parameters, Regions, uniform_grid
-from cpm_core.charges import PlacedCharge
-from cpm_core.ground import Ground, unvisited
-from cpm_core.particles import Particles, State
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.particles.coverage import Ground, unvisited
+from cpm_core.particles.state import Particles, State
 from cpm_core.shapes import Barrier, Everywhere, Points, Region
 
 DOCUMENT = Document(shapes=(Points(((5.0, 5.0), (6.0, 6.0))),))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cpm_core import PRESETS, Engine, edge_map, electric_field
-from cpm_core.benchmarks.scenes import HAND, objects
+from cpm_core.cli.bench.scenes import HAND, objects
 from cpm_core.field.convolution import convolved_field
 
 

@@ -32,10 +32,10 @@ from app.session.session import FRAME, Session
 from app.views.application import make_application
 from app.views.main_window import MainWindow
 from app.views.parts.files import FilesPart
-from cpm_core.engine import Engine
-from cpm_core.initialization import uniform_grid
-from cpm_core.particles import Particles
-from cpm_core.result import Result
+from cpm_core.contours.result import Result
+from cpm_core.particles.initialization import uniform_grid
+from cpm_core.particles.state import Particles
+from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Points
 
 SIDE = 700

@@ -17,8 +17,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from cpm_core import circle, segment
-from cpm_core.compilation import warm_up
-from cpm_core.reconstruction.measures import sampled
+from cpm_core.contours.distances import sampled
+from cpm_core.segmentation.warm_up import warm_up
 from tests.core.scenes import disk, ring, u_shape
 
 CASES = {

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core import Parameters
-from cpm_core.level import Level
-from cpm_core.neighbors import build_cells
-from cpm_core.standing import Standing, seats
+from cpm_core.dynamics.edge_contact import Standing, seats
+from cpm_core.field.scale_field import Level
+from cpm_core.particles.cell_list import build_cells
 
 Array = NDArray[np.float64]
 

@@ -9,16 +9,16 @@ import PIL.Image
 import pytest
 
 from cpm_core import cli, coulomb_force, electric_field
-from cpm_core.benchmarks import measurement, table
-from cpm_core.benchmarks.coulomb import all_pairs, coulomb_error
-from cpm_core.benchmarks.field import field_error
-from cpm_core.benchmarks.measurement import QUICK, Measurement, Patience, seconds_of
-from cpm_core.benchmarks.runs import whole_runs
-from cpm_core.benchmarks.scenes import along_curves, objects, one_object
-from cpm_core.cli.bench import _time as time_in_words
-from cpm_core.image import Image
-from cpm_core.regions import Regions
-from cpm_core.segmentation import segment
+from cpm_core.cli.bench import measurement, table
+from cpm_core.cli.bench.command import _time as time_in_words
+from cpm_core.cli.bench.coulomb import all_pairs, coulomb_error
+from cpm_core.cli.bench.field import field_error
+from cpm_core.cli.bench.measurement import QUICK, Measurement, Patience, seconds_of
+from cpm_core.cli.bench.runs import whole_runs
+from cpm_core.cli.bench.scenes import along_curves, objects, one_object
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
+from cpm_core.segmentation.segment import segment
 
 KEYS = ["part", "what", "value", "unit", "peer", "peer_value", "error", "growth", "note", "ratio"]
 PARTS = ["run", "field", "coulomb", "step", "reconstruction", "start"]
@@ -33,7 +33,7 @@ def measured():
 @pytest.fixture
 def command(monkeypatch, capsys, measured):
     """Function that runs the command on what has been measured already."""
-    monkeypatch.setattr("cpm_core.cli.bench.measurements", lambda _patience, _image: iter(measured))
+    monkeypatch.setattr("cpm_core.cli.bench.command.measurements", lambda _patience, _image: iter(measured))
 
     def run(*arguments):
         status = cli.main(["bench", *map(str, arguments)])

@@ -7,13 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import Parameters, Regions, threads
-from cpm_core.deletion import deletion, thinned
+from cpm_core import Parameters, Regions
+from cpm_core.dynamics.deletion import deletion, thinned
+from cpm_core.dynamics.edge_contact import seats
+from cpm_core.dynamics.insertion import insertion, search_range
 from cpm_core.field.interpolation import interpolate
-from cpm_core.insertion import insertion, search_range
-from cpm_core.level import build_level
-from cpm_core.particles import Particles
-from cpm_core.standing import seats
+from cpm_core.field.scale_field import build_level
+from cpm_core.numerics import parallel
+from cpm_core.particles.state import Particles
 
 from .moving import even_level, survey
 from .scenes import disk, ring
@@ -420,7 +421,7 @@ def test_births_and_deletions_are_the_same_bits_at_every_call_and_on_any_number_
     assert len(points) > 1500
     found = []
     for cores in (1, 2, 3, 3):
-        monkeypatch.setattr(threads, "cores", lambda cores=cores: cores)
+        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
         standing = survey(points, level, search_range(Parameters()))
         kept = thinned(standing, np.ones(len(points), bool), 2.0)
         births = births_of(level, points, present=kept)

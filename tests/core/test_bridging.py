@@ -8,9 +8,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, Regions, circle
-from cpm_core.level import build_level
-from cpm_core.reconstruction.bridging import bridge_gaps
-from cpm_core.reconstruction.graph import Graph
+from cpm_core.contours.graph import Graph
+from cpm_core.field.scale_field import build_level
+from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps
 
 from .scenes import outline_distance
 

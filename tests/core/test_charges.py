@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, PlacedCharge, circle
-from cpm_core.charges import (
+from cpm_core.dynamics.integrator import far_force_for, move
+from cpm_core.field.placed_charges import (
     MOST,
     RADIUS,
     REACH,
@@ -19,10 +20,9 @@ from cpm_core.charges import (
     placed_potential,
     radius_at,
 )
-from cpm_core.ground import idle_at
-from cpm_core.motion import far_force_for, move
-from cpm_core.multiscale import to_image
-from cpm_core.particles import Particles
+from cpm_core.image.pyramid import to_image
+from cpm_core.particles.coverage import idle_at
+from cpm_core.particles.state import Particles
 
 from .moving import even_level
 from .scenes import antialiased, disk

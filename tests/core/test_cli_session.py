@@ -21,8 +21,8 @@ import pytest
 from cpm_core import Parameters, cli, load_image
 from cpm_core.cli import workers
 from cpm_core.cli.jobs import Done, Job
-from cpm_core.curation import Mark
-from cpm_core.formats.session_file import ImageFile, SessionFile, fingerprint, save_session
+from cpm_core.contours.review import Mark
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, fingerprint, save_session
 from cpm_core.shapes import Circle, Everywhere, Region
 
 ROOT = Path(__file__).parents[2]

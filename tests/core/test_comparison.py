@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Contour, compare
-from cpm_core.truth import inside, truth_of_contours, truth_of_mask
+from cpm_core.contours.ground_truth import inside, truth_of_contours, truth_of_mask
 
 from .scenes import circle_points
 

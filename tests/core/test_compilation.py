@@ -8,8 +8,10 @@ import threading
 import numpy as np
 import pytest
 
-from cpm_core import Engine, Parameters, circle, compilation, kernel_cache
-from cpm_core.compilation import warm_up
+from cpm_core import Engine, Parameters, circle
+from cpm_core.numerics import jit_cache
+from cpm_core.segmentation import warm_up as compilation
+from cpm_core.segmentation.warm_up import warm_up
 
 from .scenes import disk
 
@@ -47,7 +49,7 @@ def test_warming_up_beside_a_run_does_not_change_it():
 @pytest.fixture
 def new_folder(tmp_path, monkeypatch):
     """A folder in which nothing is kept yet, and two cores."""
-    monkeypatch.setattr(kernel_cache, "folder_of_this_package", lambda: tmp_path)
+    monkeypatch.setattr(jit_cache, "folder_of_this_package", lambda: tmp_path)
     monkeypatch.setattr(compilation, "cores", lambda: 2)
     return tmp_path
 
@@ -124,7 +126,7 @@ def test_loops_kept_already_are_not_taken_over(tmp_path):
             (folder / name).write_text(text)
     for name in ("a.g-9.py311.nbi", "a.g-9.py311.1.nbc", "a.g-9.py311.2.nbc"):
         (source / name).write_text("new")
-    kernel_cache.take_over(aside, kept)
+    jit_cache.take_over(aside, kept)
     assert {path.name: path.read_text() for path in (kept / "cpm_core_1").iterdir()} == {
         "a.f-1.py311.nbi": "old",
         "a.f-1.py311.1.nbc": "old",

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Contour
-from cpm_core.contour_table import containment, measure
-from cpm_core.contrast import Sides
+from cpm_core.contours.measurements import containment, measure
+from cpm_core.field.region_contrast import Sides
 
 from .scenes import circle_points
 

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import coulomb_force, threads
-from cpm_core.coulomb.force import METHODS
+from cpm_core import coulomb_force
+from cpm_core.numerics import parallel
+from cpm_core.particles.coulomb.coulomb_force import METHODS
 
 
 def naive(points):
@@ -79,7 +80,7 @@ def test_same_bits_whatever_the_number_of_threads(count, method, monkeypatch):
     points = crowd(count)
     first = coulomb_force(points, method)
     for cores in (1, 2, 3, 8):
-        monkeypatch.setattr(threads, "cores", lambda cores=cores: cores)
+        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
         assert coulomb_force(points, method).tobytes() == first.tobytes()
 
 

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Parameters, circle, segment
-from cpm_core.bridge import Bridge
-from cpm_core.contour import Contour
-from cpm_core.curation import REACH, Mark, Neighbourhood, anchor, apply, attached, curated, distances, middle
-from cpm_core.result import Result
+from cpm_core.contours.bridge import Bridge
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
+from cpm_core.contours.review import REACH, Mark, Neighbourhood, anchor, apply, attached, curated, distances, middle
 
 
 def ring(row: float, col: float, radius: float, count: int = 60, turn: float = 0.0) -> Contour:

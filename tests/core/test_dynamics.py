@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from cpm_core import dynamics
-from cpm_core.dynamics import LATEST, damped_series, damping, is_stuck, normalised_coulomb, repulsion_left
+from cpm_core.dynamics import equations
+from cpm_core.dynamics.equations import LATEST, damped_series, damping, is_stuck, normalised_coulomb, repulsion_left
 
 
 class Moving:
@@ -26,7 +26,7 @@ class Moving:
         series = damped_series(beta * dt)
         place, velocity = self.position.copy(), self.velocity.copy()
         for n in np.ndindex(place.shape):
-            place[n], velocity[n] = dynamics.advance(
+            place[n], velocity[n] = equations.advance(
                 self.position[n], self.velocity[n], force[n], self.last[n], self.before[n], dt, series
             )
         return Moving(place, velocity, [force, self.last])

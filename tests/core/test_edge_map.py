@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import edge_map
-from cpm_core.edge_map import automatic_smoothing, background_strength, gradient, magnitude, prepared
+from cpm_core.field.edge_map import automatic_smoothing, background_strength, gradient, magnitude, prepared
 
 from .scenes import disk
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cpm_core import electric_field
 from cpm_core.field import convolution
 from cpm_core.field.convolution import convolved_field
-from cpm_core.level import unit_vectors
+from cpm_core.field.scale_field import unit_vectors
 
 
 def direct(f, power):

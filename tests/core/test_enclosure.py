@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from cpm_core.enclosure import launch_places
-from cpm_core.initialization import circle
-from cpm_core.level import build_level
+from cpm_core.field.scale_field import build_level
+from cpm_core.image.regions import Regions
 from cpm_core.parameters import Parameters
-from cpm_core.regions import Regions
-from cpm_core.segmentation import segment
+from cpm_core.particles.initialization import circle
+from cpm_core.segmentation.enclosed_regions import launch_places
+from cpm_core.segmentation.segment import segment
 
 ROW, COL = np.indices((120, 140))
 

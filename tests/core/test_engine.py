@@ -6,9 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cpm_core import Engine, Image, Parameters, Regions, circle, threads
-from cpm_core.equilibrium import STILL
+from cpm_core import Engine, Image, Parameters, Regions, circle
+from cpm_core.dynamics.equilibrium import STILL
 from cpm_core.field.interpolation import interpolate
+from cpm_core.numerics import parallel
 
 from .moving import repulsion
 from .scenes import disk, ring
@@ -73,7 +74,7 @@ def test_same_bits_on_any_number_of_cores(monkeypatch):
     assert len(seeds) > 3 * 600
     runs = []
     for cores in (1, 2, 3):
-        monkeypatch.setattr(threads, "cores", lambda cores=cores: cores)
+        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
         runs.append([frozen(state) for state in run(engine, seeds, parameters, 25)])
     assert runs[0] == runs[1] == runs[2]
 

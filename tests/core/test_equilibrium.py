@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.equilibrium import EPSILON, STILL, epsilon, is_idle, is_quiet
+from cpm_core.dynamics.equilibrium import EPSILON, STILL, epsilon, is_idle, is_quiet
 
 T = 4
 histories = st.lists(st.lists(st.floats(0.0, 500.0), min_size=T, max_size=T), min_size=1, max_size=20)

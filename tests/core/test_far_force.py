@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.coulomb.far_force import NOTHING_FAR, far_at, far_force, nodes, spline
+from cpm_core.particles.coulomb.mesh_force import NOTHING_FAR, far_at, far_force, nodes, spline
 
 from .moving import coulomb, offsets
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from cpm_core.edge_map import gradient, magnitude
-from cpm_core.frame import inside_frame
-from cpm_core.initialization import uniform_grid
+from cpm_core.field.edge_map import gradient, magnitude
+from cpm_core.image.border import inside_frame
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation import segment
+from cpm_core.particles.initialization import uniform_grid
+from cpm_core.segmentation.segment import segment
 
 
 def framed(width, level=20.0, sides=("top", "bottom", "left", "right")):

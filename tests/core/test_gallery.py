@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from cpm_core import Contour, cli, edge_map
-from cpm_core.gallery import figures, pictures, recovery, silhouettes, skeletons, studies
-from cpm_core.gallery.drawing import draw
-from cpm_core.gallery.figures import FIGURES, Figure, summary, write_figures
-from cpm_core.gallery.outlines import (
+from cpm_core.cli.figures import figures, pictures, recovery, silhouettes, skeletons, studies
+from cpm_core.cli.figures.drawing import draw
+from cpm_core.cli.figures.figures import FIGURES, Figure, summary, write_figures
+from cpm_core.cli.figures.outlines import (
     blended,
     coverage,
     curve,
@@ -33,10 +33,10 @@ from cpm_core.gallery.outlines import (
     union,
     without,
 )
-from cpm_core.gallery.pages import Map, Page, Picture, Stairs
-from cpm_core.gallery.runs import run
-from cpm_core.gallery.scenes import closed
-from cpm_core.reconstruction.measures import sampled
+from cpm_core.cli.figures.pages import Map, Page, Picture, Stairs
+from cpm_core.cli.figures.runs import run
+from cpm_core.cli.figures.scenes import closed
+from cpm_core.contours.distances import sampled
 
 from .scenes import antialiased, circle_points
 
@@ -364,7 +364,7 @@ def test_without_matplotlib_a_sentence_says_what_to_install(tiny, tmp_path, monk
 
 
 def test_matplotlib_is_not_loaded_before_something_is_drawn():
-    program = "import sys, cpm_core.cli, cpm_core.gallery.figures; print('matplotlib' in sys.modules)"
+    program = "import sys, cpm_core.cli, cpm_core.cli.figures.figures; print('matplotlib' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "False\n", "")
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.ground import explore, idle_at, renewed, unvisited
+from cpm_core.particles.coverage import explore, idle_at, renewed, unvisited
 
 SHAPE = (50, 38)
 SIDE = 4.0

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from cpm_core.image import MINIMUM_SIDE, Image
+from cpm_core.image.image import MINIMUM_SIDE, Image
 
 
 def test_values_become_a_float64_copy_that_nobody_can_write_to():

@@ -11,11 +11,11 @@ import numba
 import pytest
 
 import cpm_core
-from cpm_core import kernel_cache
+from cpm_core.numerics import jit_cache
 
-INNER = "from cpm_core.kernels import compiled\n\n@compiled\ndef inner(x):\n    return x + {}\n"
+INNER = "from cpm_core.numerics.jit import compiled\n\n@compiled\ndef inner(x):\n    return x + {}\n"
 OUTER = (
-    "import sys\nimport numba\nfrom cpm_core.kernels import compiled\nfrom cpm_core.inner import inner\n"
+    "import sys\nimport numba\nfrom cpm_core.numerics.jit import compiled\nfrom cpm_core.inner import inner\n"
     "from cpm_core.constants import FACTOR\n\n@compiled\ndef outer(x):\n    return FACTOR * inner(x)\n\n"
     "@numba.njit(cache=True)\ndef foreign(x):\n    return x\n\n"
     "kept = outer.stats\n"
@@ -27,10 +27,10 @@ OUTER = (
 def package(tmp_path):
     """A small package of the same name, with the real modules that decide where loops are kept."""
     made = tmp_path / "cpm_core"
-    made.mkdir()
+    (made / "numerics").mkdir(parents=True)
     (made / "__init__.py").touch()
-    for name in ("kernels.py", "kernel_cache.py"):
-        shutil.copy(Path(cpm_core.__file__).parent / name, made)
+    for name in ("__init__.py", "jit.py", "jit_cache.py"):
+        shutil.copy(Path(cpm_core.__file__).parent / "numerics" / name, made / "numerics")
     (made / "inner.py").write_text(INNER.format(1.0))
     (made / "constants.py").write_text("FACTOR = 2.0\n")
     (made / "other.py").write_text("OTHER = 3.0\n")
@@ -85,26 +85,26 @@ def test_a_folder_chosen_for_numba_is_respected(package, tmp_path):
     ],
 )
 def test_another_source_that_loops_depend_on_gives_another_version(package, name, source, another):
-    before = kernel_cache.digest(package)
-    assert kernel_cache.digest(package) == before
+    before = jit_cache.digest(package)
+    assert jit_cache.digest(package) == before
     (package / name).write_text(source)
-    assert (kernel_cache.digest(package) != before) == another
+    assert (jit_cache.digest(package) != before) == another
 
 
 def test_another_numba_gives_another_version(package, monkeypatch):
-    before = kernel_cache.digest(package)
+    before = jit_cache.digest(package)
     monkeypatch.setattr(numba, "__version__", "0.1")
-    assert kernel_cache.digest(package) != before
+    assert jit_cache.digest(package) != before
 
 
 def test_the_hour_of_a_source_does_not_matter(package):
-    before = kernel_cache.digest(package)
+    before = jit_cache.digest(package)
     os.utime(package / "inner.py", (1.0, 1.0))
-    assert kernel_cache.digest(package) == before
+    assert jit_cache.digest(package) == before
 
 
 def test_without_sources_the_choice_is_left_to_numba(tmp_path):
-    assert kernel_cache.folder(tmp_path, str(tmp_path / "chosen")) is None
+    assert jit_cache.folder(tmp_path, str(tmp_path / "chosen")) is None
     assert list(tmp_path.iterdir()) == []
 
 
@@ -116,17 +116,17 @@ def test_versions_not_used_for_long_are_removed_and_nothing_else(package, tmp_pa
         (chosen / name / "folder" / "a.nbc").touch()
     for name in ("loops-old", "somebody-else"):
         os.utime(chosen / name, (long_ago, long_ago))
-    made = kernel_cache.folder(package, str(chosen))
+    made = jit_cache.folder(package, str(chosen))
     assert made is not None
     assert {path.name for path in chosen.iterdir()} == {"loops-recent", "somebody-else", made.name}
 
 
 def test_a_version_in_use_is_not_taken_for_an_old_one(package, tmp_path):
-    name = f"loops-{kernel_cache.digest(package)}"
+    name = f"loops-{jit_cache.digest(package)}"
     kept = tmp_path / "chosen" / name
     kept.mkdir(parents=True)
     os.utime(kept, (1.0, 1.0))
-    assert kernel_cache.folder(package, str(tmp_path / "chosen")) == kept
+    assert jit_cache.folder(package, str(tmp_path / "chosen")) == kept
     assert kept.stat().st_mtime > time.time() - 3600.0
 
 
@@ -148,13 +148,13 @@ def test_each_platform_has_its_place(monkeypatch, platform, environment, expecte
         monkeypatch.setenv(name, value)
     monkeypatch.setattr(sys, "platform", platform)
     monkeypatch.setattr(Path, "home", lambda: Path("/home/ada"))
-    assert kernel_cache.user_cache() == expected
+    assert jit_cache.user_cache() == expected
 
 
 def test_the_setting_of_numba_is_put_back(monkeypatch):
     monkeypatch.setattr(numba.config, "CACHE_DIR", "as it was")
-    monkeypatch.setattr(kernel_cache, "folder", lambda package, chosen: Path("elsewhere"))
-    with pytest.raises(ZeroDivisionError), kernel_cache.kept_with_the_sources():
+    monkeypatch.setattr(jit_cache, "folder", lambda package, chosen: Path("elsewhere"))
+    with pytest.raises(ZeroDivisionError), jit_cache.kept_with_the_sources():
         assert numba.config.CACHE_DIR == "elsewhere"
         raise ZeroDivisionError
     assert numba.config.CACHE_DIR == "as it was"

@@ -5,9 +5,9 @@ import pytest
 from scipy import ndimage, special
 
 from cpm_core import circle, edge_map, electric_field, segment
-from cpm_core import level as level_of
+from cpm_core.field import scale_field as level_of
 from cpm_core.field.interpolation import interpolate
-from cpm_core.level import WEAKEST_EDGE, build_level
+from cpm_core.field.scale_field import WEAKEST_EDGE, build_level
 
 from .scenes import disk, outline_distance, ring, u_shape
 

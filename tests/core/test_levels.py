@@ -8,11 +8,11 @@ from threading import Thread
 import numpy as np
 import pytest
 
-from cpm_core import level as level_of
-from cpm_core import levels as levels_of
-from cpm_core.levels import Levels
+from cpm_core.field import scale_field as level_of
+from cpm_core.field import scale_space as levels_of
+from cpm_core.field.scale_space import Levels
+from cpm_core.image.regions import Regions
 from cpm_core.parameters import PARAMETERS, Parameters
-from cpm_core.regions import Regions
 
 from .scenes import disk
 
@@ -169,6 +169,6 @@ def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
 
     monkeypatch.setattr(level_of, "_PART", image.size)
 
-    for name in ("cpm_core.level", "cpm_core.edge_map"):
+    for name in ("cpm_core.field.scale_field", "cpm_core.field.edge_map"):
         monkeypatch.setattr(sys.modules[name], "share", alone)
     np.testing.assert_array_equal(Levels(image, 1).at(0, START).felt, pieces.felt)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpm_core import Contour
-from cpm_core.reconstruction.measures import compare, distance_to, sampled
+from cpm_core.contours.distances import compare, distance_to, sampled
 
 from .scenes import circle_points, outline_distance
 

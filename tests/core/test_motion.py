@@ -8,12 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import Parameters, threads
-from cpm_core.coulomb.far_force import NOTHING_FAR, far_force
-from cpm_core.dynamics import damped_series, damping, is_stuck, repulsion_left
-from cpm_core.level import GATE, build_level
-from cpm_core.motion import far_force_for, move
-from cpm_core.particles import MEMORY, Particles
+from cpm_core import Parameters
+from cpm_core.dynamics.equations import damped_series, damping, is_stuck, repulsion_left
+from cpm_core.dynamics.integrator import far_force_for, move
+from cpm_core.field.scale_field import GATE, build_level
+from cpm_core.numerics import parallel
+from cpm_core.particles.coulomb.mesh_force import NOTHING_FAR, far_force
+from cpm_core.particles.state import MEMORY, Particles
 
 from .moving import coulomb, even_level, repulsion, spacing, survey
 
@@ -354,7 +355,7 @@ def test_same_bits_on_any_number_of_cores(monkeypatch, mesh):
     far = far_force(before.position, SHAPE, 10.0) if mesh else NOTHING_FAR
     bits = []
     for cores in (1, 2, 3):
-        monkeypatch.setattr(threads, "cores", lambda cores=cores: cores)
+        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
         after, motion = moved(before, far=far)
         quantities = (after.position, after.velocity, after.force, after.distance, motion)
         bits.append([quantity.tobytes() for quantity in quantities])

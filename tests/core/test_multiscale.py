@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.multiscale import most_scales, pyramid, shape_of_scale, to_image, to_scale
+from cpm_core.image.pyramid import most_scales, pyramid, shape_of_scale, to_image, to_scale
 
 shapes = st.tuples(st.integers(32, 75), st.integers(32, 75))
 SIZES = [(32, 32), (33, 40), (41, 35), (64, 47)]

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.neighbors import build_cells, cell_of, cells_around, row_of_cells
+from cpm_core.particles.cell_list import build_cells, cell_of, cells_around, row_of_cells
 
 HEIGHT, WIDTH = 60, 45
 

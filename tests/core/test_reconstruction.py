@@ -10,11 +10,11 @@ from scipy import special
 from scipy.spatial import Delaunay, Voronoi
 
 from cpm_core import reconstruct_curve
-from cpm_core.level import build_level
-from cpm_core.reconstruction.closing import close_gaps
-from cpm_core.reconstruction.curve import crust
-from cpm_core.reconstruction.graph import Graph
-from cpm_core.reconstruction.refinement import crest
+from cpm_core.contours.graph import Graph
+from cpm_core.field.scale_field import build_level
+from cpm_core.reconstruction.curve.crust import crust
+from cpm_core.reconstruction.curve.end_linking import close_gaps
+from cpm_core.reconstruction.curve.subpixel import crest
 
 from .scenes import circle_points, disk
 

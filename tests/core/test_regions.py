@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, Regions, circle, segment, uniform_grid
-from cpm_core.level import build_level
-from cpm_core.multiscale import pyramid, to_image
-from cpm_core.walls import build_walls
+from cpm_core.field.scale_field import build_level
+from cpm_core.image.barriers import build_walls
+from cpm_core.image.pyramid import pyramid, to_image
 
 from .scenes import disk, outline_distance, ring
 

@@ -11,11 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cpm_core import Image, gradient_threshold, paths
-from cpm_core.charges import STRONGEST
-from cpm_core.edge_map import automatic_smoothing, edge_map
+from cpm_core import Image, gradient_threshold
+from cpm_core.field.edge_map import automatic_smoothing, edge_map
+from cpm_core.field.placed_charges import STRONGEST
+from cpm_core.numerics import polyline
 from cpm_core.shapes import SHAPES, Charge, Circle, Ellipse, Everywhere, Grid, Points, Polygon, Region, Threshold
-from cpm_core.sowing import Sowable, Sower
+from cpm_core.shapes.image_starts import Sowable, Sower
 
 coordinates = st.floats(-100, 200, allow_nan=False).map(lambda number: round(number, 3))
 positions = st.tuples(coordinates, coordinates)
@@ -65,7 +66,7 @@ def test_particles_move_with_their_shape_and_lie_two_px_apart_along_its_line(sha
     seeds = shape.seeds()
     np.testing.assert_allclose(shape.moved(by).seeds(), seeds + by, atol=1e-6)
     line = shape.outline
-    assert paths.distances([tuple(p) for p in line.tolist()], seeds).max() < 1e-6
+    assert polyline.distances([tuple(p) for p in line.tolist()], seeds).max() < 1e-6
     along = np.hypot(*np.diff(line, axis=0).T).sum()
     count = max(1, round(along / 2.0))
     assert len(seeds) == count
@@ -81,9 +82,9 @@ def test_the_distance_is_that_of_the_nearest_place_on_the_line(shape, position) 
 
 @given(areas, positions)
 def test_an_area_holds_what_its_line_winds_around(shape, position) -> None:
-    if paths.distance((*shape.points, shape.points[0]), position) > 1e-6:
+    if polyline.distance((*shape.points, shape.points[0]), position) > 1e-6:
         inside = wound_around(shape.points, position)
-        assert bool(paths.inside(shape.points, np.array([position]))[0]) == inside
+        assert bool(polyline.inside(shape.points, np.array([position]))[0]) == inside
         assert shape.encloses(position) == (inside and not isinstance(shape, Region))
 
 
@@ -143,7 +144,7 @@ def test_the_particles_of_a_grid_lie_in_its_area_at_its_spacing_and_leave_no_roo
     seeds = grid.seeds()
     if len(seeds) == 1:
         return
-    assert paths.inside(grid.points, seeds).all()
+    assert polyline.inside(grid.points, seeds).all()
     off = (seeds - seeds[0]) / grid.spacing
     np.testing.assert_allclose(off, np.round(off), atol=1e-6)
     assert len(np.unique(np.round(off), axis=0)) == len(seeds)
@@ -151,7 +152,7 @@ def test_the_particles_of_a_grid_lie_in_its_area_at_its_spacing_and_leave_no_roo
     reach = np.ceil((high - low) / grid.spacing) + 1
     steps = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in reach), indexing="ij"), axis=-1).reshape(-1, 2)
     every = seeds[0] + grid.spacing * steps
-    well_inside = paths.inside(grid.points, every) & (paths.distances(grid.outline.tolist(), every) > 1e-6)
+    well_inside = polyline.inside(grid.points, every) & (polyline.distances(grid.outline.tolist(), every) > 1e-6)
     assert len(seeds) >= np.count_nonzero(well_inside)
 
 
@@ -187,12 +188,12 @@ def test_a_threshold_anywhere_gives_pixels_of_the_image_alone(values, row, col) 
     area = Threshold(((row, col), (row, col + 25.0), (row + 25.0, col)), 0.2)
     sown = area.sow(values, lambda: edge_map(values, 1.0))
     assert ((sown >= 0) & (sown < values.shape)).all()
-    assert paths.inside(area.points, sown).all()
+    assert polyline.inside(area.points, sown).all()
 
 
 def test_dragging_an_area_about_asks_for_the_edges_once(values, monkeypatch) -> None:
     asked = []
-    monkeypatch.setattr("cpm_core.sowing.edge_map", lambda *given: asked.append(given) or edge_map(*given))
+    monkeypatch.setattr("cpm_core.shapes.image_starts.edge_map", lambda *given: asked.append(given) or edge_map(*given))
     sower = Sower(Image(values))
     area = Threshold(((5.0, 5.0), (5.0, 40.0), (50.0, 40.0)))
     for step in range(6):

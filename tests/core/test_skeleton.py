@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 
 import cpm_core as cpm
-from cpm_core.formats.branch_mask import paint
+from cpm_core.formats.masks.branch_mask import paint
 
 from . import scenes
 

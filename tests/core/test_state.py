@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cpm_core import Engine, Parameters
-from cpm_core.coulomb.far_force import FAR_EVERY
-from cpm_core.particles import State
+from cpm_core.particles.coulomb.mesh_force import FAR_EVERY
+from cpm_core.particles.state import State
 
 from .scenes import ring
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cpm_core import Engine, Parameters, Regions, circle
-from cpm_core.levels import Levels
+from cpm_core.field.scale_space import Levels
 
 from .scenes import antialiased, disk
 

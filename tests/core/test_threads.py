@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cpm_core import threads
-from cpm_core.threads import share
+from cpm_core.numerics import parallel
+from cpm_core.numerics.parallel import share
 
 
 @given(st.integers(0, 1000), st.integers(1, 300))
@@ -28,7 +28,7 @@ def test_few_items_are_done_by_the_caller():
 
 
 def test_nobody_waits_behind_the_work_of_another_caller(monkeypatch):
-    monkeypatch.setattr(threads, "cores", lambda: 2)
+    monkeypatch.setattr(parallel, "cores", lambda: 2)
     begun, done = threading.Event(), threading.Event()
 
     def long(first, last):

@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from cpm_core import Engine, Parameters, circle, segment, uniform_grid
+from cpm_core.contours.graph import Graph
 from cpm_core.field.interpolation import interpolate
-from cpm_core.level import SPLINE_MARGIN, build_level
-from cpm_core.reconstruction import tracing
-from cpm_core.reconstruction.graph import Graph
-from cpm_core.reconstruction.refinement import crest
-from cpm_core.reconstruction.ridge import Ridge, height, ridge_of, spline_height, uphill
-from cpm_core.reconstruction.tracing import trace
+from cpm_core.field.scale_field import SPLINE_MARGIN, build_level
+from cpm_core.reconstruction.curve import ridge_tracing
+from cpm_core.reconstruction.curve.ridge import Ridge, height, ridge_of, spline_height, uphill
+from cpm_core.reconstruction.curve.ridge_tracing import trace
+from cpm_core.reconstruction.curve.subpixel import crest
 
 from .scenes import antialiased, circle_points, disk, outline_distance, polygon, turned
 
@@ -149,7 +149,7 @@ def test_walks_do_not_depend_on_how_they_are_shared_among_the_cores(loose_ends, 
         for first in reversed(range(0, count, part)):
             work(first, min(first + part, count))
 
-    monkeypatch.setattr(tracing, "share", share)
+    monkeypatch.setattr(ridge_tracing, "share", share)
     for found, truth in zip(trace(points, level, 2.0, at_rest=True), expected, strict=True):
         np.testing.assert_array_equal(found, truth)
 
@@ -157,14 +157,14 @@ def test_walks_do_not_depend_on_how_they_are_shared_among_the_cores(loose_ends, 
 def test_nor_on_how_often_they_run_out_of_room(loose_ends, monkeypatch):
     level, points = loose_ends
     vertices, edges = trace(points, level, 2.0)
-    called, most, walk = [], int(2.0 * 20.0 / 0.4) + 4, tracing.walk
+    called, most, walk = [], int(2.0 * 20.0 / 0.4) + 4, ridge_tracing.walk
 
     def in_little_room(*arguments):
         *others, new_vertices, new_edges = arguments
         called.append(1)
         return walk(*others, new_vertices[: most + 2], new_edges[: most + 2])
 
-    monkeypatch.setattr(tracing, "walk", in_little_room)
+    monkeypatch.setattr(ridge_tracing, "walk", in_little_room)
     for found, truth in zip(trace(points, level, 2.0), (vertices, edges), strict=True):
         np.testing.assert_array_equal(found, truth)
     assert len(called) > 50

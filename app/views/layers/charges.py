@@ -13,7 +13,7 @@ from app.views import theme
 from app.views.coordinates import to_xy
 from app.views.curves import Curves
 from app.views.markers import Markers
-from cpm_core.charges import RADIUS, REACH
+from cpm_core.field.placed_charges import RADIUS, REACH
 from cpm_core.shapes import Charge, Circle
 
 _Z = 7.6

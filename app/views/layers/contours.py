@@ -21,8 +21,8 @@ from app.views.curves import Curves
 from app.views.layers.layer import Layer
 from app.views.markers import Markers
 from app.views.names import Names
-from cpm_core.curation import middle
-from cpm_core.image import Image
+from cpm_core.contours.review import middle
+from cpm_core.image.image import Image
 
 
 class ContourLayer(Layer):

@@ -10,7 +10,7 @@ from app.views import theme
 from app.views.coordinates import to_xy
 from app.views.markers import Markers
 from app.views.pens import line_pen
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import Circle
 
 _Z = 8.0

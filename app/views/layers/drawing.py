@@ -21,8 +21,8 @@ from app.views.layers.draft import Draft
 from app.views.layers.layer import Layer
 from app.views.layers.limits import Limits
 from app.views.markers import Markers
-from cpm_core.image import Image
-from cpm_core.paths import Position
+from cpm_core.image.image import Image
+from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import (
     Charge,
     Circle,
@@ -37,7 +37,7 @@ from cpm_core.shapes import (
     Stroke,
     Threshold,
 )
-from cpm_core.sowing import NOWHERE, Sowable, Sown
+from cpm_core.shapes.image_starts import NOWHERE, Sowable, Sown
 
 _Z = 7.0
 _FAINT, _LIGHT = 0.45, 0.55

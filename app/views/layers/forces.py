@@ -18,7 +18,7 @@ from app.views import theme
 from app.views.layers.layer import Layer
 from app.views.layers.options import Amount
 from app.views.pinned import FAINT, INK, Pinned
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 
 Vector = NDArray[np.float64]
 

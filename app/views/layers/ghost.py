@@ -13,7 +13,7 @@ from app.views import theme
 from app.views.curves import Curves
 from app.views.discs import NO_POSITIONS, Discs
 from app.views.layers.layer import Layer
-from cpm_core.image import Image
+from cpm_core.image.image import Image
 
 
 class GhostLayer(Layer):

@@ -18,7 +18,7 @@ from app.views.layers.layer import Layer
 from app.views.layers.options import Amount, Choice
 from app.views.panels.image_form import ImageForm
 from app.views.pens import cached
-from cpm_core.image import Image
+from cpm_core.image.image import Image
 
 _WHOLE, _HAND = "0", "hand"
 

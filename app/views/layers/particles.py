@@ -17,7 +17,7 @@ from app.views.discs import NO_POSITIONS, Discs
 from app.views.layers.colour_legend import BEGIN, UNKNOWN, ColourLegend
 from app.views.layers.layer import Layer
 from app.views.layers.options import Choice
-from cpm_core.image import Image
+from cpm_core.image.image import Image
 
 _STATE = "state"
 _COLOURS = ("viridis", "cividis", "magma")

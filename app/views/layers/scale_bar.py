@@ -13,7 +13,7 @@ from app.session.session import Session
 from app.views.layers.layer import Layer
 from app.views.layers.options import Switch
 from app.views.pinned import INK, MARGIN, Pinned
-from cpm_core.image import Image
+from cpm_core.image.image import Image
 
 LONGEST = 160.0
 """Most that the bar may measure [px of the screen]; it is never shorter than 2/5 of it."""

@@ -13,8 +13,8 @@ from app.session.session import Session
 from app.views import theme
 from app.views.curves import Curves
 from app.views.layers.layer import Layer
-from cpm_core.image import Image
-from cpm_core.skeleton import Skeleton
+from cpm_core.image.image import Image
+from cpm_core.medial_axis.skeleton import Skeleton
 
 Array = NDArray[np.float64]
 

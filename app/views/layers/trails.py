@@ -21,7 +21,7 @@ from app.views import theme
 from app.views.coordinates import image_rectangle
 from app.views.layers.layer import Layer
 from app.views.layers.options import Amount
-from cpm_core.image import Image
+from cpm_core.image.image import Image
 
 Array = NDArray[np.float64]
 

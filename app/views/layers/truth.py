@@ -14,7 +14,7 @@ from app.session.session import Session
 from app.views import theme
 from app.views.curves import Curves
 from app.views.layers.layer import Layer
-from cpm_core.image import Image
+from cpm_core.image.image import Image
 
 
 class TruthLayer(Layer):

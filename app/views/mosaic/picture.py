@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QTransfo
 from app.model.shades import Shades
 from app.views import theme
 from app.views.coordinates import to_xy
-from cpm_core.contour import Contour
+from cpm_core.contours.contour import Contour
 
 _LINE, _HALO = 1.8, 3.2
 

@@ -9,7 +9,7 @@ from app.views.panels.levels import Levels
 
 if TYPE_CHECKING:
     from app.views.layers.image import ImageLayer
-    from cpm_core.image import Image
+    from cpm_core.image.image import Image
 
 
 class ImageForm(LayerForm):

@@ -22,7 +22,7 @@ from app.session.ground_truth import GroundTruth
 from app.views import theme
 from app.views.icons import swatch
 from app.views.panels.marked_slider import MarkedSlider
-from cpm_core.comparison import TOLERANCE, Comparison
+from cpm_core.contours.agreement import TOLERANCE, Comparison
 
 _FIGURES: tuple[tuple[str, str, str], ...] = (
     ("dice", tr("Dice"), tr("Overlap of the areas: 1 when they are the same, 0 when they have nothing in common.")),

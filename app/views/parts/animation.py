@@ -23,8 +23,8 @@ from app.views.frame_renderer import Frame, FrameRenderer, frame_size, seen_part
 from app.views.part import Desk, Part
 from app.views.strip_dialog import StripDialog, StripPlan
 from app.views.understudy import Told
-from cpm_core.formats.animation import ANIMATED, check_animation, write_animation
-from cpm_core.formats.snapshot_strip import strip, write_picture
+from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
+from cpm_core.formats.animations.snapshot_strip import strip, write_picture
 
 _AHEAD = 4
 """Frames that may wait for being written."""

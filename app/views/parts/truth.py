@@ -14,7 +14,7 @@ from app.views.entry import Entry
 from app.views.panels.truth_panel import TruthPanel
 from app.views.part import Desk, Panel, Part
 from cpm_core.formats import READABLE
-from cpm_core.formats.contour_files import CONTOURS_READABLE
+from cpm_core.formats.contours.contour_files import CONTOURS_READABLE
 
 _SPAN = 48.0
 """Side of what is shown of a place that is jumped to, at least [px of the image]."""

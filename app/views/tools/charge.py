@@ -9,7 +9,7 @@ from app.model.language import tr
 from app.model.naming import describe
 from app.session.session import Session
 from app.views.tools.tool import Momentary, new_gesture
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import Charge
 
 STRENGTH = 2.0

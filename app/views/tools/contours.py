@@ -8,7 +8,7 @@ from PySide6.QtGui import QGuiApplication
 from app.model.language import tr
 from app.session.session import Session
 from app.views.tools.tool import Cursor, Momentary
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 
 
 class ContourTool(Momentary):

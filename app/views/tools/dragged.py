@@ -9,7 +9,7 @@ from typing import ClassVar
 from app.model import edits
 from app.session.session import Session
 from app.views.tools.tool import Momentary, new_gesture
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import SMALLEST_RADIUS, Shape
 
 

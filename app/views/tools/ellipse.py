@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from app.model.language import tr
 from app.session.session import Session
 from app.views.tools.dragged import Dragged
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import SMALLEST_RADIUS, Ellipse
 
 

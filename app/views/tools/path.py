@@ -13,8 +13,8 @@ from app.model.language import tr
 from app.session.session import Session
 from app.views import theme
 from app.views.layers.drawing import DrawingLayer
-from cpm_core import paths
-from cpm_core.paths import Position
+from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import Barrier, Grid, Polygon, Region, Shape, Stroke, Threshold
 
 _FINEST = 1.0
@@ -60,7 +60,7 @@ class PathKind:
         """Whether a path is too small to be meant."""
         if len(path) < self.least:
             return True
-        return paths.area(path) < _SMALLEST if self.closed else paths.length(path) < _SHORTEST
+        return polyline.area(path) < _SMALLEST if self.closed else polyline.length(path) < _SHORTEST
 
 
 STROKE = PathKind(
@@ -228,7 +228,7 @@ class PathTool:
         """Make a shape of the path."""
         if not self._corners:
             return
-        path, kind = paths.thinned(self._corners), self.kind
+        path, kind = polyline.thinned(self._corners), self.kind
         self._forget()
         if kind.is_slip(path):
             told = tr("That is too little for a {shape}. {advice}")

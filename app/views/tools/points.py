@@ -6,7 +6,7 @@ from app.model import edits
 from app.model.language import tr
 from app.session.session import Session
 from app.views.tools.tool import Momentary, new_gesture
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import Points
 
 

@@ -12,7 +12,7 @@ from app.session.session import Session
 from app.views import theme
 from app.views.layers.drawing import DrawingLayer
 from app.views.tools.ringed import Ringed
-from cpm_core.paths import Position
+from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import Points
 
 _APART = 2.0

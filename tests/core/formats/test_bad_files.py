@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cpm_core.formats import load_image
-from cpm_core.image import Image
+from cpm_core.image.image import Image
 
 VALUES = (np.add.outer(np.arange(24) * 7, np.arange(30) * 5) % 251).astype(np.uint8)
 

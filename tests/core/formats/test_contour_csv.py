@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cpm_core.contour import Contour
-from cpm_core.contrast import Sides
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
+from cpm_core.field.region_contrast import Sides
 from cpm_core.formats import export, load_points
-from cpm_core.result import Result
 
 LINE = Contour(np.array([[1.0, 2.0], [3.25, 4.0], [5.0, 60.0]]), closed=False, strength=3.0)
 SQUARE = Contour(np.array([[10.0, 20.0], [10.0, 40.5], [30.125, 40.5], [30.125, 20.0]]), closed=True, strength=12.5)

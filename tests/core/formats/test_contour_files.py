@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cpm_core.formats import export
-from cpm_core.formats.contour_files import load_contours, read_contours
+from cpm_core.formats.contours.contour_files import load_contours, read_contours
 
 from .drawn import RESULT
 

@@ -6,9 +6,9 @@ import re
 import numpy as np
 import pytest
 
-from cpm_core.contour import Contour
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
 from cpm_core.formats import WRITABLE, check_export, encoded, export, suffix_of
-from cpm_core.result import Result
 
 TRIANGLE = np.array([[5.0, 5.0], [5.0, 20.0], [20.0, 5.0]])
 

@@ -4,9 +4,9 @@ import imageio.v3 as iio
 import numpy as np
 import pytest
 
-from cpm_core.contour import Contour
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
 from cpm_core.formats import export
-from cpm_core.result import Result
 
 
 def polygon_of(row, col, radius, count=40, rough=0.0, seed=0):

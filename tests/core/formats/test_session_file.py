@@ -14,9 +14,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cpm_core.curation import Mark, Verdict
-from cpm_core.formats.plain import LARGEST
-from cpm_core.formats.session_file import (
+from cpm_core.contours.review import Mark, Verdict
+from cpm_core.formats.sessions.plain import LARGEST
+from cpm_core.formats.sessions.session_file import (
     ImageFile,
     SessionFile,
     decode,

@@ -7,8 +7,8 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from cpm_core.formats import snapshot_strip
-from cpm_core.formats.snapshot_strip import strip, write_picture
+from cpm_core.formats.animations import snapshot_strip
+from cpm_core.formats.animations.snapshot_strip import strip, write_picture
 
 
 def frame(level, shape=(60, 80)):

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cpm_core.contour import Contour
-from cpm_core.contrast import Sides
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
+from cpm_core.field.region_contrast import Sides
 from cpm_core.formats import export
-from cpm_core.result import Result
 
 SVG = "{http://www.w3.org/2000/svg}"
 SQUARE = Contour(np.array([[10.0, 20.0], [10.0, 40.5], [30.125, 40.5], [30.125, 20.0]]), closed=True, strength=12.5)

@@ -1,0 +1,113 @@
+"""Whole runs, from the image to the contours, beside level sets and snakes on the same image."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from math import log
+
+import numpy as np
+import skimage
+from numpy.typing import NDArray
+
+from cpm_core.cli.bench.measurement import TOO_LONG, Measurement, Patience, seconds_of
+from cpm_core.cli.bench.scenes import HAND, objects, one_object
+from cpm_core.image.image import Image
+from cpm_core.image.pyramid import most_scales
+from cpm_core.parameters import PRESETS
+from cpm_core.particles.initialization import circle, uniform_grid
+from cpm_core.segmentation.segment import segment
+
+Array = NDArray[np.float64]
+
+_RADIUS, _AROUND, _SNAKE = 12.0, 33.0, 200
+"""Radius of the circle in the object that is found by itself, and of that around it which a snake starts from [px];
+points of the snake."""
+
+_AUTOMATIC = PRESETS["automatic"]
+
+
+def whole_runs(patience: Patience, image: Image | None = None) -> Iterator[Measurement]:
+    """Runs that start everywhere, and one that starts in one object.
+
+    Parameters
+    ----------
+    patience : Patience
+        How long to look.
+    image : Image, optional
+        What to work on instead of the scene of our own.
+
+    Yields
+    ------
+    Measurement
+        One for each peer; with the scene, also for one object, and for scenes of other sizes.
+    """
+    values = image.values if image is not None else objects((160, 220) if patience.quick else HAND)
+    name = image.source if image is not None else "scene"
+    what = f"{name} {_size(values)}, start everywhere"
+    peers = _level_sets(values)
+    ours, *theirs = seconds_of(patience, lambda: _everywhere(values), *peers.values())
+    for peer, seconds in zip(peers, theirs, strict=True):
+        yield Measurement("run", what, ours, "s", peer, seconds)
+    if image is None:
+        yield _one_object(values, patience)
+        yield from _growth(values.shape, ours, patience)
+
+
+def _everywhere(values: Array) -> object:
+    return segment(values, uniform_grid(values.shape), replace(_AUTOMATIC, scales=_scales(values)))
+
+
+def _scales(values: Array) -> int:
+    """As many scales as usual, or as a small image admits."""
+    return min(_AUTOMATIC.scales, most_scales(values.shape))
+
+
+def _level_sets(values: Array) -> dict[str, Callable[[], object]]:
+    """Peers that need no drawing either."""
+    grey = (values - values.min()) / max(float(np.ptp(values)), 1e-300)
+    methods = skimage.segmentation
+
+    def geodesic() -> object:
+        slope = methods.inverse_gaussian_gradient(grey)
+        return methods.morphological_geodesic_active_contour(slope, 230, init_level_set="disk", balloon=1)
+
+    return {
+        "morphological GAC, 230 iterations": geodesic,
+        "morphological Chan-Vese, 35 iterations": lambda: methods.morphological_chan_vese(grey, 35),
+        "Chan-Vese, 200 iterations": lambda: methods.chan_vese(grey, max_num_iter=200),
+    }
+
+
+def _one_object(values: Array, patience: Patience) -> Measurement:
+    """A circle in one object, beside a snake around it; the whole image is prepared for both."""
+    center = one_object(values.shape)
+    angle = 2.0 * np.pi * np.arange(_SNAKE) / _SNAKE
+    around = np.array(center) + _AROUND * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+
+    def snake() -> object:
+        smooth = skimage.filters.gaussian(values / 255.0, 2.0)
+        return skimage.segmentation.active_contour(smooth, around, alpha=0.015, beta=1.0, gamma=0.01)
+
+    ours, peer = seconds_of(patience, lambda: segment(values, circle(center, _RADIUS)), snake)
+    what = f"scene {_size(values)}, circle in one object"
+    return Measurement("run", what, ours, "s", "active contour from around it", peer)
+
+
+def _growth(shape: tuple[int, ...], seconds: float, patience: Patience) -> Iterator[Measurement]:
+    """Whole runs on scenes of twice and four times the size, with as many more objects."""
+    rows, cols = shape
+    pixels = rows * cols
+    for larger in ((rows, 2 * cols),) if patience.quick else ((rows, 2 * cols), (2 * rows, 2 * cols)):
+        if 2.0 * seconds > TOO_LONG:
+            return
+        values, before = objects(larger), seconds
+        (seconds,) = seconds_of(patience, partial(_everywhere, values))
+        growth = log(seconds / before) / log(values.size / pixels)
+        pixels = values.size
+        yield Measurement("run", f"scene {_size(values)}, start everywhere", seconds, "s", growth=growth)
+
+
+def _size(values: Array) -> str:
+    return " x ".join(map(str, values.shape))

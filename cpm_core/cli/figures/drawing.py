@@ -1,0 +1,302 @@
+"""Pages as PNG pictures, drawn by matplotlib, which is needed only here and loaded only when something is drawn."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import PIL.Image
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.cli.figures.pages import Map, Page, Panel, Picture, Stairs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+# The colours of the window's canvas: hues after Okabe and Ito, which colour-blind people tell apart, with a dark halo.
+PARTICLE, CLOSED, OPEN, JUNCTION, FIELD = "#f0e442", "#56b4e9", "#ff9d1e", "#ff7ac6", "#ff9ad5"
+HALO, TEXT, DIM, PAPER = "#101216", "#1b1f24", "#5a6470", "#ffffff"
+_SERIES = ("#0072b2", "#d55e00", "#009e73")
+_HEAT = "cividis"
+
+_DPI = 100
+_MARGIN, _GAP, _HEAD, _LEGEND, _TITLE, _LINE, _WIDEST, _PANEL = 18, 14, 30, 24, 24, 16, 1600, 290
+"""Sizes on a page [px]; no panel of one column is wider than the last of them, no page than the one before it."""
+
+_CHART, _TALLEST_CHART = 0.7, 320
+_ARROWS = 26
+_DOTS = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
+"""Up to how many particles on a picture a dot is drawn in which area [pt²]; the smallest have no halo."""
+
+_DARKEST, _BRIGHTEST = 0.1, 0.86
+"""How bright the extreme grey levels are drawn, so that lines and their halos show on them."""
+
+
+def require_matplotlib() -> None:
+    """Raise a ValueError that says what to install unless matplotlib can be loaded."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise ValueError(
+            "the figures are drawn by matplotlib, which is not installed: get it with pip install matplotlib."
+        ) from None
+
+
+def draw(page: Page, title: str) -> bytes:
+    """Draw a page.
+
+    Parameters
+    ----------
+    page : Page
+        What to draw.
+    title : str
+        Its heading.
+
+    Returns
+    -------
+    bytes
+        A PNG file with a palette.
+
+    Raises
+    ------
+    ValueError
+        When matplotlib is not installed.
+    """
+    require_matplotlib()
+    import matplotlib.style
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    columns = max(sum(panel.span if panel else 1 for panel in row) for row in page.rows)
+    unit = min(_PANEL, (_WIDEST - 2 * _MARGIN - (columns - 1) * _GAP) // columns)
+    heights = [max(_height(panel, unit) for panel in row if panel) for row in page.rows]
+    size = (2 * _MARGIN + columns * unit + (columns - 1) * _GAP, 2 * _MARGIN + _HEAD + _LEGEND + sum(heights))
+    with matplotlib.style.context("default"):
+        figure = Figure(figsize=(size[0] / _DPI, size[1] / _DPI), dpi=_DPI, facecolor=PAPER)
+        canvas = FigureCanvasAgg(figure)
+        sheet = _Sheet(figure, size)
+        sheet.text(_MARGIN, _MARGIN + 12, title, 13.0, weight="bold")
+        _legend(sheet, page, _MARGIN + _HEAD + 6)
+        top = _MARGIN + _HEAD + _LEGEND
+        for row, height in zip(page.rows, heights, strict=True):
+            left = _MARGIN
+            for panel in row:
+                if panel is not None:
+                    _panel(sheet, panel, left, top, _width(panel, unit))
+                left += (_width(panel, unit) if panel else unit) + _GAP
+            top += height
+        canvas.draw()
+        pixels = np.asarray(canvas.buffer_rgba())[..., :3].copy()
+    return _png(pixels)
+
+
+class _Sheet:
+    """A figure with places in px from its upper left corner."""
+
+    def __init__(self, figure: Figure, size: tuple[int, int]) -> None:
+        self.figure = figure
+        self._width, self._height = size
+
+    def axes(self, left: float, top: float, width: float, height: float) -> Axes:
+        down = self._height - top - height
+        place = (left / self._width, down / self._height, width / self._width, height / self._height)
+        return self.figure.add_axes(place)
+
+    def text(self, left: float, middle: float, text: str, size: float, **style: Any) -> None:
+        style.setdefault("color", TEXT)
+        self.figure.text(
+            left / self._width, 1.0 - middle / self._height, text, fontsize=size, va="center", ha="left", **style
+        )
+
+    def width_of(self, text: str, size: float) -> float:
+        """Width of a text [px]."""
+        made = self.figure.text(0.0, 0.0, text, fontsize=size)
+        width = float(made.get_window_extent().width)
+        made.remove()
+        return width
+
+
+def _width(panel: Panel, unit: int) -> int:
+    return panel.span * unit + (panel.span - 1) * _GAP
+
+
+def _height(panel: Panel, unit: int) -> int:
+    """Height of a panel with its title and caption [px]."""
+    width = _width(panel, unit)
+    if isinstance(panel, Picture):
+        return _TITLE + _image_height(panel, width) + _LINE * len(panel.caption) + _GAP + 6
+    return _TITLE + _chart_height(width) + _GAP
+
+
+def _image_height(panel: Picture, width: int) -> int:
+    rows, cols = panel.values.shape
+    return int(width * rows / cols)
+
+
+def _chart_height(width: int) -> int:
+    return min(_TALLEST_CHART, round(_CHART * width))
+
+
+def _panel(sheet: _Sheet, panel: Panel, left: int, top: int, width: int) -> None:
+    sheet.text(left, top + 0.5 * _TITLE, panel.title, 9.5, weight="bold")
+    top += _TITLE
+    if isinstance(panel, Picture):
+        height = _image_height(panel, width)
+        _picture(sheet.axes(left, top, width, height), panel)
+        for number, line in enumerate(panel.caption):
+            sheet.text(left, top + height + 5 + _LINE * (number + 0.5), line, 8.5, color=DIM)
+    else:
+        axes = sheet.axes(left + 58, top + 4, width - 70, _chart_height(width) - 50)
+        axes.tick_params(labelsize=8.5, colors=DIM, length=3)
+        axes.set_xlabel(panel.x_label, fontsize=9, color=TEXT)
+        axes.set_ylabel(panel.y_label, fontsize=9, color=TEXT)
+        (_stairs if isinstance(panel, Stairs) else _map)(axes, panel)  # type: ignore[arg-type]
+
+
+def _picture(axes: Axes, panel: Picture) -> None:
+    rows, cols = panel.values.shape
+    low, high = np.percentile(panel.values, (0.2, 99.8))
+    unit = (high - low) / (_BRIGHTEST - _DARKEST)
+    darkest, brightest = low - _DARKEST * unit, high + (1.0 - _BRIGHTEST) * unit
+    axes.imshow(panel.values, cmap="gray", vmin=darkest, vmax=brightest, interpolation="nearest", aspect="auto")
+    axes.set(xlim=(-0.5, cols - 0.5), ylim=(rows - 0.5, -0.5), xticks=[], yticks=[])
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    if panel.field is not None:
+        _arrows(axes, panel.field)
+    for contour in panel.contours:
+        path = contour.path
+        axes.plot(path[:, 1], path[:, 0], color=HALO, linewidth=2.6, solid_joinstyle="round")
+    for contour in panel.contours:
+        path = contour.path
+        colour = CLOSED if contour.closed else OPEN
+        axes.plot(path[:, 1], path[:, 0], color=colour, linewidth=1.5, solid_joinstyle="round")
+    junctions = _junctions(panel)
+    axes.scatter(junctions[:, 1], junctions[:, 0], s=26.0, c=JUNCTION, edgecolors=HALO, linewidths=0.7, zorder=4)
+    if panel.particles is not None:
+        row, col = panel.particles.T
+        size = next(size for most, size in _DOTS if len(panel.particles) <= most)
+        if size > _DOTS[-1][1]:
+            axes.scatter(col, row, s=2.4 * size, c=HALO, linewidths=0.0, zorder=5)
+        axes.scatter(col, row, s=size, c=PARTICLE, linewidths=0.0, zorder=6)
+
+
+def _junctions(panel: Picture) -> Array:
+    """Ends of contours that lie on junctions, shape (N, 2)."""
+    ends = [
+        contour.points[end]
+        for contour in panel.contours
+        for end, there in zip((0, -1), contour.junctions, strict=True)
+        if there
+    ]
+    return np.array(ends).reshape(-1, 2)
+
+
+def _arrows(axes: Axes, field: Array) -> None:
+    shape = field.shape[1:]
+    step = max(1, round(max(shape) / _ARROWS))
+    row, col = np.mgrid[step // 2 : shape[0] : step, step // 2 : shape[1] : step]
+    down, right = field[:, row, col]
+    axes.quiver(
+        col, row, right, down, angles="xy", scale_units="xy", scale=1.0 / (0.9 * step), units="dots", width=1.6,
+        color=FIELD, headwidth=4.0, headlength=4.5, headaxislength=4.0,
+    )  # fmt: skip
+
+
+def _stairs(axes: Axes, panel: Stairs) -> None:
+    most = max(max(series) for series in panel.series.values())
+    for number, (label, series) in enumerate(panel.series.items()):
+        lift = 0.05 * (number - 0.5 * (len(panel.series) - 1))  # so that lines on one another are all seen
+        colour, mark = _SERIES[number % 3], "os^"[number % 3]
+        axes.plot(
+            panel.x,
+            np.array(series) + lift,
+            color=colour,
+            marker=mark,
+            markersize=5,
+            linewidth=1.6,
+            label=label,
+            drawstyle="steps-mid",
+        )
+    axes.set(ylim=(-0.2, most + 0.35), yticks=range(most + 1), xticks=panel.x)
+    axes.set_xticklabels([f"{x:g}" for x in panel.x])
+    axes.grid(color="#e3e6ea", linewidth=0.8)
+    axes.set_axisbelow(True)
+    axes.legend(fontsize=8.5, frameon=False, labelcolor=TEXT)
+
+
+def _map(axes: Axes, panel: Map) -> None:
+    axes.imshow(panel.values, cmap=_HEAT, vmin=0.0, vmax=1.0, aspect="auto", interpolation="nearest")
+    axes.set(xticks=range(len(panel.x)), yticks=range(len(panel.y)))
+    axes.set_xticklabels([f"{x:g}" for x in panel.x])
+    axes.set_yticklabels([f"{y:g}" for y in panel.y])
+    for (row, col), value in np.ndenumerate(panel.values):
+        colour = HALO if value > 0.5 else PAPER
+        axes.text(col, row, f"{value:.2f}", ha="center", va="center", fontsize=8, color=colour)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+
+
+def _legend(sheet: _Sheet, page: Page, middle: float) -> None:
+    """A line that says what the colours on this page mean."""
+    from matplotlib.patheffects import withStroke
+
+    pictures = [panel for panel in page.panels if isinstance(panel, Picture)]
+    contours = [contour for panel in pictures for contour in panel.contours]
+    entries = [
+        ("●", PARTICLE, "particle", any(panel.particles is not None for panel in pictures)),
+        ("━━", CLOSED, "closed contour", any(contour.closed for contour in contours)),
+        ("━━", OPEN, "open contour", any(not contour.closed for contour in contours)),
+        ("●", JUNCTION, "junction", any(len(_junctions(panel)) for panel in pictures)),
+        ("→", FIELD, "direction of the field", any(panel.field is not None for panel in pictures)),
+    ]
+    left = float(_MARGIN)
+    for sign, colour, usual, used in entries:
+        if used:
+            words = page.words.get(usual, usual)
+            halo = [withStroke(linewidth=1.6, foreground=HALO)]
+            sheet.text(left, middle, sign, 11.0, color=colour, path_effects=halo)
+            left += sheet.width_of(sign, 11.0) + 6
+            sheet.text(left, middle, words, 9.0, color=DIM)
+            left += sheet.width_of(words, 9.0) + 20
+    tolerances = {panel.facts["tolerance_px"] for panel in pictures if panel.facts and "tolerance_px" in panel.facts}
+    if len(tolerances) == 1:
+        truth = page.words.get("boundary", "boundary")
+        words = f"below: recall and precision within {tolerances.pop():g} px, mean distance from the {truth}"
+        sheet.text(left + 10, middle, words, 9.0, color=DIM)
+
+
+def _png(pixels: NDArray[np.uint8]) -> bytes:
+    """A PNG with the palette of the gallery: greys, and the colours of the drawing with their passages to greys."""
+    palette = _palette()
+    packed = (pixels.astype(np.uint32) << (16, 8, 0)).sum(axis=-1, dtype=np.uint32)
+    colours, which = np.unique(packed, return_inverse=True)
+    apart = colours[:, None] >> np.array((16, 8, 0), dtype=np.uint32) & 255
+    nearest = np.asarray(scipy.spatial.cKDTree(palette).query(apart)[1]).astype(np.uint8)
+    picture = PIL.Image.fromarray(nearest[which].reshape(packed.shape))
+    picture.putpalette(palette.tobytes())
+    stream = io.BytesIO()
+    picture.save(stream, format="PNG", optimize=True)
+    return stream.getvalue()
+
+
+def _palette() -> NDArray[np.uint8]:
+    """Colours, shape (256, 3); the last ones are repeated."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
+
+    greys = np.repeat(np.linspace(0.0, 1.0, 56)[:, None], 3, axis=1)
+    heat = colormaps[_HEAT](np.linspace(0.0, 1.0, 32))[:, :3]
+    named = [TEXT, DIM, HALO, PAPER]
+    hues = np.array([to_rgb(name) for name in (PARTICLE, CLOSED, OPEN, JUNCTION, FIELD, *_SERIES)])
+    grounds = np.array([to_rgb(HALO), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)])
+    shares = (0.25, 0.5, 0.75)
+    passages = [(1.0 - share) * hues + share * ground for ground in grounds for share in shares]
+    colours = np.concatenate([greys, heat, np.array([to_rgb(name) for name in named]), hues, *passages])
+    colours = np.concatenate([colours, np.repeat(colours[-1:], 256 - len(colours), axis=0)])
+    return np.rint(255.0 * colours).astype(np.uint8)

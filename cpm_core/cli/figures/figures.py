@@ -1,0 +1,220 @@
+"""The figures of the gallery: which there are, and how they are written with their index and all that was measured."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cpm_core.cli.figures import automatic, recovery, skeletons, studies
+from cpm_core.cli.figures.drawing import draw, require_matplotlib
+from cpm_core.cli.figures.pages import Page
+from cpm_core.formats.atomic import write_together
+
+INDEX, MEASURED = "README.md", "figures.json"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """An experiment of the gallery.
+
+    Attributes
+    ----------
+    name : str
+        Name of its file, without the suffix.
+    title : str
+        Its heading.
+    about : str
+        One sentence on what it shows.
+    build : callable
+        Does the experiment.
+    """
+
+    name: str
+    title: str
+    about: str
+    build: Callable[[], Page]
+
+
+_TABLE = (
+    Figure(
+        "fig05", "Convergence", "From a circle over one corner the particles reach the edge and creep all along it.",
+        recovery.convergence,
+    ),
+    Figure(
+        "fig06", "Insertion and deletion",
+        "58 particles alone are too few for the shape; with insertion and deletion even five of them become enough.",
+        recovery.population,
+    ),
+    Figure(
+        "fig07", "Initialization", "The start may lie inside, outside, across the boundary or at one corner.",
+        recovery.initialization,
+    ),
+    Figure(
+        "fig08", "Boundary concavities", "Particles push one another along the walls to the end of narrow bays.",
+        recovery.concavities,
+    ),
+    Figure(
+        "fig09", "Embedded objects and topology",
+        "Junctions, objects in objects and rings in rings from one circle; separate objects from several.",
+        recovery.topology,
+    ),
+    Figure(
+        "fig10", "Damping decides how many objects are found",
+        "Particles start beside the ellipse. Little damping lets them coast across the border to the circle; more "
+        "holds them at the border; most leaves them at the first edges.",
+        recovery.damping,
+    ),
+    Figure(
+        "fig11", "Vessels and textures", "Drawn images with noise, uneven light, and texture around or on the object.",
+        recovery.textures,
+    ),
+    Figure(
+        "fig12", "Automatic segmentation",
+        "Starts that need no drawing: on strong gradients (cells, chromosomes) and all over the image (hand, head).",
+        automatic.medical,
+    ),
+    Figure(
+        "fig13", "Automatic segmentation of natural scenes", "Drawn scenes with shading and texture, started on strong "
+        "gradients.",
+        automatic.natural,
+    ),
+    Figure(
+        "fig14", "Skeletons",
+        "Middle lines of black and white and of grey shapes, and the shapes rebuilt from them and their radii.",
+        skeletons.skeletons,
+    ),
+    Figure(
+        "fig17", "Sensitivity to parameters",
+        "A shape under five weight ratios and five annealing factors; then both weights and damping with a second "
+        "shape that particles must fly to.",
+        studies.sensitivity,
+    ),
+    Figure(
+        "fig18", "Noise", "One object and one start under three kinds of noise, smoothing chosen from the image.",
+        studies.noise,
+    ),
+)  # fmt: skip
+
+FIGURES: dict[str, Figure] = {figure.name: figure for figure in _TABLE}
+"""All figures by name, in their order."""
+
+
+def write_figures(
+    folder: Path, names: Sequence[str] = (), progress: Callable[[Figure, str], object] | None = None
+) -> list[Path]:
+    """Do experiments again and write their pictures, the index of the folder and what was measured.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to; made when it is missing. What is told there of other figures is kept.
+    names : sequence of str
+        Which figures; all when empty.
+    progress : callable, optional
+        Called with each figure that is done and a sentence on what was measured.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    ValueError
+        When a name is unknown, matplotlib is not installed, or the folder cannot be written to; then nothing is
+        written.
+    """
+    unknown = [name for name in names if name not in FIGURES]
+    if unknown:
+        raise ValueError(f"there is no figure {unknown[0]}: choose among {', '.join(FIGURES)}.")
+    require_matplotlib()
+    _check_folder(folder)
+    entries = _entries(folder)
+    files = []
+    for name, figure in FIGURES.items():
+        if names and name not in names:
+            continue
+        page = figure.build()
+        title = f"{figure.title}, in the manner of Fig. {int(name[3:])}"
+        files.append((folder / f"{name}.png", draw(page, title)))
+        entries[name] = _entry(figure, title, page)
+        if progress is not None:
+            progress(figure, entries[name]["measured"])
+    ordered = {name: entries[name] for name in FIGURES if name in entries}
+    files.append((folder / MEASURED, (json.dumps(ordered, indent=1, ensure_ascii=False) + "\n").encode()))
+    files.append((folder / INDEX, _index(ordered).encode()))
+    folder.mkdir(parents=True, exist_ok=True)
+    write_together(files)
+    return [path for path, _ in files]
+
+
+def _check_folder(folder: Path) -> None:
+    """Raise ValueError unless a folder is there or can be made."""
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise ValueError(f"{there} is a file, so that {folder} is no folder: name another one.")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise ValueError(f"nothing may be written into {there}: name another folder.")
+
+
+def _entries(folder: Path) -> dict[str, Any]:
+    """What an earlier run has told of figures in a folder."""
+    path = folder / MEASURED
+    if not path.exists():
+        return {}
+    try:
+        entries = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        entries = None
+    if not isinstance(entries, dict):
+        raise ValueError(f"{path} cannot be read: remove it or name another folder.")
+    return entries
+
+
+def _entry(figure: Figure, title: str, page: Page) -> dict[str, Any]:
+    panels = [{"panel": panel.title, **panel.facts} for panel in page.panels if panel.facts]
+    results = [panel for panel in panels if "recall" in panel and "snapshot" not in panel] if page.alike else []
+    measured = "; ".join(filter(None, (page.note, summary(results))))
+    return {"title": title, "about": figure.about, "measured": measured, "panels": panels}
+
+
+def summary(results: Sequence[Mapping[str, Any]]) -> str:
+    """Sentence on the figures of some results: ranges, and sums of closed contours."""
+
+    def span(key: str, places: int) -> str:
+        values = [result[key] for result in results if result[key] is not None]
+        low, high = f"{min(values):.{places}f}", f"{max(values):.{places}f}"
+        return low if low == high else f"{low} to {high}"
+
+    if not results:
+        return ""
+    wanted = sum(result["closed_true"] for result in results)
+    closed = f"{sum(result['closed'] for result in results)} of {wanted} closed contours, " if wanted else ""
+    return (
+        f"recall {span('recall', 3)} and precision {span('precision', 3)} within {span('tolerance_px', 1)} px, "
+        f"mean distance {span('mean_distance_px', 3)} px, {closed}{span('steps', 0)} steps, "
+        f"{span('particles', 0)} particles"
+    )
+
+
+def _index(entries: Mapping[str, Any]) -> str:
+    """Text of the index: a line, the figures measured and the picture for each entry."""
+    lines = [
+        "# Gallery",
+        "",
+        "What CPM does, on images drawn for it, in the manner of the experiments of the paper. All boundaries are "
+        "known exactly, so that what is found can be measured: *recall* is the share of the true boundary that has a "
+        "contour within the tolerance, *precision* the share of the contours that lies so near the boundary, *mean "
+        "distance* that of all contours from the boundary, wrong ones included; *closed contours* counts the true ones "
+        "of which one closed contour was found.",
+        "",
+        f"`cpm figures --output DIR` does all of it again; `{MEASURED}` holds every number.",
+    ]
+    for name, entry in entries.items():
+        lines += ["", f"## {entry['title']}", "", f"{entry['about']} Measured: {entry['measured']}.", ""]
+        lines.append(f"![{entry['title']}]({name}.png)")
+    return "\n".join(lines) + "\n"

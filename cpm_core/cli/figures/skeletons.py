@@ -1,0 +1,147 @@
+"""Skeletons of binary and grey shapes: the experiment of Fig. 14."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.cli.figures.outlines import Distance, Rings, coverage, ellipse, limb, rings, union
+from cpm_core.cli.figures.pages import Page, Picture
+from cpm_core.cli.figures.runs import Facts
+from cpm_core.cli.figures.scenes import blurred, grain, paint, texture
+from cpm_core.cli.figures.silhouettes import SIDE, hand
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.distances import compare
+from cpm_core.medial_axis.skeleton import Skeleton, skeleton
+
+Array = NDArray[np.float64]
+
+_SIZE = (SIDE, SIDE)
+_TOLERANCE = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What a skeleton is measured on.
+
+    Attributes
+    ----------
+    values : ndarray, shape (H, W)
+        Image.
+    outline : tuple of ndarray
+        Outline of the shape.
+    axis : tuple of Contour
+        Its medial axis where that is known exactly; else none.
+    """
+
+    values: Array
+    outline: Rings
+    axis: tuple[Contour, ...] = ()
+
+
+def skeletons() -> Page:
+    """Fig. 14: skeletons of two black and white shapes and two grey ones, and the shapes rebuilt from them."""
+    drawn = shapes()
+    found = [skeleton(shape.values) for shape in drawn.values()]
+    measured = [_measure(shape, one) for shape, one in zip(drawn.values(), found, strict=True)]
+    above = [
+        Picture(name, shape.values, contours=one.contours, caption=_agreement(facts), facts=facts)
+        for (name, shape), one, facts in zip(drawn.items(), found, measured, strict=True)
+    ]
+    below = [
+        Picture(
+            "rebuilt from its skeleton",
+            one.rebuilt().astype(float),
+            contours=[Contour(ring, closed=True) for ring in shape.outline],
+            caption=[f"overlap with the true shape {facts['overlap']:.3f}"],
+        )
+        for shape, one, facts in zip(drawn.values(), found, measured, strict=True)
+    ]
+    words = {"open contour": "skeleton", "closed contour": "true outline", "boundary": "medial axis"}
+    return Page([above, below], note=_note(measured), alike=False, words=words)
+
+
+def shapes() -> dict[str, Shape]:
+    """The shapes of Fig. 14."""
+    return {"ellipse": _ellipse(), "hand": _hand(), "grey starfish": _starfish(), "grey cross in noise": _cross()}
+
+
+def _measure(shape: Shape, found: Skeleton) -> Facts:
+    true, rebuilt = coverage(shape.outline, _SIZE) >= 0.5, found.rebuilt()
+    facts: dict[str, object] = {
+        "branches": len(found.contours),
+        "length_px": round(found.length, 2),
+        "overlap": round(float((true & rebuilt).sum() / (true | rebuilt).sum()), 4),
+    }
+    if not shape.axis:
+        return facts
+    seen = compare(found.contours, shape.axis, _TOLERANCE)
+    return {
+        "recall": round(seen.recall, 4),
+        "precision": round(seen.precision, 4),
+        "mean_distance_px": round(seen.distance, 3),
+        "tolerance_px": _TOLERANCE,
+        **facts,
+    }
+
+
+def _agreement(facts: Facts) -> list[str]:
+    branches = f"{facts['branches']} branch{'' if facts['branches'] == 1 else 'es'}, {facts['length_px']:.0f} px long"
+    if "recall" not in facts:
+        return [branches]
+    agreement = (
+        f"recall {facts['recall']:.3f} · precision {facts['precision']:.3f} · {facts['mean_distance_px']:.3f} px"
+    )
+    return [agreement, branches]
+
+
+def _note(measured: Sequence[Facts]) -> str:
+    known = [facts for facts in measured if "recall" in facts]
+    low = {key: min(float(str(facts[key])) for facts in known) for key in ("recall", "precision")}
+    overlap = min(float(str(facts["overlap"])) for facts in measured)
+    return (
+        f"where the medial axis is known, recall at least {low['recall']:.3f} and precision at least "
+        f"{low['precision']:.3f} within {_TOLERANCE:.1f} px; rebuilt shapes overlap the true ones by at least "
+        f"{overlap:.3f}"
+    )
+
+
+def _line(*points: tuple[float, float]) -> Contour:
+    return Contour(np.array(points), closed=False)
+
+
+def _ellipse() -> Shape:
+    """Its medial axis reaches to the centres of curvature of its ends."""
+    center, short, long = (72.2, 71.7), 28.0, 58.0
+    reach = (long * long - short * short) / long
+    outline = ellipse(center, short, long)
+    axis = _line((center[0], center[1] - reach), (center[0], center[1] + reach))
+    return Shape(paint(_SIZE, 0.0, (outline, 255.0)), outline, (axis,))
+
+
+def _hand() -> Shape:
+    return Shape(paint(_SIZE, 0.0, (hand(), 255.0)), hand())
+
+
+def _arms(count: int, length: float, wide: float, thin: float, turn: float) -> tuple[Distance, tuple[Contour, ...]]:
+    """Equal limbs from the middle at equal angles, whose medial axis are by symmetry their middle lines."""
+    center = (72.3, 71.6)
+    angle = turn + 2.0 * np.pi * np.arange(count) / count
+    tips = [(center[0] + length * float(np.sin(a)), center[1] + length * float(np.cos(a))) for a in angle]
+    return union(*(limb(center, tip, wide, thin) for tip in tips)), tuple(_line(center, tip) for tip in tips)
+
+
+def _starfish() -> Shape:
+    shape, axis = _arms(5, 54.0, 15.0, 6.0, 0.3)
+    outline = rings(shape, _SIZE)
+    values = blurred(paint(_SIZE, 60.0, (outline, 110.0)), 1.0) + texture(_SIZE, 16.0, 6.0, 141)
+    return Shape(values, outline, axis)
+
+
+def _cross() -> Shape:
+    shape, axis = _arms(4, 50.0, 11.0, 11.0, 0.5)
+    outline = rings(shape, _SIZE)
+    return Shape(paint(_SIZE, 70.0, (outline, 110.0)) + grain(_SIZE, 25.0, 142), outline, axis)

@@ -1,0 +1,228 @@
+"""The graph of points and edges that contours are walked from."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.contours.contour import Contour, lengths_along
+from cpm_core.contours.graph_paths import Ways, follow, ways_of
+
+Array = NDArray[np.float64]
+Edges = NDArray[np.int64]
+Index = NDArray[np.int64]
+
+
+class Graph:
+    """Points joined by edges, with what it takes to tidy them up.
+
+    What there is to do is done way by way: hardly a vertex has other than two edges.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, 2)
+        Vertices.
+    edges : ndarray of int64, shape (E, 2)
+        Pairs of indices.
+    """
+
+    def __init__(self, points: Array, edges: Edges) -> None:
+        self.points = points
+        one, other = _distinct(edges, len(points)).T
+        first = np.searchsorted(one, np.arange(len(points)))
+        slot = np.arange(len(one)) - first[one]
+        self._near = np.full((len(points), int(slot.max(initial=2)) + 1), -1, np.int64)
+        """Neighbours of each vertex in any order; what is -1 is free."""
+        self._near[one, slot] = other
+        self.degrees = np.bincount(one, minlength=len(points))
+        """Number of edges at each vertex, shape (N,)."""
+        self._ways: Ways | None = None
+
+    def link(self, a: int, b: int) -> None:
+        """Join two vertices."""
+        for one, other in ((a, b), (b, a)):
+            near = self._near[one].tolist()
+            if other in near:
+                continue
+            if -1 not in near:
+                self._near = np.pad(self._near, [(0, 0), (0, 1)], constant_values=-1)
+                near.append(-1)
+            self._near[one, near.index(-1)] = other
+            self.degrees[one] += 1
+        self._ways = None
+
+    def insert(self, a: int, between: Array, b: int) -> None:
+        """Join two vertices by way of new ones, shape (K, 2)."""
+        first, count = len(self.points), len(between)
+        self.points = np.concatenate([self.points, between])
+        self._near = np.pad(self._near, [(0, count), (0, 0)], constant_values=-1)
+        self.degrees = np.pad(self.degrees, (0, count))
+        for one, other in pairwise([a, *range(first, first + count), b]):
+            self.link(one, other)
+
+    def unlink(self, edges: ArrayLike) -> None:
+        """Part the two vertices of each of some distinct edges, shape (E, 2), if it is there."""
+        pairs = np.asarray(edges, np.int64).reshape(-1, 2)
+        pairs = pairs[(self._near[pairs[:, 0]] == pairs[:, 1:]).any(axis=1)]
+        for one, other in (pairs.T, pairs.T[::-1]):
+            self._near[one, np.argmax(self._near[one] == other[:, None], axis=1)] = -1
+        np.subtract.at(self.degrees, pairs.ravel(), 1)
+        self._ways = None
+
+    def drop(self, path: Index) -> None:
+        """Take away the edges along vertices."""
+        self.unlink(np.stack([path[:-1], path[1:]], axis=1))
+
+    def distance(self, a: int, b: int) -> float:
+        """Distance of two vertices [px]."""
+        return float(np.linalg.norm(self.points[a] - self.points[b]))
+
+    def degree(self, vertex: int) -> int:
+        """Number of edges at a vertex."""
+        return int(self.degrees[vertex])
+
+    def neighbors(self, vertex: int) -> list[int]:
+        """Vertices that a vertex is joined to, the lowest number first."""
+        return sorted(v for v in self._near[vertex].tolist() if v >= 0)
+
+    def edges(self) -> Edges:
+        """Every edge once, shape (E, 2), the lower index first, sorted."""
+        one, slot = np.nonzero(self._near > np.arange(len(self._near))[:, None])
+        other = self._near[one, slot]
+        order = np.lexsort((other, one))
+        return np.stack([one[order], other[order]], axis=1)
+
+    def ends(self) -> Index:
+        """Vertices with a single edge."""
+        return np.flatnonzero(self.degrees == 1)
+
+    def ways(self) -> Ways:
+        """Paths between vertices that have not exactly two edges, then closed rounds."""
+        if self._ways is None:
+            self._ways = ways_of(self.points, self._near, self.degrees)
+        return self._ways
+
+    def branch(self, end: int) -> Index:
+        """Vertices from a loose end up to the first that has not exactly two edges, both included."""
+        near = self.neighbors(end)
+        if not near:
+            return np.array([end])
+        path = np.empty(len(self.points) + 1, np.int64)
+        count = follow(self._near, self.degrees, np.zeros(self._near.shape, np.bool_), end, near[0], path)
+        return path[:count]
+
+    def way_from(self, end: int) -> dict[int, float]:
+        """Length of the way along the branch of a loose end to each of its vertices [px]."""
+        path = self.branch(end)
+        return dict(zip(path.tolist(), lengths_along(self.points[path]).tolist(), strict=True))
+
+    def drop_spurs(self, longest: float) -> None:
+        """Take away branches of a length of at most `longest` [px] that hang loose from a junction, shortest first."""
+        ways, degrees = self.ways(), self.degrees
+        first, last = ways.first, ways.last
+        backwards = degrees[last] == 1
+        end, other = np.where(backwards, last, first), np.where(backwards, first, last)
+        spurs = np.flatnonzero((degrees[end] == 1) & (degrees[other] >= 3) & (ways.lengths <= longest))
+        for way in spurs[np.lexsort((end[spurs], ways.lengths[spurs]))].tolist():
+            path = ways.path(way)[:: -1 if backwards[way] else 1]
+            if self.degree(path[-1]) == 2:  # no junction any more: the branch goes on
+                path = self.branch(int(path[0]))
+                if self.length(path) > longest:
+                    continue
+            if self.degree(path[-1]) >= 3:
+                self.drop(path)
+
+    def drop_specks(self, longest: float) -> None:
+        """Take away open curves of a length of at most `longest` [px] that are connected to nothing."""
+        ways = self.ways()
+        alone = (self.degrees[ways.first] == 1) & (self.degrees[ways.last] == 1)
+        self.drop_ways(alone & (ways.lengths <= longest))
+
+    def drop_ways(self, gone: NDArray[np.bool_]) -> None:
+        """Take away some of the ways, told by a mask of shape (W,)."""
+        if gone.any():
+            edges, way = self.ways().edges()
+            self.unlink(edges[gone[way]])
+
+    def merge_junctions(self, longest: float) -> None:
+        """Make one junction of two that are joined by a way of a length of at most `longest` [px]."""
+        ways = self.ways()
+        self.points = self.points.copy()
+        moved: set[int] = set()
+        for way in self._ties(ways).tolist():
+            path = ways.path(way)
+            kept, gone = int(path[0]), int(path[-1])
+            if ways.lengths[way] > longest and not moved & {kept, gone}:
+                continue
+            if not self._intact(path) or min(map(self.degree, (kept, gone))) < 3 or self.length(path) > longest:
+                continue
+            self.drop(path)
+            self.points[kept] = 0.5 * (self.points[kept] + self.points[gone])
+            moved.add(kept)
+            for other in self.neighbors(gone):
+                self.unlink((gone, other))
+                if other != kept:
+                    self.link(kept, other)
+
+    def drop_ties(self, longest: float) -> None:
+        """Take away ways of a length of less than `longest` [px] from one junction to another, shortest first.
+
+        What they hang between then goes on without them: at the mouth of a narrow slit they tie its two sides together.
+        """
+        ways = self.ways()
+        ties = self._ties(ways)
+        ties = ties[ways.lengths[ties] < longest]
+        for way in ties[np.argsort(ways.lengths[ties], kind="stable")].tolist():
+            path = ways.path(way)
+            if min(map(self.degree, (path[0], path[-1]))) > 2:
+                self.drop(path)
+
+    def _ties(self, ways: Ways) -> Index:
+        """Ways from one junction to another."""
+        return np.flatnonzero(~ways.closed & (self.degrees[ways.first] > 2) & (self.degrees[ways.last] > 2))
+
+    def _intact(self, path: Index) -> bool:
+        """Whether all edges along vertices are still there."""
+        return bool((self._near[path[:-1]] == path[1:, None]).any(axis=1).all())
+
+    def length(self, path: Index) -> float:
+        """Length of the way along vertices [px]."""
+        return float(np.linalg.norm(np.diff(self.points[path], axis=0), axis=1).sum())
+
+    def contours(self, shortest: float = 0.0) -> tuple[Contour, ...]:
+        """Contours of a length of at least `shortest` [px], longest first; a round through one junction is closed."""
+        ways = self.ways()
+        forks = np.stack([self.degrees[ways.first] > 2, self.degrees[ways.last] > 2], axis=1) & ~ways.closed[:, None]
+        found = []
+        for way in np.flatnonzero(ways.lengths >= shortest).tolist():
+            before, behind = forks[way].tolist()
+            found.append(Contour(self.points[ways.path(way)], bool(ways.closed[way]), junctions=(before, behind)))
+        return tuple(sorted(found, key=lambda contour: -contour.length))
+
+
+def _distinct(edges: Edges, count: int) -> Edges:
+    """Every edge of a graph of `count` vertices in both directions, sorted, none twice."""
+    one, other = edges.astype(np.int64).reshape(-1, 2).T
+    key = np.sort(np.concatenate([one * count + other, other * count + one]))
+    key = key[np.diff(key, prepend=-1) > 0]
+    return np.stack([key // max(count, 1), key % max(count, 1)], axis=1)
+
+
+def chains(points: Array, edges: Edges) -> tuple[Contour, ...]:
+    """Contours along the edges of a graph.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, 2)
+        Vertices.
+    edges : ndarray of int64, shape (E, 2)
+        Pairs of indices.
+
+    Returns
+    -------
+    tuple of Contour
+        Longest first.
+    """
+    return Graph(points, edges).contours()

@@ -1,0 +1,54 @@
+"""What a run gives: particles, contours, and how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.contours.bridge import Bridge
+from cpm_core.contours.contour import Contour
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Outcome of a run.
+
+    Attributes
+    ----------
+    particles : ndarray of float64, shape (N, D)
+        Final positions in px of the image.
+    contours : tuple of Contour
+        The reconstructed contours, longest first.
+    surface : None
+        Reserved for volumes; always None for images.
+    steps : int
+        Steps taken over all scales.
+    converged : bool
+        Whether the particles came to rest.
+    stop_reason : str
+        Why the run ended, in words.
+    shape : tuple of int
+        Shape of the image.
+    spacing : tuple of float
+        Size of a pixel along each axis, in `unit`.
+    unit : str or None
+        Unit of `spacing`; None when the image tells none.
+    source : str
+        Name of the image, for people.
+    bridges : tuple of Bridge
+        Gaps that were bridged in the contours.
+    """
+
+    particles: NDArray[np.float64]
+    contours: tuple[Contour, ...]
+    surface: None
+    steps: int
+    converged: bool
+    stop_reason: str
+    shape: tuple[int, ...]
+    spacing: tuple[float, ...]
+    unit: str | None
+    source: str
+    bridges: tuple[Bridge, ...] = ()

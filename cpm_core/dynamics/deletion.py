@@ -1,0 +1,116 @@
+"""Deletion of particles that are too near to others (section 3.6)."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.dynamics.edge_contact import Standing
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.particles.cell_list import Cells, build_cells, cells_around, row_of_cells
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+_LEAST_CELL = 4.0
+"""Side that cells must have to be worth their memory, however near the particles that are looked for [px]."""
+
+_WORTH_A_THREAD = 10_000
+"""Particles from which on a second thread makes the search faster."""
+
+
+def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: float) -> Mask:
+    """Choose the particles that stay: of two nearer than ``d_min / 2`` the one on the weaker edge goes.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (N, 2)
+        Particles [px].
+    strength : ndarray, shape (N,)
+        Edge strength at each; among equals the earlier particle stays.
+    shape : tuple of int
+        Shape of the image.
+    d_min : float
+        Spacing [px].
+
+    Returns
+    -------
+    ndarray of bool, shape (N,)
+        Whether each stays.
+    """
+    places = np.ascontiguousarray(positions, dtype=float)
+    height, width = shape
+    cells = build_cells(places, height, width, max(d_min, _LEAST_CELL))
+    everybody = np.ones(len(places), np.bool_)
+    return thinned(Standing(strength, everybody, cells), everybody, d_min)
+
+
+def thinned(standing: Standing, stirred: Mask, d_min: float) -> Mask:
+    """Choose the particles that stay, as `deletion` does, where only some of them have moved since that was last done.
+
+    Parameters
+    ----------
+    standing : Standing
+        How the particles stand.
+    stirred : ndarray of bool, shape (N,)
+        Which of them have moved, or are new.
+    d_min : float
+        Spacing [px].
+
+    Returns
+    -------
+    ndarray of bool, shape (N,)
+        Whether each stays.
+    """
+    count, strength = len(standing.strength), standing.strength
+    kept = np.ones(count, np.bool_)
+    share(partial(_find_close, standing.cells, stirred, 0.5 * d_min, kept), count, _WORTH_A_THREAD)
+    close = np.flatnonzero(~kept)
+    if len(close):
+        order = close[np.argsort(-strength[close], kind="stable")]
+        _thin(standing.cells, order, 0.5 * d_min, kept)
+    return kept
+
+
+@compiled
+def _find_close(cells: Cells, stirred: Mask, distance: float, alone: Mask, first: int, last: int) -> None:
+    """Strike out the particles that have another one nearer than a distance; of each pair at least one has moved."""
+    for k in range(first, last):
+        if not stirred[cells.order[k]]:
+            continue
+        y, x = cells.y[k], cells.x[k]
+        top, bottom, left, right = cells_around(cells, y, x, distance)
+        for row in range(top, bottom + 1):
+            start, end = row_of_cells(cells, row, left, right)
+            for other in range(start, end):
+                squared = (cells.y[other] - y) ** 2 + (cells.x[other] - x) ** 2
+                if squared < distance * distance and other != k:
+                    alone[cells.order[k]] = alone[cells.order[other]] = False
+
+
+@compiled
+def _thin(cells: Cells, order: Index, distance: float, kept: Mask) -> None:
+    """Of the particles in `order` keep those that have no other nearer than a distance that is kept."""
+    sorted_as = np.empty(len(cells.order), np.int64)
+    for k in range(len(cells.order)):
+        sorted_as[cells.order[k]] = k
+    for n in range(len(order)):
+        kept[order[n]] = not _has_near(cells, sorted_as[order[n]], distance, kept)
+
+
+@compiled
+def _has_near(cells: Cells, k: int, distance: float, counting: Mask) -> bool:
+    """Whether one of the sorted particles has another one nearer than a distance among those that count."""
+    y, x = cells.y[k], cells.x[k]
+    top, bottom, left, right = cells_around(cells, y, x, distance)
+    for row in range(top, bottom + 1):
+        first, last = row_of_cells(cells, row, left, right)
+        for other in range(first, last):
+            squared = (cells.y[other] - y) ** 2 + (cells.x[other] - x) ** 2
+            if squared < distance * distance and other != k and counting[cells.order[other]]:
+                return True
+    return False

@@ -1,0 +1,234 @@
+r"""Charges that a person places in the image, and the force by which they act on the particles.
+
+The fixed charges of the image act by their field's direction alone: away from edges the Lorentz force has unit size,
+however strong the edges. A placed charge is measured by that. At the distance ``d`` from it, in units of `RADIUS`, a
+charge of strength ``q`` has the potential of a charge that is softened, and faded out at `REACH`,
+
+    U(d) = -c q RADIUS (1 - (d / 4)^3)^3 / (1 + d^4)^(1/4),
+
+and pulls by its slope. The well is flat at its bottom, so that a crowd finds room in it; at `RADIUS` the pull is ``q``,
+about the most, at twice as far 0.7 q, and 0.3 q at three times. A charge of one thus pulls at its radius as strongly as
+edges do, and one of two draws particles off edges there. The forces of several charges add up; their sum is cut at
+`MOST`, beyond which a step would carry particles across what they should feel. It counts in eq. (12) as a part of the
+Lorentz force, with the weight w2.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.image.pyramid import to_scale
+from cpm_core.numerics.jit import compiled, inlined
+
+Array = NDArray[np.float64]
+Box = tuple[int, int, int, int]
+"""First row, the one behind the last, first column, the one behind the last."""
+
+RADIUS = 16.0
+"""Distance at which a charge of one pulls as strongly as the field of the edges [px of the image]."""
+
+_RADII = 4.0
+"""Radii from which on a charge is not felt."""
+
+REACH = _RADII * RADIUS
+"""Distance from which on a charge is not felt [px of the image]."""
+
+MOST = 4.0
+"""Size at which the sum of all placed charges' forces is cut, in units of the Lorentz force away from edges."""
+
+STRONGEST = 10.0
+"""Largest strength of a charge, either way."""
+
+_REST = 1.0 - _RADII**-3
+_NORM = 1.0 / (9.0 * _REST**2 / _RADII**3 * 2.0**-0.25 + _REST**3 * 2.0**-1.25)
+"""What makes the force of a charge of one be one at its radius."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedCharge:
+    """A charge that a person places.
+
+    Parameters
+    ----------
+    position : tuple of float
+        Row and column [px of the image]; may lie outside it.
+    strength : float
+        From -10 to 10: above 0 it attracts the particles, below 0 it repels them. A charge of one pulls at the distance
+        `RADIUS` as strongly as the edges do.
+
+    Raises
+    ------
+    ValueError
+        For a strength out of range or a position that is not finite.
+    """
+
+    position: tuple[float, float]
+    strength: float
+
+    def __post_init__(self) -> None:
+        try:
+            row, col = (float(number) for number in self.position)
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"the position of a placed charge is {self.position!r} but must be a row and a column."
+            ) from None
+        if not (np.isfinite(row) and np.isfinite(col)):
+            raise ValueError(f"the position of a placed charge is ({row:g}, {col:g}) but must be finite.")
+        strength = self.strength
+        number = isinstance(strength, (int, float, np.number)) and not isinstance(strength, bool)
+        if not number or not abs(strength) <= STRONGEST:
+            shown = f"{strength:g}" if number else repr(strength)
+            raise ValueError(
+                f"the strength of a placed charge is {shown} but must be a number from {-STRONGEST:g} to {STRONGEST:g}."
+            )
+        object.__setattr__(self, "position", (row, col))
+        object.__setattr__(self, "strength", float(strength))
+
+
+Charges = tuple[PlacedCharge, ...]
+
+
+def in_order(charges: Sequence[PlacedCharge]) -> Charges:
+    """The same charges, in an order that does not depend on that in which they were placed."""
+    return tuple(sorted(charges, key=lambda charge: (charge.position, charge.strength)))
+
+
+def changed(before: Charges, after: Charges) -> Charges:
+    """Charges that were there before and are not there after, and the other way round."""
+    one, other = Counter(before), Counter(after)
+    return in_order([*(one - other).elements(), *(other - one).elements()])
+
+
+def at_scale(charges: Sequence[PlacedCharge], scale: int, shape: tuple[int, ...]) -> Array:
+    """Row, column [px of a scale of an image of shape `shape`] and strength of each charge; shape (K, 3)."""
+    if not charges:
+        return np.zeros((0, 3))
+    places = to_scale(np.array([charge.position for charge in charges]), scale, shape)
+    return np.column_stack([places, [charge.strength for charge in charges]])
+
+
+def radius_at(scale: int) -> float:
+    """`RADIUS` at a scale [px of the scale]."""
+    return RADIUS * 0.5**scale
+
+
+def within_reach(
+    positions: Array, charges: Sequence[PlacedCharge], scale: int, shape: tuple[int, ...]
+) -> NDArray[np.bool_]:
+    """Which of positions, shape (N, 2) [px of a scale], one of the charges at least is felt at."""
+    near = np.zeros(len(positions), np.bool_)
+    if charges:
+        _reach(at_scale(charges, scale, shape), _RADII * radius_at(scale), positions, near)
+    return near
+
+
+def box_of(charges: Array, radius: float, shape: tuple[int, ...]) -> Box:
+    """The pixels of an image of this shape at which some charges, shape (K, 3), may be felt; none if none are."""
+    if not len(charges):
+        return 0, 0, 0, 0
+    low = np.floor(charges[:, :2].min(axis=0) - _RADII * radius)
+    high = np.ceil(charges[:, :2].max(axis=0) + _RADII * radius) + 1
+    top, left = np.clip(low, 0, shape).astype(int).tolist()
+    bottom, right = np.clip(high, 0, shape).astype(int).tolist()
+    return top, bottom, left, right
+
+
+def placed_force(charges: Array, radius: float, box: Box) -> Array:
+    """Force of charges on the pixels of a box.
+
+    Parameters
+    ----------
+    charges : ndarray, shape (K, 3)
+        Row, column and strength of each [px of the scale].
+    radius : float
+        `RADIUS` in px of the scale.
+    box : Box
+        Pixels of the scale.
+
+    Returns
+    -------
+    ndarray, shape (h, w, 2)
+        In units of the Lorentz force away from edges.
+    """
+    top, bottom, left, right = box
+    force = np.zeros((bottom - top, right - left, 2))
+    _add_forces(charges, radius, top, left, force)
+    return force
+
+
+def placed_potential(charges: Array, radius: float, points: Array) -> Array:
+    """Potential of charges, of which the force is the slope.
+
+    Parameters
+    ----------
+    charges : ndarray, shape (K, 3)
+        Row, column and strength of each [px of the scale].
+    radius : float
+        `RADIUS` in px of the scale.
+    points : ndarray, shape (N, 2)
+        Where [px of the scale].
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        Below 0 where particles are attracted [px of the scale, by units of the Lorentz force]. What is cut from a sum
+        of forces does not show.
+    """
+    potential = np.zeros(len(points))
+    if len(charges):
+        _add_potentials(charges, radius, np.ascontiguousarray(points, dtype=float), potential)
+    return potential
+
+
+@compiled
+def _reach(charges: Array, reach: float, positions: Array, near: NDArray[np.bool_]) -> None:
+    for k in range(len(charges)):
+        for i in range(len(positions)):
+            squared = (positions[i, 0] - charges[k, 0]) ** 2 + (positions[i, 1] - charges[k, 1]) ** 2
+            near[i] |= squared < reach**2
+
+
+@compiled
+def _add_potentials(charges: Array, radius: float, points: Array, potential: Array) -> None:
+    for k in range(len(charges)):
+        for i in range(len(points)):
+            squared = ((points[i, 0] - charges[k, 0]) ** 2 + (points[i, 1] - charges[k, 1]) ** 2) / radius**2
+            if squared < _RADII**2:
+                left = 1.0 - squared * np.sqrt(squared) / _RADII**3
+                potential[i] -= _NORM * charges[k, 2] * radius * left**3 / np.sqrt(np.sqrt(1.0 + squared**2))
+
+
+@inlined
+def _pull(squared: float) -> float:
+    """Force of a charge of one by the distance, both in radii, at a squared distance."""
+    away = np.sqrt(squared)
+    left = max(1.0 - squared * away / _RADII**3, 0.0)
+    soft = 1.0 + squared**2
+    pull: float = _NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / _RADII**3 * away + left * squared / soft)
+    return pull
+
+
+@compiled
+def _add_forces(charges: Array, radius: float, top: int, left: int, force: Array) -> None:
+    """Add the forces of charges on the pixels of a box, and cut the sums."""
+    height, width = force.shape[0], force.shape[1]
+    for k in range(len(charges)):
+        y, x, strength = charges[k, 0] - top, charges[k, 1] - left, charges[k, 2]
+        reach = _RADII * radius
+        for row in range(max(int(y - reach), 0), min(int(y + reach) + 1, height - 1) + 1):
+            for col in range(max(int(x - reach), 0), min(int(x + reach) + 1, width - 1) + 1):
+                d_y, d_x = (y - row) / radius, (x - col) / radius
+                pull = strength * _pull(d_y**2 + d_x**2)
+                force[row, col, 0] += pull * d_y
+                force[row, col, 1] += pull * d_x
+    for row in range(height):
+        for col in range(width):
+            squared = force[row, col, 0] ** 2 + force[row, col, 1] ** 2
+            if squared > MOST**2:
+                force[row, col, 0] *= MOST / np.sqrt(squared)
+                force[row, col, 1] *= MOST / np.sqrt(squared)

@@ -1,0 +1,304 @@
+"""What the particles feel at one scale: edge map, image gradient and Lorentz force, ready for interpolation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.field.convolution import convolved_field
+from cpm_core.field.edge_map import background_strength, gradient, magnitude
+from cpm_core.field.interpolation import interpolate
+from cpm_core.field.potential import convolved_potential
+from cpm_core.field.region_contrast import region_contrast
+from cpm_core.image.barriers import NO_WALLS, Walls, build_walls
+from cpm_core.image.border import inside_frame, within
+from cpm_core.image.regions import Regions
+from cpm_core.numerics.maximum_filter import running_maximum
+from cpm_core.numerics.parallel import share
+
+Array = NDArray[np.float64]
+Single = NDArray[np.float32]
+
+GATE = 0.93
+"""Interpolated |F_l| under which a particle sits on an edge: across an edge it falls linearly through zero."""
+
+WEAKEST_EDGE = 0.08
+"""Fraction of the largest edge strength that an edge must have for particles to breed on it."""
+
+FAINTEST = 0.35
+"""Fraction to which the strength of an edge may fall from one place on it to the next; below it the edge has ended."""
+
+_MOST_BACKGROUND = 0.35
+"""Fraction of the largest edge strength beyond which an image that is full of edges is not taken for background."""
+
+_RIDGE, _SLOPE = 0.6, 0.4
+"""Fractions of the strongest neighbour: at the first a pixel is on an edge, under the second it is beside one."""
+
+_MARGIN = 4
+"""Distance beyond the regions of interest to which the edge map is kept, so that an edge inside is seen whole [px]."""
+
+_SUMMIT_REACH, _FIELD_REACH = 2, 1
+"""How far the crest of an edge, and the largest field beside it, are looked for [px]."""
+
+_OVERLAP = _SUMMIT_REACH + 1
+"""Lines beyond a part of the image that its forces depend on: a central difference within reach of a crest."""
+
+_PART, _LEAST_LINES = 2**15, 16
+"""Pixels of a part of the image, so that what is computed on the way stays in the cache, and lines of it at least."""
+
+_FIELD_PRECISION = np.float32
+"""The transforms of the field are done in single precision: only its direction and what it falls to on an edge are
+used. The force changes by about 1e-6, contours of shapes by less than a thousandth of a pixel."""
+
+SPLINE_MARGIN = 3
+"""Pixels by which spline coefficients go on beyond the border, so that none is missing for a place near it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    r"""One scale of an image as the particles feel it.
+
+    Attributes
+    ----------
+    felt : ndarray of float32, shape (\*shape, 2 D + 1)
+        Normalised Lorentz force, `gradient` and `edge_map` of each pixel side by side, so that a particle finds all of
+        it in one place; single precision is as much as a particle can feel.
+    gradient : ndarray, shape (D, \*shape)
+        Gradient of the smoothed image [grey levels / px]; on an edge it is normal to it.
+    edge_map : ndarray, shape (\*shape)
+        Edge strength f [grey levels / px]; minus it is the fixed charge in regions of interest.
+    values : ndarray, shape (\*shape)
+        The image.
+    strongest : float
+        Largest edge strength [grey levels / px].
+    least_charge : float
+        Edge strength under which a pixel carries no fixed charge.
+    floor : float
+        Edge strength under which there is no edge for a particle to sit on.
+    smoothing : float
+        The sigma that was used [px].
+    walls : Walls
+        What particles do not cross.
+    """
+
+    felt: Single
+    gradient: Array
+    edge_map: Array
+    values: Array
+    strongest: float
+    least_charge: float
+    floor: float
+    smoothing: float
+    walls: Walls = NO_WALLS
+
+    @property
+    def lorentz(self) -> Single:
+        r"""Normalised Lorentz force on the pixels, shape (D, \*shape)."""
+        return np.moveaxis(self.felt, -1, 0)[: self.felt.ndim - 1]
+
+    @property
+    def charges(self) -> Array:
+        r"""Size of the fixed charges, shape (\*shape): the edge map where it is not under `least_charge`."""
+        return np.where(self.edge_map >= self.least_charge, self.edge_map, 0.0)
+
+    def strength(self, points: Array) -> Array:
+        """Edge strength at points, shape (N, D), between the pixels."""
+        return interpolate(self.edge_map[None], points)[:, 0]
+
+    def normals(self, points: Array) -> Array:
+        """Image gradient at points, shape (N, D); on an edge it is normal to it."""
+        return interpolate(self.gradient, points)
+
+    def contrast(self, points: Array) -> Array:
+        """Contrast of the regions on both sides of an edge, at points on it, shape (N, D)."""
+        return region_contrast(self.values, points, self.normals(points), self.smoothing)
+
+    @cached_property
+    def spline(self) -> Array:
+        """Cubic spline coefficients of the edge map, continued by `SPLINE_MARGIN` pixels beyond the border."""
+        return np.pad(scipy.ndimage.spline_filter(self.edge_map, order=3, mode="nearest"), SPLINE_MARGIN, mode="edge")
+
+    @cached_property
+    def potential(self) -> Array:
+        """Potential of the fixed charges, shape (H, W) [grey levels]."""
+        return convolved_potential(self.charges)
+
+    @cached_property
+    def slope(self) -> float:
+        """Mean slope of the potential [grey levels / px]; 1 where it is flat."""
+        slope = float(magnitude(gradient(self.potential, 0.0)).mean())
+        return slope if slope > 0.0 else 1.0
+
+    def behind(self, walls: Walls) -> Level:
+        """The same level with other walls; what has been derived of it is taken over."""
+        other = replace(self, walls=walls)
+        for name in ("spline", "potential", "slope"):
+            if name in self.__dict__:
+                other.__dict__[name] = self.__dict__[name]
+        return other
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the image at this scale."""
+        return self.edge_map.shape
+
+
+def build_level(
+    values: Array,
+    smoothing: float,
+    edge_floor: float,
+    regions: Regions | None = None,
+    max_frame: float = 0.0,
+    known: Level | None = None,
+) -> Level:
+    r"""Compute what particles feel in an image.
+
+    Parameters
+    ----------
+    values : ndarray, shape (\*shape)
+        Image at its scale.
+    smoothing : float
+        Gaussian before the gradient [px].
+    edge_floor : float
+        Fraction of the largest edge strength under which no fixed charge is placed; 0 places all of them and leaves it
+        to the background to tell how weak an edge may be.
+    regions : Regions, optional
+        Regions of interest and barriers, in px of the scale. Outside the regions of interest there is no fixed charge,
+        and what is the largest edge strength and what is background is told by the inside.
+    max_frame : float
+        Width up to which a frame is looked for, as a fraction of the shortest side; 0 for none.
+    known : Level, optional
+        A level of the same regions; its walls are taken over, and its gradient if it is that of the same image,
+        smoothed as much.
+
+    Returns
+    -------
+    Level
+        Fields of the scale.
+    """
+    if known is not None and known.values is values and known.smoothing == smoothing:
+        grad = known.gradient
+    else:
+        grad = gradient(values, smoothing)
+    strength = magnitude(grad)
+    walls = NO_WALLS
+    if regions is not None:
+        walls = build_walls(regions, values.shape) if known is None else known.walls
+    inside = inside_frame(grad, strength, smoothing, max_frame)
+    if regions is not None and regions.interest:
+        inside &= regions.pixels(values.shape)
+    strongest = float(strength.max(where=inside, initial=0.0))
+    least = edge_floor * strongest
+    charged = np.where(inside & (strength >= least), strength, 0.0)
+    lorentz = lorentz_force(convolved_field(charged, precision=_FIELD_PRECISION), grad, strength, strongest)
+    if not inside.all():
+        strength[~within(inside, _MARGIN)] = 0.0
+    felt = np.stack([*lorentz, *grad, strength], axis=-1, dtype=np.float32)
+    if strongest == 0.0:  # a coarse scale may have no pixel inside: nowhere is an edge to sit on
+        floor = np.inf
+    elif edge_floor > 0.0:
+        floor = max(WEAKEST_EDGE * strongest, least)
+    else:
+        background = min(background_strength(strength[inside]), _MOST_BACKGROUND * strongest)
+        floor = max(WEAKEST_EDGE * strongest, background)
+    return Level(felt, grad, strength, values, strongest, least, floor, smoothing, walls)
+
+
+def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:
+    r"""Normalised Lorentz force on the pixels.
+
+    Away from edges it is the unit vector of the field (section 3.3). On an edge three things are done otherwise:
+
+    - The field is divided by its largest size beside the edge and not by its own, so that the force falls linearly
+      through zero where the field does. Unit vectors would round that place to the middle between two pixels.
+    - The part along the edge is taken out. On the crest it is all that is left of the field, and scaled up it would
+      drain particles from weak stretches towards strong ones and keep them circling; motion along an edge is the
+      Coulomb force's.
+    - Where the field leads off the crest, as it does all across a weak edge beside a strong one, the slope of the edge
+      map takes its place, so that every edge holds what sits on it.
+
+    Parameters
+    ----------
+    field : ndarray, shape (D, \*shape)
+        Electric field.
+    grad : ndarray, shape (D, \*shape)
+        Image gradient.
+    strength : ndarray, shape (\*shape)
+        Its magnitude.
+    strongest : float
+        The largest edge strength that counts.
+
+    Returns
+    -------
+    ndarray, shape (D, \*shape)
+        The force, of at most unit size.
+    """
+    tiny = 1e-12 * float(magnitude(field).max())
+    force = np.empty(grad.shape)
+    lines = max(_PART * len(strength) // strength.size, _LEAST_LINES)
+
+    def work(first: int, end: int) -> None:
+        for begin in range(first * lines, min(end * lines, len(strength)), lines):
+            low, high = max(begin - _OVERLAP, 0), begin + lines + _OVERLAP
+            part = _force_of_lines(field[:, low:high], grad[:, low:high], strength[low:high], strongest, tiny)
+            force[:, begin : begin + lines] = part[:, begin - low : begin - low + lines]
+
+    share(work, -(-len(strength) // lines), 1)
+    return force
+
+
+def _force_of_lines(field: Array, grad: Array, strength: Array, strongest: float, tiny: float) -> Array:
+    """`lorentz_force` of some lines of the image; `tiny` is a size of the field that counts as none."""
+    summit = running_maximum(strength, _SUMMIT_REACH)
+    near = strength / np.maximum(summit, 1e-300)
+    near -= _SLOPE
+    near /= _RIDGE - _SLOPE
+    np.clip(near, 0.0, 1.0, out=near)
+    near *= summit >= WEAKEST_EDGE * strongest
+    field = field.astype(float, copy=False)
+    size = magnitude(field)
+    beside = running_maximum(size, _FIELD_REACH)
+    beside *= near
+    np.maximum(beside, size, out=beside)
+    np.maximum(beside, max(tiny, 1e-300), out=beside)
+    force = field / beside
+    normal = grad / np.maximum(strength, max(1e-12 * strongest, 1e-300))
+    across = _dot(force, normal)
+    # uphill on the edge's own flank, of unit size where that is steepest
+    slope = _dot(gradient(strength, 0.0), normal)
+    steepest = running_maximum(np.abs(slope), _SUMMIT_REACH)
+    slope /= np.maximum(steepest, 1e-300, out=steepest)
+    np.copyto(across, slope, where=across * slope < 0.0)
+    across *= near
+    force *= 1.0 - near
+    force += np.multiply(normal, across, out=normal)
+    return np.asarray(force)
+
+
+def _dot(one: Array, other: Array) -> Array:
+    r"""Scalar product of two fields of shape (D, \*shape)."""
+    product: Array = np.einsum("i...,i...->...", one, other)
+    return product
+
+
+def unit_vectors(vectors: Array) -> Array:
+    r"""Direction of a field: every vector scaled to length one, vanishing vectors left at zero.
+
+    Parameters
+    ----------
+    vectors : ndarray, shape (D, \*shape)
+        Field.
+
+    Returns
+    -------
+    ndarray, shape (D, \*shape)
+        Unit vectors.
+    """
+    length = magnitude(vectors)
+    tiny = 1e-12 * float(length.max(initial=0.0))
+    scale = np.where(length > tiny, 1.0 / np.maximum(length, max(tiny, 1e-300)), 0.0)
+    return np.asarray(vectors * scale)

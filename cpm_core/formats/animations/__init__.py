@@ -1,0 +1,1 @@
+"""Files of animations, and strips of snapshots."""

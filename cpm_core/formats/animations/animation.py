@@ -1,0 +1,152 @@
+"""Animations: frames become a file that plays."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable
+from itertools import chain
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.formats.animations import apng, gif, mp4
+from cpm_core.formats.atomic import check_place, draft_of
+
+Frame = NDArray[np.uint8]
+
+
+class Encoder(Protocol):
+    """What writes one kind of animation, frame by frame, so that no more than two of them are ever in memory."""
+
+    def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
+        """Begin a file."""
+
+    def add(self, frame: Frame) -> None:
+        """Append a frame, shape (H, W, 3)."""
+
+    def close(self) -> None:
+        """End the file."""
+
+    def abandon(self) -> None:
+        """Stop writing; the file is of no use then."""
+
+
+_ENCODERS: dict[str, type[Encoder]] = {
+    **dict.fromkeys(gif.ANIMATES, gif.Animation),
+    **dict.fromkeys(apng.ANIMATES, apng.Animation),
+    **dict.fromkeys(mp4.ANIMATES, mp4.Animation),
+}
+
+ANIMATED: dict[str, str] = {**gif.ANIMATES, **apng.ANIMATES, **mp4.ANIMATES}
+"""Suffixes of animations that can be written -> what they are."""
+
+SLOWEST, FASTEST = 0.1, 120.0
+"""Frames a second that may be asked for; a GIF shows 50 at most."""
+
+
+def write_animation(
+    frames: Iterable[Frame],
+    path: str | os.PathLike[str],
+    frames_per_second: float = 25.0,
+    progress: Callable[[int], object] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> bool:
+    """Write frames as an animation that plays for ever, or as a film, by suffix.
+
+    Parameters
+    ----------
+    frames : iterable of ndarray of uint8, shape (H, W, 3)
+        Red, green and blue, all of one size. Each is taken when the one before has been written, so they may be drawn
+        on the way.
+    path : path-like
+        File to write; see `ANIMATED` for the suffixes. It takes its place in one stroke at the end.
+    frames_per_second : float
+        Speed.
+    progress : callable, optional
+        Called with the number of frames written, after each.
+    cancelled : callable, optional
+        Asked before each frame whether to give up.
+
+    Returns
+    -------
+    bool
+        False when it was cancelled; then nothing is written, and a file that was there is still the old one.
+
+    Raises
+    ------
+    ValueError
+        When the suffix is not known, the file cannot be written there, the encoder of films is not installed, or the
+        frames are no such frames, or none.
+    """
+    check_animation(path)
+    if not (math.isfinite(frames_per_second) and SLOWEST <= frames_per_second <= FASTEST):
+        raise ValueError(
+            f"frames_per_second is {frames_per_second:g} but must be a number from {SLOWEST:g} to {FASTEST:g}."
+        )
+    file = Path(path)
+    rest = iter(frames)
+    if cancelled is not None and cancelled():
+        return False
+    first = next(rest, None)
+    if first is None:
+        raise ValueError(f"{file.name} would be an animation without frames: let it run first.")
+    shape = _checked(first, None)
+    finished = True
+    try:
+        with draft_of(file) as draft:
+            encoder = _ENCODERS[file.suffix.lower()](draft, shape, frames_per_second)
+            try:
+                for count, frame in enumerate(chain([first], rest), start=1):
+                    if count > 1 and cancelled is not None and cancelled():
+                        raise _CancelledError
+                    _checked(frame, shape)
+                    encoder.add(frame)
+                    if progress is not None:
+                        progress(count)
+            except BaseException:
+                encoder.abandon()
+                raise
+            encoder.close()
+    except _CancelledError:
+        finished = False
+    return finished
+
+
+def check_animation(path: str | os.PathLike[str]) -> None:
+    """Tell beforehand whether `write_animation` could write to a path.
+
+    Raises
+    ------
+    ValueError
+        When the suffix is not known, the encoder that it needs is not installed, or there is no place for a file.
+    """
+    file = Path(path)
+    suffix = file.suffix.lower()
+    if suffix not in ANIMATED and not file.is_dir():
+        known = ", ".join(f"{suffix} ({text})" for suffix, text in ANIMATED.items())
+        raise ValueError(f"{file.name} has no suffix of an animation: choose one of {known}.")
+    check_place(file)
+    if suffix in mp4.ANIMATES:
+        mp4.check()
+
+
+class _CancelledError(Exception):
+    """Nobody wants the animation any more."""
+
+
+def _checked(frame: Frame, wanted: tuple[int, int] | None) -> tuple[int, int]:
+    """Rows and columns of a frame; ValueError when it is none, or of another size than wanted."""
+    if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or not frame.size:
+        raise ValueError(
+            f"A frame holds {frame.dtype} of shape {frame.shape}, but must hold uint8 of shape (rows, columns, 3)."
+        )
+    shape = frame.shape[0], frame.shape[1]
+    if wanted is not None and shape != wanted:
+        raise ValueError(
+            f"A frame has {shape[0]} x {shape[1]} px, but those before have {wanted[0]} x {wanted[1]} px: "
+            "keep the size of the view while it is recorded."
+        )
+    return shape

@@ -1,0 +1,108 @@
+"""GIF: an animation that everything shows, in at most 256 colours a frame."""
+
+from __future__ import annotations
+
+import io
+import struct
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+from numpy.typing import NDArray
+
+from cpm_core.formats.animations.changes import changed
+from cpm_core.formats.animations.palette import indexed
+
+Frame = NDArray[np.uint8]
+
+ANIMATES = {".gif": "animated GIF, which everything shows"}
+
+FASTEST = 50.0
+"""Frames a second that viewers show; they take what claims to be faster for a mistake and show it slowly."""
+
+_FOREVER = b"!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
+_KEEP, _SEEN_THROUGH = 1 << 2, 1
+_TABLE = 0x80
+_MOST = 255
+"""Colours of a frame; one more entry of its table stands for pixels that are seen through."""
+
+
+class Animation:
+    """A GIF that is written frame by frame, each with a palette of its own.
+
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    shape : tuple of int
+        Rows and columns of the frames.
+    frames_per_second : float
+        Speed; times are kept to a hundredth of a second, without drifting.
+
+    Raises
+    ------
+    ValueError
+        When the speed is more than viewers show, or the frames are too large.
+    """
+
+    def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
+        if frames_per_second > FASTEST:
+            raise ValueError(
+                f"A GIF shows at most {FASTEST:g} frames a second, not {frames_per_second:g}: choose fewer, or save as "
+                "APNG (.png) or .mp4."
+            )
+        if max(shape) > 65535:
+            raise ValueError(f"A GIF has at most 65535 rows and columns, not {max(shape)}: save a smaller view.")
+        self._duration = 100.0 / frames_per_second
+        self._count = 0
+        self._last: Frame | None = None
+        self._stream = path.open("wb")
+        self._stream.write(b"GIF89a" + struct.pack("<HHBBB", shape[1], shape[0], 0x70, 0, 0) + _FOREVER)
+
+    def add(self, frame: Frame) -> None:
+        """Append a frame: the rectangle of it that has changed, and there only pixels that have."""
+        top, left, bottom, right = changed(self._last, frame)
+        part = frame[top:bottom, left:right]
+        fresh = np.ones(part.shape[:2], dtype=np.bool_)
+        if self._last is not None:
+            fresh = (part != self._last[top:bottom, left:right]).any(axis=2)
+            fresh[0, 0] = True  # a palette has at least one colour
+        found, palette = indexed(part[fresh][None], _MOST)
+        indices = np.full(part.shape[:2], len(palette), dtype=np.uint8)  # the last one is seen through
+        indices[fresh] = found[0]
+        table, data = _parts(indices, palette)
+        delay = round((self._count + 1) * self._duration) - round(self._count * self._duration)
+        # the first frame is whole, and readers that are told otherwise take the animation for a transparent one
+        control = (_KEEP | _SEEN_THROUGH, delay, len(palette)) if self._count else (_KEEP, delay, 0)
+        self._stream.write(b"!\xf9\x04" + struct.pack("<BHBB", *control, 0))
+        size = (len(table) // 3).bit_length() - 2
+        self._stream.write(b"," + struct.pack("<4HB", left, top, right - left, bottom - top, _TABLE | size))
+        self._stream.write(table + data)
+        self._last, self._count = frame.copy(), self._count + 1
+
+    def close(self) -> None:
+        """End the file."""
+        self._stream.write(b";")
+        self._stream.close()
+
+    def abandon(self) -> None:
+        """Stop writing."""
+        self._stream.close()
+
+
+def _parts(indices: Frame, palette: Frame) -> tuple[bytes, bytes]:
+    """Table of colours and packed pixels of a picture, taken out of a file of that picture alone."""
+    picture = PIL.Image.fromarray(indices)
+    picture.putpalette(palette.tobytes() + bytes(3))
+    stream = io.BytesIO()
+    picture.save(stream, format="GIF", interlace=0, optimize=False)
+    content = stream.getvalue()
+    start = 13
+    table = content[start : start + 3 * (2 << (content[10] & 7))]
+    start += len(table)
+    while content[start : start + 1] == b"!":  # extensions: a mark, a kind and blocks that tell their length
+        start += 2
+        while content[start]:
+            start += 1 + content[start]
+        start += 1
+    return table, content[start + 10 : -1]

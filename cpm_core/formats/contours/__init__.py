@@ -1,0 +1,1 @@
+"""Files of contours, a module for each format."""

@@ -1,0 +1,71 @@
+"""JSON: all that a result tells, for scripts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cpm_core.contours.measurements import measure
+from cpm_core.contours.result import Result
+from cpm_core.formats.json_text import rounded, text
+from cpm_core.medial_axis.skeleton import Skeleton
+
+WRITES = {".json": "all that is known: contours, their measures, bridges, and how the run went"}
+
+FORMAT = "cpm-contours"
+"""What the entry ``format`` of such a file says."""
+
+
+def encode(result: Result | Skeleton) -> bytes:
+    """Write an object with the image, the run, the contours and the bridges.
+
+    ``points`` are pairs [row, col] in px, pixel centres at integers; lengths are in px, areas in px², strengths in grey
+    levels / px. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null where
+    there is no image to measure it in. Where the size of a pixel is known, length and area stand there in its unit as
+    well. Of a skeleton the branches are contours with ``radii`` [px], and there is no run.
+
+    Returns
+    -------
+    bytes
+        A UTF-8 JSON file, which `load_contours` reads back.
+    """
+    image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
+    image |= {"spacing": list(result.spacing), "unit": result.unit}
+    content: dict[str, Any] = {"format": FORMAT, "version": 1, "image": image}
+    if isinstance(result, Result):
+        content["run"] = {
+            "steps": result.steps,
+            "converged": result.converged,
+            "stop_reason": result.stop_reason,
+            "particles": len(result.particles),
+        }
+    content["contours"] = _contours(result)
+    if isinstance(result, Result):
+        content["bridges"] = [
+            {"length": round(bridge.length, 4), "strength": round(bridge.strength, 6), "points": rounded(bridge.points)}
+            for bridge in result.bridges
+        ]
+    return text(content)
+
+
+def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
+    entries: list[dict[str, Any]] = []
+    for contour, row in zip(result.contours, measure(result.contours, result.spacing), strict=True):
+        entry: dict[str, Any] = {
+            "number": row.number,
+            "label": row.label,
+            "name": row.name,
+            "colour": row.colour,
+            "closed": row.closed,
+            "junctions": list(contour.junctions),
+            "inside": row.inside,
+            "length": round(row.length, 4),
+            "area": round(row.area, 4),
+            "strength": round(row.strength, 6),
+            "contrast": None if row.contrast is None else round(row.contrast, 6),
+        }
+        if result.unit:
+            entry |= {"length_in_units": row.length_in_units, "area_in_units": row.area_in_units}
+        if isinstance(result, Skeleton):
+            entry["radii"] = rounded(result.radii[row.number - 1])
+        entries.append(entry | {"points": rounded(contour.points)})
+    return entries

@@ -1,0 +1,87 @@
+"""GeoJSON: contours as annotations for QuPath, and for programs that read shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.measurements import Measures, measure
+from cpm_core.contours.result import Result
+from cpm_core.formats.contours.appearance import rgb, title
+from cpm_core.formats.json_text import pairs, text
+from cpm_core.medial_axis.skeleton import Skeleton
+
+WRITES = {".geojson": "contours as annotations for QuPath"}
+
+
+def encode(result: Result | Skeleton) -> bytes:
+    """Write a collection of features, one a contour (RFC 7946, with the properties that QuPath knows).
+
+    A closed contour is a polygon whose interior rings are the contours right inside it, so that it covers what has its
+    label in the label mask; each of those is a feature of its own as well. An open one is a line, a single vertex a
+    point. Coordinates are (x, y) in px from the corner of the image, the centre of the first pixel at (0.5, 0.5).
+
+    Returns
+    -------
+    bytes
+        A UTF-8 GeoJSON file.
+    """
+    rows = measure(result.contours, result.spacing)
+    holes: dict[int, list[Contour]] = {}
+    for contour, row in zip(result.contours, rows, strict=True):
+        if row.inside and _areal(contour):
+            holes.setdefault(row.inside, []).append(contour)
+    features = [
+        {
+            "type": "Feature",
+            "geometry": _geometry(contour, holes.get(row.number, [])),
+            "properties": {
+                "objectType": "annotation",
+                "name": title(contour, row.number),
+                "color": list(rgb(contour)),
+                "closed": row.closed,
+                "junctions": list(contour.junctions),
+                "inside": row.inside,
+                "measurements": _measurements(row, result.unit),
+            },
+        }
+        for contour, row in zip(result.contours, rows, strict=True)
+    ]
+    return text({"type": "FeatureCollection", "features": features})
+
+
+def _measurements(row: Measures, unit: str | None) -> dict[str, float]:
+    """Numbers under the names that QuPath gives to such."""
+    found = {"Length px": row.length, "Area px^2": row.area}
+    if unit:
+        found |= {f"Length {unit}": row.length_in_units, f"Area {unit}^2": row.area_in_units}
+    found["Edge strength"] = row.strength
+    if row.contrast is not None:
+        found["Contrast"] = row.contrast
+    return {name: round(value, 6) for name, value in found.items() if row.closed or not name.startswith("Area")}
+
+
+def _areal(contour: Contour) -> bool:
+    """Whether a contour encloses anything."""
+    return contour.closed and len(contour.points) > 2
+
+
+def _geometry(contour: Contour, holes: Sequence[Contour]) -> dict[str, Any]:
+    if _areal(contour):
+        rings = [_ring(contour.points, 1.0), *(_ring(hole.points, -1.0) for hole in holes)]
+        return {"type": "Polygon", "coordinates": rings}
+    if len(contour.points) > 1:
+        return {"type": "LineString", "coordinates": pairs(contour.path)}
+    return {"type": "Point", "coordinates": pairs(contour.points)[0]}
+
+
+def _ring(points: NDArray[np.float64], turn: float) -> list[list[float]]:
+    """Ring of positions, the first repeated at the end: counterclockwise in (x, y) outside, clockwise inside."""
+    row, col = points.T
+    signed = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row)
+    ring = pairs(points if signed * turn > 0 else points[::-1])
+    return [*ring, ring[0]]

@@ -1,0 +1,59 @@
+"""Labelme: contours as shapes for the annotation program of that name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
+from cpm_core.formats.json_text import pairs, text
+from cpm_core.medial_axis.skeleton import Skeleton
+
+WRITES = {".labelme.json": "contours as shapes for labelme"}
+
+_VERSION = "5.5.0"
+"""Version of the program whose files these are like; later ones read them."""
+
+
+def encode(result: Result | Skeleton) -> bytes:
+    """Write a polygon for each closed contour and a strip of lines for each open one.
+
+    The label of a shape is the name of the contour, or "closed" or "open", for in labelme it tells what kind of thing a
+    shape is. Coordinates are (x, y) in px from the corner of the image. The image is referred to by its name, so the
+    file belongs beside it; a hole is a polygon of its own, and colours, which labelme gives to labels, are left out.
+
+    Returns
+    -------
+    bytes
+        A UTF-8 JSON file.
+    """
+    rows, cols = result.shape
+    shapes: list[dict[str, Any]] = [
+        {
+            "label": contour.name or ("closed" if contour.closed else "open"),
+            "points": pairs(contour.points),
+            "group_id": None,
+            "description": "",
+            "shape_type": _kind(contour),
+            "flags": {},
+            "mask": None,
+        }
+        for contour in result.contours
+    ]
+    return text(
+        {
+            "version": _VERSION,
+            "flags": {},
+            "shapes": shapes,
+            "imagePath": result.source,
+            "imageData": None,
+            "imageHeight": rows,
+            "imageWidth": cols,
+        }
+    )
+
+
+def _kind(contour: Contour) -> str:
+    if contour.closed and len(contour.points) > 2:
+        return "polygon"
+    return "linestrip" if len(contour.points) > 1 else "point"

@@ -1,0 +1,84 @@
+"""SVG: contours as paths for browsers and drawing programs."""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
+from cpm_core.formats.contours.appearance import DEFAULT
+from cpm_core.formats.masks.label_mask import numbers
+from cpm_core.medial_axis.skeleton import Skeleton
+
+WRITES = {".svg": "contours as a vector drawing"}
+
+_MILLIMETRES = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}
+_SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell could not be seen
+
+
+def encode(result: Result | Skeleton) -> bytes:
+    """Draw the contours of a result.
+
+    User units are pixels of the image, x along columns and y along rows, pixel centres at integers: the image covers
+    the view box. Every contour is one path without a fill, and tells in data attributes whether it is closed, its mean
+    edge strength [grey levels / px], its length [px], its contrast where that can be measured, and its label in the
+    label mask (0 when open). One that has been named or coloured has its name as the title and its colour as the
+    stroke. The page has the object's true size where that is known and can be seen, else one CSS pixel per pixel. Of a
+    skeleton each branch is such a path, and tells the distance to the boundary of all its vertices [px].
+
+    Returns
+    -------
+    bytes
+        A UTF-8 SVG file.
+    """
+    rows, cols = result.shape
+    width, height = _page(result)
+    known = f' data-unit="{escape(result.unit)}" data-spacing="{_text(result.spacing)}"' if result.unit else ""
+    if isinstance(result, Skeleton):
+        title = "Skeleton"
+        paths = [_path(c, n, r) for n, (c, r) in enumerate(zip(result.contours, result.radii, strict=True), start=1)]
+    else:
+        title = "Contours"
+        paths = [_path(contour, n) for contour, n in zip(result.contours, numbers(result.contours), strict=True)]
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="-0.5 -0.5 {cols} {rows}" '
+        f'preserveAspectRatio="none"{known}>',
+        f"<title>{title} of {escape(result.source, quote=False)}</title>",
+        f'<g fill="none" stroke="{DEFAULT}" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round">',
+        *paths,
+        "</g>",
+        "</svg>",
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None) -> str:
+    vertices = contour.points if len(contour.points) > 1 else contour.points.repeat(2, axis=0)  # one by itself: a dot
+    points = " L".join(f"{col:.3f} {row:.3f}" for row, col in vertices)
+    known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '
+    known += "" if contour.sides is None else f'data-contrast="{contour.contrast:.4f}" '
+    known += f'stroke="{contour.colour}" ' if contour.colour else ""
+    end = f"><title>{escape(contour.name, quote=False)}</title></path>" if contour.name else "/>"
+    return (
+        f'<path fill="none" vector-effect="non-scaling-stroke" data-closed="{str(contour.closed).lower()}" '
+        f'data-label="{label}" data-strength="{contour.strength:.6g}" data-length="{contour.length:.3f}" {known}'
+        f'd="M{points}{" Z" if contour.closed else ""}"{end}'
+    )
+
+
+def _page(result: Result | Skeleton) -> tuple[str, str]:
+    """Width and height of the drawing as SVG lengths."""
+    size = np.array(result.shape) * result.spacing
+    millimetres = size * _MILLIMETRES.get(result.unit or "", 0.0)
+    if millimetres.min() >= _SMALLEST_PAGE:
+        return f"{millimetres[1]:.6g}mm", f"{millimetres[0]:.6g}mm"
+    pixels = size / min(result.spacing)
+    return f"{pixels[1]:.6g}", f"{pixels[0]:.6g}"
+
+
+def _text(spacing: tuple[float, ...]) -> str:
+    return " ".join(f"{size:.9g}" for size in spacing)

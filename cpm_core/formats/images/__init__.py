@@ -1,0 +1,1 @@
+"""Files of images that can be read."""

@@ -1,0 +1,142 @@
+"""Common pictures: PNG, JPEG, BMP, PNM, GIF, WebP and JPEG 2000, read by Pillow."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import PIL.Image
+from numpy.typing import NDArray
+
+from cpm_core.formats.images import orientation, resolution
+from cpm_core.formats.images.colour import to_grey
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
+
+READS = {
+    ".png": "PNG picture",
+    ".jpg": "JPEG picture",
+    ".jpeg": "JPEG picture",
+    ".bmp": "BMP picture",
+    ".pbm": "portable bitmap",
+    ".pgm": "portable grey map",
+    ".ppm": "portable colour map",
+    ".pnm": "portable any map",
+    ".gif": "GIF picture, first frame",
+    ".webp": "WebP picture, first frame",
+    ".jp2": "JPEG 2000 picture",
+}
+
+# Named one by one: others that Pillow knows start external programs or are documents rather than images.
+_DECODERS = ("PNG", "JPEG", "BMP", "DIB", "PPM", "GIF", "WEBP", "JPEG2000")
+_WITH_ALPHA = ("LA", "PA", "RGBA", "RGBa")
+_PIXELS_A_METRE = 1 / 0.0254
+
+
+def recognises(_head: bytes) -> bool:
+    """Whether a file that begins so is for this reader: Pillow finds out itself, so it takes what is left over."""
+    return True
+
+
+def read(path: Path) -> Decoded:
+    """Read a picture.
+
+    Raises
+    ------
+    UnreadableError
+        When the file is no such picture, or too large. Damaged files raise whatever the decoder raises.
+    """
+    try:
+        with PIL.Image.open(path, formats=_DECODERS) as picture:
+            return _read(picture, path.name)
+    except PIL.UnidentifiedImageError:
+        raise UnreadableError(
+            f"{path.name} is not an image of a known kind, or its beginning is damaged: choose a sound PNG, TIFF or "
+            "JPEG file."
+        ) from None
+    except PIL.Image.DecompressionBombError:
+        raise UnreadableError(f"{path.name} has far too many pixels: crop it or make it smaller first.") from None
+
+
+def pixels(picture: PIL.Image.Image) -> Decoded:
+    """Grey levels of an opened picture, of 16-bit pictures in full."""
+    notes = list(_depth_notes(picture))
+    largest = _declared_maximum(picture)
+    mode = picture.mode
+    if mode == "1":
+        values: NDArray[Any] = np.array(picture.convert("L"))
+        notes.append("Black and white were read as 0 and 255.")
+    elif mode == "L" and "transparency" not in picture.info:
+        values = np.array(picture)
+        if largest not in (None, 255):
+            values = np.rint(values * (largest / 255.0))
+    elif mode == "F" or mode.startswith("I"):
+        values = np.array(picture)
+        if mode == "I" and largest not in (None, 65535):
+            values = np.rint(values * (largest / 65535.0))
+    elif mode in _WITH_ALPHA or "transparency" in picture.info:
+        samples = np.array(picture.convert("RGBA"))
+        channels = 1 if mode in ("L", "LA") else 3
+        values, colour_notes = to_grey(samples[..., :channels], samples[..., 3])
+        notes.extend(colour_notes)
+    else:
+        values, colour_notes = to_grey(np.array(picture.convert("RGB")))
+        notes.extend(colour_notes)
+    return Decoded(values, notes=tuple(notes))
+
+
+def _read(picture: PIL.Image.Image, name: str) -> Decoded:
+    check_size(name, picture.height, picture.width)
+    decoded = pixels(picture)
+    spacing, unit = _spacing(picture)
+    turn = _orientation(picture)
+    frames = ("Only its first frame was taken.",) if _has_second_frame(picture) else ()
+    return orientation.upright(Decoded(decoded.values, spacing, unit, (*decoded.notes, *frames)), turn)
+
+
+def _tile_arguments(picture: PIL.Image.Image) -> tuple[Any, ...]:
+    """What Pillow will hand to its decoder; empty when it does not say."""
+    tiles = getattr(picture, "tile", None) or [("", None, 0, ())]
+    arguments = tiles[0][3]
+    return arguments if isinstance(arguments, tuple) else (arguments,)
+
+
+def _depth_notes(picture: PIL.Image.Image) -> tuple[str, ...]:
+    """Own up that Pillow cuts 16-bit colour down to 8 bits."""
+    arguments = _tile_arguments(picture)
+    deep_colour = picture.mode in ("RGB", "RGBA") and (
+        (arguments and ";16" in str(arguments[0]))
+        or (picture.format == "PPM" and (_declared_maximum(picture) or 0) > 255)
+    )
+    return ("Its 16 bits a colour were cut down to 8.",) if deep_colour else ()
+
+
+def _declared_maximum(picture: PIL.Image.Image) -> int | None:
+    """Maximum value that the header of a portable map declares, to which Pillow does not stick."""
+    arguments = _tile_arguments(picture)
+    if picture.format == "PPM" and len(arguments) == 2 and isinstance(arguments[1], int) and arguments[1] > 0:
+        return arguments[1]
+    return None
+
+
+def _spacing(picture: PIL.Image.Image) -> resolution.Spacing:
+    """Pixel size, which among these formats only PNG states in a unit of length."""
+    density = picture.info.get("dpi")
+    if picture.format != "PNG" or density is None:
+        return resolution.UNKNOWN
+    return resolution.from_density(float(density[1]) * _PIXELS_A_METRE, float(density[0]) * _PIXELS_A_METRE)
+
+
+def _orientation(picture: PIL.Image.Image) -> int:
+    try:
+        return int(picture.getexif().get(orientation.TAG, 1))
+    except Exception:  # the pixels are sound; Pillow raises anything on broken camera data, and then none is known
+        return 1
+
+
+def _has_second_frame(picture: PIL.Image.Image) -> bool:
+    try:
+        picture.seek(1)
+    except EOFError:
+        return False
+    return True

@@ -1,0 +1,1 @@
+"""Files of label masks, a module for each format."""

@@ -1,0 +1,52 @@
+"""Label TIFF: the label mask for ImageJ and other programs that measure, with the size of a pixel."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import tifffile
+
+from cpm_core.contours.result import Result
+from cpm_core.formats.masks.labels import labels_of
+from cpm_core.medial_axis.skeleton import Skeleton
+
+WRITES = {
+    ".tif": "insides of closed contours as a label mask of 16 or 32 bits, with the size of a pixel",
+    ".tiff": "insides of closed contours as a label mask of 16 or 32 bits, with the size of a pixel",
+}
+
+_PER_CENTIMETRE = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
+
+
+def encode(result: Result | Skeleton) -> bytes:
+    """Make the label mask of a result, or the branch mask of a skeleton.
+
+    Returns
+    -------
+    bytes
+        An uncompressed grey TIFF of 16 bits with the entries of ImageJ, so that it shows lengths in the unit of the
+        image; of 32 bits where there are more than 65535 labels, which ImageJ would take for real numbers.
+
+    Raises
+    ------
+    ValueError
+        When there is nothing to paint.
+    """
+    mask = labels_of(result)
+    entries: dict[str, Any] = {}
+    if result.unit:
+        entries["resolution"] = (1.0 / result.spacing[1], 1.0 / result.spacing[0])
+    if mask.dtype == np.uint16:
+        unit = {"µm": "um"}.get(result.unit or "pixel", result.unit or "pixel")
+        entries |= {"imagej": True, "metadata": {"axes": "YX", "unit": unit}}
+    else:
+        entries |= {"metadata": None}
+        if result.unit in _PER_CENTIMETRE:
+            factor = _PER_CENTIMETRE[result.unit]
+            entries["resolution"] = (factor / result.spacing[1], factor / result.spacing[0])
+            entries["resolutionunit"] = "CENTIMETER"
+    stream = io.BytesIO()
+    tifffile.imwrite(stream, mask, photometric="minisblack", **entries)
+    return stream.getvalue()

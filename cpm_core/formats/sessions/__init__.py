@@ -1,0 +1,1 @@
+"""Files of sessions: what a person has drawn, set and said, as readable JSON."""

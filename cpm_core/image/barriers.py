@@ -1,0 +1,194 @@
+"""Walls: the barriers and the rims of the regions of interest at one scale, which nothing crosses.
+
+Whether a move crosses a wall is decided exactly, by the crossing of two segments; touching counts. Since a particle is
+never on a wall, the sides of a wall are told apart by the same sums at every step, and no speed, however great, and no
+barrier, however thin, lets anything through. How far away the nearest wall is at least is kept for every pixel, so that
+hardly any move needs to be looked at closely.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.image.regions import Regions
+from cpm_core.numerics.jit import compiled
+from cpm_core.particles.state import Particles
+
+Array = NDArray[np.float64]
+
+_SAMPLING = 0.5
+"""Distance of the places along a wall by which the pixels near it are told [px]."""
+
+_FAR = 12
+"""Distance from which on nothing is nearer: hardly any move is that long [px]."""
+
+_ROUNDING = 2.0
+"""What the distance of two pixels may exceed that of a place in one from a wall in the other by: half a diagonal twice,
+and half the sampling [px]."""
+
+
+class Walls(NamedTuple):
+    """The walls of one scale; a plain tuple for the compiled loops.
+
+    Attributes
+    ----------
+    segments : ndarray, shape (S, 4)
+        Row and column of one end, then of the other [px of the scale].
+    clearance : ndarray, shape (H, W)
+        Distance that anywhere in a pixel no wall is nearer than [px]; may be below 0.
+    """
+
+    segments: Array
+    clearance: Array
+
+    def crossed(self, start: Array, end: Array) -> NDArray[np.bool_]:
+        """Which of the straight ways from `start` to `end`, shapes (N, 2) [px], cross or touch a wall."""
+        if not len(self.segments):
+            return np.zeros(len(start), np.bool_)
+        return _crossed(self, np.ascontiguousarray(start, dtype=float), np.ascontiguousarray(end, dtype=float))
+
+    def held(self, before: Particles, after: Particles) -> Particles:
+        """Hold back the particles whose step crosses a wall.
+
+        Such a particle keeps that part of its step and of its velocity that is along the wall, if this part crosses
+        no other; else it stays where it is, at rest.
+
+        Parameters
+        ----------
+        before, after : Particles
+            The particles before and after a step.
+
+        Returns
+        -------
+        Particles
+            After a step that crosses no wall.
+        """
+        blocked = self.crossed(before.position, after.position)
+        if not blocked.any():
+            return after
+        position, velocity = after.position.copy(), after.velocity.copy()
+        _hold(self, np.flatnonzero(blocked), before.position, position, velocity)
+        return replace(after, position=position, velocity=velocity)
+
+
+NO_WALLS = Walls(np.zeros((0, 4)), np.zeros((1, 1)))
+
+
+def build_walls(regions: Regions, shape: tuple[int, ...]) -> Walls:
+    """Walls of regions.
+
+    Parameters
+    ----------
+    regions : Regions
+        In px of the scale.
+    shape : tuple of int
+        Shape of the image at this scale.
+
+    Returns
+    -------
+    Walls
+        Barriers and rims of the regions of interest.
+    """
+    segments = np.concatenate([regions.rims(), regions.lines()])
+    if not len(segments):
+        return NO_WALLS
+    clearance = np.full(shape, float(_FAR))
+    _clear(segments, clearance)
+    clearance -= _ROUNDING
+    return Walls(segments, clearance)
+
+
+@compiled
+def _clear(segments: Array, clearance: Array) -> None:
+    """Distance of every pixel to the nearest one that a wall runs through, as far as it is not far."""
+    rows, cols = clearance.shape
+    walled = np.zeros((rows, cols), np.bool_)
+    for s in range(len(segments)):
+        down, right = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
+        count = 1 + int(np.sqrt(down**2 + right**2) / _SAMPLING)
+        for n in range(count + 1):
+            y, x = np.rint(segments[s, 0] + down * n / count), np.rint(segments[s, 1] + right * n / count)
+            if y < -1 or y > rows or x < -1 or x > cols:
+                continue
+            row, col = min(max(int(y), 0), rows - 1), min(max(int(x), 0), cols - 1)
+            if walled[row, col]:
+                continue
+            walled[row, col] = True
+            for r in range(max(row - _FAR, 0), min(row + _FAR + 1, rows)):
+                for c in range(max(col - _FAR, 0), min(col + _FAR + 1, cols)):
+                    clearance[r, c] = min(clearance[r, c], np.sqrt(float((r - row) ** 2 + (c - col) ** 2)))
+
+
+@compiled
+def crosses(walls: Walls, a: Array, b: Array) -> bool:
+    """Whether the straight way from a to b crosses or touches a wall."""
+    if len(walls.segments) == 0:
+        return False
+    rows, cols = walls.clearance.shape
+    row = min(max(np.int64(a[0] + 0.5), 0), rows - 1)
+    col = min(max(np.int64(a[1] + 0.5), 0), cols - 1)
+    clear = walls.clearance[row, col]
+    if clear > 0.0 and (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 < clear * clear:
+        return False
+    s = 0
+    while s < len(walls.segments) and not _meet(walls.segments[s], a, b):
+        s += 1
+    return s < len(walls.segments)
+
+
+@compiled
+def _meet(segment: Array, a: Array, b: Array) -> bool:
+    """Whether a segment and the way from a to b have a place in common."""
+    if (
+        max(a[0], b[0]) < min(segment[0], segment[2])
+        or min(a[0], b[0]) > max(segment[0], segment[2])
+        or max(a[1], b[1]) < min(segment[1], segment[3])
+        or min(a[1], b[1]) > max(segment[1], segment[3])
+    ):
+        return False
+    p, q = segment[:2], segment[2:]
+    return _side(p, q, a) * _side(p, q, b) <= 0.0 and _side(a, b, p) * _side(a, b, q) <= 0.0
+
+
+@compiled
+def _side(p: Array, q: Array, a: Array) -> float:
+    """On which side of the line through p and q a place lies, by the sign."""
+    turn: float = (q[0] - p[0]) * (a[1] - p[1]) - (q[1] - p[1]) * (a[0] - p[0])
+    return turn
+
+
+@compiled
+def _crossed(walls: Walls, start: Array, end: Array) -> NDArray[np.bool_]:
+    out = np.zeros(len(start), np.bool_)
+    for i in range(len(start)):
+        out[i] = crosses(walls, start[i], end[i])
+    return out
+
+
+@compiled
+def _hold(walls: Walls, blocked: NDArray[np.int64], before: Array, position: Array, velocity: Array) -> None:
+    """Let blocked particles slide along the wall, in place."""
+    for n in range(len(blocked)):
+        i = blocked[n]
+        first, wall = np.inf, -1
+        for s in range(len(walls.segments)):
+            if _meet(walls.segments[s], before[i], position[i]):
+                here = _side(walls.segments[s, :2], walls.segments[s, 2:], before[i])
+                there = _side(walls.segments[s, :2], walls.segments[s, 2:], position[i])
+                way = here / (here - there) if here != there else 0.0
+                if way < first:
+                    first, wall = way, s
+        row = walls.segments[wall, 2] - walls.segments[wall, 0]
+        col = walls.segments[wall, 3] - walls.segments[wall, 1]
+        squared = row**2 + col**2
+        slide = ((position[i, 0] - before[i, 0]) * row + (position[i, 1] - before[i, 1]) * col) / squared
+        speed = (velocity[i, 0] * row + velocity[i, 1] * col) / squared
+        position[i, 0], position[i, 1] = before[i, 0] + row * slide, before[i, 1] + col * slide
+        velocity[i, 0], velocity[i, 1] = row * speed, col * speed
+        if crosses(walls, before[i], position[i]):
+            position[i, 0], position[i, 1] = before[i, 0], before[i, 1]
+            velocity[i, 0], velocity[i, 1] = 0.0, 0.0

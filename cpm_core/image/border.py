@@ -1,0 +1,110 @@
+"""The frame of an image: the dark or bright rim that apertures, scanners and mounts leave around what they show.
+
+Its edge is often the strongest of the image and belongs to no object. It is told by where it lies: along a side, near
+it, straight, and over more than half of its length.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from math import isqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.numerics.maximum_filter import running_maximum
+
+Array = NDArray[np.float64]
+
+_FAINT = 0.1
+"""Fraction of the largest edge strength that the edge of a frame must have."""
+
+_ALONG = 0.94
+"""Cosine of the angle between the image gradient and the normal of the side, within which an edge runs along it."""
+
+_STRAIGHT = 0.02
+"""How far the edge of a frame may stray from a line, as a fraction of the shorter side."""
+
+_COVER = 0.5
+"""Fraction of a side along which its edge must be seen."""
+
+_FLANK = 3.0
+"""Width of an edge's flank, in sigma."""
+
+
+def inside_frame(grad: Array, strength: Array, smoothing: float, widest: float) -> NDArray[np.bool_]:
+    r"""Pixels that no frame covers.
+
+    Parameters
+    ----------
+    grad : ndarray, shape (D, \*shape)
+        Image gradient.
+    strength : ndarray, shape (\*shape)
+        Its magnitude.
+    smoothing : float
+        Gaussian that it was taken with [px].
+    widest : float
+        Width up to which a frame is looked for, as a fraction of the shortest side; 0 for none.
+
+    Returns
+    -------
+    ndarray of bool, shape (\*shape)
+        False on the frame, its edge included.
+    """
+    shape = strength.shape
+    inside = np.ones(shape, bool)
+    reach = int(widest * min(shape))
+    if reach < 1:
+        return inside
+    faint = _FAINT * strength.max()
+    for axis in range(len(shape)):
+        for turned in (False, True):
+            rim, slope, length = (np.moveaxis(values, axis, 0) for values in (inside, grad[axis], strength))
+            if turned:
+                rim, slope, length = rim[::-1], slope[::-1], length[::-1]
+            slope, length = slope[: reach + 2], length[: reach + 2]
+            edge = np.where((length >= faint) & (np.abs(slope) >= _ALONG * length), slope, 0.0)
+            depth = _edge_of_frame(edge, int(_STRAIGHT * min(shape)) + 1)
+            if depth >= 0:
+                rim[: depth + 1 + int(_FLANK * max(smoothing, 1.0))] = False
+    return inside
+
+
+def _edge_of_frame(edge: Array, stray: int) -> int:
+    """Farthest line along a side that an edge of one sign follows over most of its length; -1 if there is none."""
+    steepest = np.abs(edge[1:-1])
+    crest = (steepest >= np.abs(edge[:-2])) & (steepest > np.abs(edge[2:]))
+    farthest = -1
+    for sign in (-1.0, 1.0):
+        near = running_maximum(crest & (edge[1:-1] * sign > 0.0), stray, axes=(0,))
+        lines = np.flatnonzero(near.reshape(len(near), -1).mean(axis=1) > _COVER)
+        if len(lines):
+            farthest = max(farthest, int(lines[-1]) + 1)
+    return farthest
+
+
+def within(inside: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    r"""Pixels no farther from some of them than a distance, by their centres.
+
+    Parameters
+    ----------
+    inside : ndarray of bool, shape (\*shape)
+        Some of the pixels.
+    reach : int
+        The distance [px].
+
+    Returns
+    -------
+    ndarray of bool, shape (\*shape)
+        Those and the ones around them.
+    """
+    out = inside.copy()
+    leading = inside.shape[:-1]
+    for offset in product(range(-reach, reach + 1), repeat=len(leading)):
+        left = reach**2 - sum(o**2 for o in offset)
+        if left < 0 or any(abs(o) >= n for o, n in zip(offset, leading, strict=True)):
+            continue
+        source = tuple(slice(max(-o, 0), n - max(o, 0)) for o, n in zip(offset, leading, strict=True))
+        target = tuple(slice(max(o, 0), n - max(-o, 0)) for o, n in zip(offset, leading, strict=True))
+        out[target] |= running_maximum(inside[source], isqrt(left), axes=(len(leading),))
+    return out

@@ -1,0 +1,213 @@
+"""Regions of interest, which particles stay in, and barriers, which they do not cross: what a person draws."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.image.pyramid import to_scale
+from cpm_core.numerics.jit import compiled
+
+Array = NDArray[np.float64]
+Line = tuple[tuple[float, float], ...]
+
+_OFF = 1e-6
+"""Distance to either side of a polygon's side at which it is seen whether it is a rim, and within which a place counts
+as on a line [px]."""
+
+_KEPT = 8
+"""Polygons whose pixels and rims are kept: while a barrier is dragged the regions of interest are asked for again and
+again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Regions:
+    """Where particles may be.
+
+    They stay inside the union of the regions of interest, and never cross a barrier. What lies outside the regions of
+    interest carries no fixed charge and does not count when it is asked what a strong edge is.
+
+    Parameters
+    ----------
+    interest : sequence of polygons
+        Corners (row, col) [px] of each, three at least; a polygon holds what it winds around, so that one that crosses
+        itself has no holes. Without any the whole image is of interest.
+    barriers : sequence of polygonal lines
+        Vertices (row, col) [px] of each, two at least; they may reach out of the image.
+
+    Raises
+    ------
+    ValueError
+        For too few corners or values that are not finite.
+    """
+
+    interest: tuple[Line, ...] = ()
+    barriers: tuple[Line, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "interest", _lines("region of interest", self.interest, 3))
+        object.__setattr__(self, "barriers", _lines("barrier", self.barriers, 2))
+
+    def check(self, shape: tuple[int, ...]) -> None:
+        """Raise a `ValueError` unless every region of interest holds a pixel of an image of this shape."""
+        for number, polygon in enumerate(self.interest, start=1):
+            if not _pixels(polygon, shape).any():
+                size = " x ".join(map(str, shape))
+                raise ValueError(
+                    f"region of interest {number} holds no pixel of the image ({size} pixels): "
+                    "draw it inside the image, around what is to be found."
+                )
+
+    def at_scale(self, scale: int, shape: tuple[int, ...]) -> Regions:
+        """These regions of an image of shape `shape`, in px of one of its scales."""
+        parts = ([to_scale(np.array(line), scale, shape) for line in lines] for lines in (self.interest, self.barriers))
+        return Regions(*(tuple(_line(points) for points in part) for part in parts))
+
+    def contains(self, points: Array) -> NDArray[np.bool_]:
+        """Which of points, shape (N, 2) [px], lie in a region of interest; all, where there is none."""
+        if not self.interest:
+            return np.ones(len(points), np.bool_)
+        found = np.zeros(len(points), np.bool_)
+        for polygon in self.interest:
+            found |= _winds_around(np.array(polygon), np.ascontiguousarray(points, dtype=float))
+        return found
+
+    def allows(self, points: Array) -> NDArray[np.bool_]:
+        """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""
+        on_line = _touching(np.concatenate([self.rims(), self.lines()]), np.ascontiguousarray(points, dtype=float))
+        return np.asarray(self.contains(points) & ~on_line)
+
+    def pixels(self, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+        """Which pixels of an image of this shape have their centre in a region of interest."""
+        if not self.interest:
+            return np.ones(shape, np.bool_)
+        return np.asarray(np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0))
+
+    def rims(self) -> Array:
+        """Rim of the union of the regions of interest.
+
+        The sides of the polygons are cut where they meet each other; of the pieces those are rims that have the outside
+        on one side and not on the other.
+
+        Returns
+        -------
+        ndarray, shape (S, 4)
+            Segments: row and column of one end, then of the other [px].
+        """
+        return _rims(self.interest)
+
+    def lines(self) -> Array:
+        """Barriers as segments, shape (S, 4)."""
+        return np.concatenate([np.zeros((0, 4)), *(_segments(np.array(line)) for line in self.barriers)])
+
+
+def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:
+    """Check lines, and turn them into tuples."""
+    checked = []
+    for number, line in enumerate(lines, start=1):
+        what = f"{noun} {number}"
+        try:
+            points = np.array([tuple(point) for point in line], dtype=float)
+        except (TypeError, ValueError):
+            points = np.zeros(0)
+        if points.ndim != 2 or points.shape[1] != 2:
+            raise ValueError(f"{what} must be a sequence of at least {least} points (row, col).")
+        if not np.isfinite(points).all():
+            raise ValueError(f"{what} has coordinates that are not finite: give numbers of rows and columns.")
+        if len(np.unique(points, axis=0)) < least:
+            raise ValueError(
+                f"{what} has {len(np.unique(points, axis=0))} different points but must have at least {least}."
+            )
+        checked.append(_line(points))
+    return tuple(checked)
+
+
+@lru_cache(maxsize=_KEPT)
+def _pixels(polygon: Line, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Which pixels of an image of this shape have their centre in a polygon."""
+    places = np.indices(shape).reshape(2, -1).T.astype(float)
+    return _winds_around(np.array(polygon), places).reshape(shape)
+
+
+@lru_cache(maxsize=_KEPT)
+def _rims(interest: tuple[Line, ...]) -> Array:
+    """Rim of the union of polygons; see `Regions.rims`."""
+    if not interest:
+        return np.zeros((0, 4))
+    regions = Regions(interest)
+    sides = np.concatenate([_segments(np.array([*polygon, polygon[0]])) for polygon in interest])
+    pieces = np.concatenate([_cut(side, sides) for side in sides])
+    along = pieces[:, 2:] - pieces[:, :2]
+    length = np.linalg.norm(along, axis=1)
+    off = _OFF * along[:, ::-1] * (1.0, -1.0) / np.maximum(length, 1e-300)[:, None]
+    middle = 0.5 * (pieces[:, :2] + pieces[:, 2:])
+    rim = regions.contains(middle + off) != regions.contains(middle - off)
+    # of a piece that is shorter than the look to its sides nothing can be told
+    return np.asarray(pieces[rim | (length < 10.0 * _OFF)])
+
+
+def _line(points: Array) -> Line:
+    return tuple((row, col) for row, col in points.tolist())
+
+
+def _segments(path: Array) -> Array:
+    """Segments, shape (K - 1, 4), of a path of shape (K, 2), those without length left out."""
+    segments = np.concatenate([path[:-1], path[1:]], axis=1)
+    return np.asarray(segments[(segments[:, :2] != segments[:, 2:]).any(axis=1)])
+
+
+def _cut(side: Array, others: Array) -> Array:
+    """Pieces of a side between the places where others cross or touch it."""
+    a, along = side[:2], side[2:] - side[:2]
+    p, d = others[:, :2] - a, others[:, 2:] - others[:, :2]
+    turn = along[0] * d[:, 1] - along[1] * d[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = (p[:, 0] * d[:, 1] - p[:, 1] * d[:, 0]) / turn
+        on_other = (p[:, 0] * along[1] - p[:, 1] * along[0]) / turn
+    crossing = at[(turn != 0.0) & (on_other >= 0.0) & (on_other <= 1.0)]
+    # sides on one line do not cross: they part at their corners
+    away = np.abs(p[:, 0] * along[1] - p[:, 1] * along[0]) / np.linalg.norm(along)
+    corners = (p @ along / (along @ along))[away < _OFF]
+    every = np.unique(np.concatenate([crossing, corners, [0.0, 1.0]]))
+    every = every[(every >= 0.0) & (every <= 1.0)]
+    places = a + every[:, None] * along
+    places[-1] = side[2:]
+    return _segments(places)
+
+
+@compiled
+def _touching(segments: Array, points: Array) -> NDArray[np.bool_]:
+    """Which points lie on a segment."""
+    on = np.zeros(len(points), np.bool_)
+    for i in range(len(points)):
+        for s in range(len(segments)):
+            row, col = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
+            from_row, from_col = points[i, 0] - segments[s, 0], points[i, 1] - segments[s, 1]
+            t = min(max((from_row * row + from_col * col) / (row * row + col * col), 0.0), 1.0)
+            if (from_row - t * row) ** 2 + (from_col - t * col) ** 2 < _OFF**2:
+                on[i] = True
+    return on
+
+
+@compiled
+def _winds_around(corners: Array, points: Array) -> NDArray[np.bool_]:
+    """Which points a polygon winds around."""
+    inside = np.zeros(len(points), np.bool_)
+    for i in range(len(points)):
+        row, col = points[i, 0], points[i, 1]
+        turns = 0
+        before = len(corners) - 1
+        for k in range(len(corners)):
+            a, b = corners[before], corners[k]
+            left = (b[0] - a[0]) * (col - a[1]) - (row - a[0]) * (b[1] - a[1])
+            if a[0] <= row < b[0] and left > 0.0:
+                turns += 1
+            elif b[0] <= row < a[0] and left < 0.0:
+                turns -= 1
+            before = k
+        inside[i] = turns != 0
+    return inside

@@ -1,0 +1,154 @@
+"""The medial axis: the edges of the Voronoi diagram of a boundary that do not cross the boundary.
+
+It is the other half of the crust (`cpm_core.reconstruction.curve.crust`): of each pair of an edge of the Delaunay
+triangulation and its dual edge of the Voronoi diagram, one belongs to the curve or the other to its skeleton (Gold and
+Snoeyink 2001, doi:10.1007/s00453-001-0014-x).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.medial_axis.boundary import Boundary
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+_FAR = 8.0
+"""Distance, in sizes of the image, of the points that keep all others' cells bounded."""
+
+_AROUND = 0.5
+"""Width, in sizes of the image, of the surroundings of the image into which the axis is followed."""
+
+
+_LONGEST = 1.0
+"""Length of the edges of an axis at most [px]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A graph of places that are nearest to two or more points of a boundary.
+
+    Attributes
+    ----------
+    points : ndarray, shape (N, 2)
+        Vertices [px].
+    edges : ndarray of int64, shape (M, 2)
+        Pairs of vertices.
+    radius : ndarray, shape (N,)
+        Distance of each vertex to the boundary [px].
+    nearest : ndarray of int64, shape (N,)
+        Point of the boundary at that distance.
+    """
+
+    points: Array
+    edges: Indices
+    radius: Array
+    nearest: Indices
+
+    def only(self, edges: Indices, alone: Indices | None = None) -> Axis:
+        """The axis with some of its edges, the vertices that they join, and some vertices by themselves."""
+        alone = np.zeros(0, np.int64) if alone is None else alone
+        used, index = np.unique(np.concatenate([edges.ravel(), alone]), return_inverse=True)
+        joined = index.ravel()[: edges.size].reshape(-1, 2)
+        return Axis(self.points[used], joined, self.radius[used], self.nearest[used])
+
+    def inside(self, low: Array, high: Array) -> NDArray[np.bool_]:
+        """Tell which vertices lie in a rectangle."""
+        return np.asarray(((self.points >= low) & (self.points <= high)).all(axis=1))
+
+    def within(self, low: Array, high: Array) -> Axis:
+        """The part of the axis in a rectangle: edges are cut off where they leave it."""
+        start = self.points[self.edges[:, 0]]
+        along = self.points[self.edges[:, 1]] - start
+        with np.errstate(divide="ignore", invalid="ignore"):
+            to_low, to_high = (low - start) / along, (high - start) / along
+        aside = np.where((start < low) | (start > high), np.inf, -np.inf)  # edges along a side: wholly in or wholly out
+        still = along == 0.0
+        enter = np.where(still, aside, np.minimum(to_low, to_high)).max(axis=1).clip(min=0.0)
+        leave = np.where(still, -aside, np.maximum(to_low, to_high)).min(axis=1).clip(max=1.0)
+        kept = enter < leave
+        edges = self.edges[kept].copy()
+        points, radius, nearest = [self.points], [self.radius], [self.nearest]
+        size = len(self.points)
+        for end, at in enumerate((enter[kept], leave[kept])):
+            cut = (at > 0.0) if end == 0 else (at < 1.0)
+            a, b = self.edges[kept][cut].T
+            share = at[cut]
+            points.append(self.points[a] + share[:, None] * (self.points[b] - self.points[a]))
+            radius.append(self.radius[a] + share * (self.radius[b] - self.radius[a]))
+            nearest.append(self.nearest[np.where(share < 0.5, a, b)])
+            edges[cut, end] = size + np.arange(len(share))
+            size += len(share)
+        joined = np.zeros(len(self.points), np.bool_)
+        joined[self.edges] = True
+        cutting = Axis(np.concatenate(points), edges, np.concatenate(radius), np.concatenate(nearest))
+        return cutting.only(edges, np.flatnonzero(self.inside(low, high) & ~joined))
+
+
+def nowhere() -> Axis:
+    """An axis without vertices."""
+    return Axis(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
+
+
+def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
+    """Medial axis of everything that a boundary parts, inside and outside.
+
+    Parameters
+    ----------
+    boundary : Boundary
+        Evenly spaced points.
+    shape : tuple of int
+        Shape of the image; its border is no boundary.
+
+    Returns
+    -------
+    Axis
+        In the image and half of its size around it, with edges of at most a pixel, and a twig for every irregularity of
+        the points.
+    """
+    size = np.array(shape, dtype=float)
+    middle, widest = 0.5 * (size - 1.0), float(size.max())
+    corners = middle + _FAR * widest * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
+    if len(boundary.points) < 2:
+        return nowhere()
+    try:
+        diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
+    except scipy.spatial.QhullError:  # all points in a row
+        return nowhere()
+    count = len(boundary.points)
+    sites = np.sort(diagram.ridge_points.astype(np.int64), axis=1)
+    edges = np.asarray(diagram.ridge_vertices, dtype=np.int64)
+    follow = np.sort(boundary.neighbors, axis=1)
+    key = count + len(corners)
+    crossing = np.isin(sites[:, 0] * key + sites[:, 1], follow[:, 0] * key + follow[:, 1])
+    kept = ~crossing & (sites[:, 1] < count) & (edges >= 0).all(axis=1)
+    tree = scipy.spatial.cKDTree(boundary.points)
+    reach = 0.5 * size + _AROUND * widest
+    rough = _measured(diagram.vertices, edges[kept], tree).only(edges[kept]).within(middle - reach, middle + reach)
+    return _measured(*_divided(rough.points, rough.edges), tree)
+
+
+def _measured(points: Array, edges: Indices, tree: scipy.spatial.cKDTree) -> Axis:
+    """Axis with the distances of its vertices to the boundary."""
+    radius, nearest = tree.query(points)
+    return Axis(points, edges, np.asarray(radius), np.asarray(nearest, dtype=np.int64))
+
+
+def _divided(points: Array, edges: Indices) -> tuple[Array, Indices]:
+    """Points and edges with vertices along the long edges, for between them the radius does not change evenly."""
+    a, b = points[edges[:, 0]], points[edges[:, 1]]
+    pieces = np.maximum(np.ceil(np.linalg.norm(b - a, axis=1) / _LONGEST), 1).astype(np.int64)
+    edge = np.repeat(np.arange(len(edges)), pieces - 1)
+    step = np.arange(len(edge)) - np.repeat(np.cumsum(pieces - 1) - (pieces - 1), pieces - 1) + 1
+    between = a[edge] + (b - a)[edge] * (step / pieces[edge])[:, None]
+    added = len(points) + np.arange(len(edge))
+    first, last = step == 1, step == pieces[edge] - 1
+    inner = np.stack([added[~last], added[~last] + 1], axis=1)
+    starts = np.stack([edges[edge[first], 0], added[first]], axis=1)
+    ends = np.stack([added[last], edges[edge[last], 1]], axis=1)
+    return np.concatenate([points, between]), np.concatenate([edges[pieces == 1], starts, inner, ends])

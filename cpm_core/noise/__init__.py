@@ -1,6 +1,0 @@
-"""Noise: how strong it is in an image, and what is left of the image without it."""
-
-from cpm_core.noise.cleaning import Cleaned, clean
-from cpm_core.noise.denoising import noise_level
-
-__all__ = ["Cleaned", "clean", "noise_level"]

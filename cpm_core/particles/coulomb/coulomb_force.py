@@ -1,0 +1,109 @@
+"""The Coulomb force of eq. (9), by whichever way is fastest."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.particles.coulomb.direct_sum import pair_sums
+from cpm_core.particles.coulomb.error_estimate import usual_force
+from cpm_core.particles.coulomb.fast_multipole import tree_force
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+METHODS = ("auto", "exact", "single", "tree")
+
+_WORTH_A_SAMPLE = 400
+"""Targets from which on it pays to ask a sample whether single precision is enough: at 400, 115 us against 122 us."""
+
+_WORTH_A_TREE = 1500
+"""Targets from which on the tree is faster than single precision: at 1200, 0.58 ms against 0.44 + 0.08 ms, at 1600,
+0.69 ms against 0.76 + 0.08 ms, on one core; on two, all of these take half."""
+
+
+def coulomb_force(
+    positions: ArrayLike, method: str = "auto", targets: ArrayLike | None = None, tolerance: float = 1e-3
+) -> Array:
+    """Coulomb force on every particle from all the others, eq. (9) with unit charges.
+
+    Parameters
+    ----------
+    positions : array_like, shape (N, 2)
+        Positions of the particles [px].
+    method : {"auto", "exact", "single", "tree"}
+        How the sum is carried out. "exact": pair by pair in double precision. "single": pair by pair, distances in
+        double precision and the rest in single precision, in half the time; the force of each pair is right to 2e-7
+        of its size. "tree": by a fast multipole method, whose time grows in proportion to N. "auto": the fastest of
+        these that keeps the tolerance.
+    targets : array_like of int, shape (M,), optional
+        Indices of the particles whose force is wanted; all of them unless given.
+    tolerance : float
+        Relative error that "auto" and "tree" may make: root of the sum of the squared errors of all particles over
+        that of their forces. From 1e-12 to 0.1.
+
+    Returns
+    -------
+    ndarray, shape (N, 2) or (M, 2)
+        ``sum_j (r_i - r_j) / |r_i - r_j|^3``, not normalised. Particles on the very same spot do not act on each other;
+        as such count those that are nearer to one another than 1e-18 of what all of them extend over.
+
+    Raises
+    ------
+    ValueError
+        For positions of another shape or that are no finite numbers, an unknown method, targets that are no particles,
+        or a tolerance out of range.
+
+    Notes
+    -----
+    The way is chosen by the number of targets M alone, for what all ways take is proportional to N beside it. Measured
+    on two cores with particles 1.5 px apart along circles: a pair takes 0.31 ns in double and 0.14 ns in single
+    precision, and a particle 300 to 400 ns by the tree. Up to 400 targets, asking a sample whether single precision is
+    enough does not pay; from 1500 on the tree is faster than sums in single precision.
+    """
+    points = np.asarray(positions, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise ValueError(f"positions have the shape {points.shape} but must be (N, 2).")
+    if method not in METHODS:
+        raise ValueError(f"method is {method!r} but must be one of {', '.join(METHODS)}.")
+    if not 1e-12 <= tolerance <= 0.1:
+        raise ValueError(f"tolerance is {tolerance} but must be from 1e-12 to 0.1.")
+    wanted = None if targets is None else _checked(targets, len(points))
+    if not len(points):
+        return np.zeros((0, 2))
+    y, x = points[:, 0].copy(), points[:, 1].copy()
+    with np.errstate(over="ignore", invalid="ignore"):
+        height, width = float(y.max() - y.min()), float(x.max() - x.min())
+    if not np.isfinite(height + width):
+        raise ValueError("positions must be finite numbers; there are others among them, or they lie too far apart.")
+    extent = max(height, width)
+    # A power of two rounds nothing.
+    scale = float(2.0 ** np.floor(np.log2(extent))) if extent > 0.0 else 1.0
+    y /= scale
+    x /= scale
+    force = _unit_force(y, x, method, wanted, tolerance)
+    force /= scale
+    force /= scale
+    return force
+
+
+def _unit_force(y: Array, x: Array, method: str, wanted: Index | None, tolerance: float) -> Array:
+    """Force on some particles of the unit square, or on all of them."""
+    count = len(y) if wanted is None else len(wanted)
+    single = method == "single"
+    if method == "tree" or (method == "auto" and count > _WORTH_A_TREE):
+        return tree_force(y, x, tolerance, wanted)
+    if method == "auto" and count > _WORTH_A_SAMPLE:
+        single = usual_force(y, x, tolerance)[1]
+    return pair_sums(y, x, np.arange(len(y)) if wanted is None else wanted, single)
+
+
+def _checked(targets: ArrayLike, count: int) -> Index:
+    indices = np.asarray(targets)
+    if indices.ndim != 1 or (indices.size and indices.dtype.kind not in "iu"):
+        raise ValueError(f"targets must be a list of indices, not {indices.dtype} of the shape {indices.shape}.")
+    if indices.size and not (indices.min() >= 0 and indices.max() < count):
+        raise ValueError(
+            f"targets go from {indices.min()} to {indices.max()} but must be indices of the {count} particles."
+        )
+    return indices.astype(np.int64, copy=False)

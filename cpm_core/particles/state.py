@@ -1,0 +1,247 @@
+"""The free particles, and the state of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.field.placed_charges import Charges
+from cpm_core.image.pyramid import to_image
+from cpm_core.image.regions import Regions
+from cpm_core.particles.coulomb.mesh_force import FAR_EVERY, FarForce
+from cpm_core.particles.coverage import Ground
+
+Array = NDArray[np.float64]
+
+MEMORY = 4
+"""Steps T that eq. (23) looks back over."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Particles:
+    """The free particles as a struct of arrays.
+
+    Attributes
+    ----------
+    position : ndarray, shape (N, D)
+        Positions [px of their scale].
+    velocity : ndarray, shape (N, D)
+        Velocities [px / unit of time].
+    force : ndarray, shape (N, 2, D)
+        Undamped force on each at the last step and at the one before: the history of eq. (15).
+    distance : ndarray, shape (N, T)
+        ``|r|`` at the last T steps, newest first: the history of eq. (23); NaN before a particle was there.
+    identity : ndarray of int64, shape (N,)
+        Number of each, never given twice in a run.
+    """
+
+    position: Array
+    velocity: Array
+    force: Array
+    distance: Array
+    identity: NDArray[np.int64]
+
+    @classmethod
+    def at_rest(cls, position: Array, first_identity: int = 0) -> Particles:
+        """Particles without motion or history at positions of shape (N, D)."""
+        count, dimension = position.shape
+        return cls(
+            np.array(position, dtype=float),
+            np.zeros((count, dimension)),
+            np.zeros((count, 2, dimension)),
+            np.full((count, MEMORY), np.nan),
+            np.arange(first_identity, first_identity + count),
+        )
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    @property
+    def young(self) -> NDArray[np.bool_]:
+        """Which have been there for less than T steps, shape (N,)."""
+        return np.isnan(self.distance[:, -1])
+
+    def where(self, kept: NDArray[np.bool_]) -> Particles:
+        """Those particles for which `kept`, shape (N,), is true."""
+        return self.taken(np.flatnonzero(kept))
+
+    def taken(self, index: NDArray[np.int64]) -> Particles:
+        """Those particles whose indices are given, shape (M,), in this order."""
+        return Particles(
+            self.position.take(index, axis=0),
+            self.velocity.take(index, axis=0),
+            self.force.take(index, axis=0),
+            self.distance.take(index, axis=0),
+            self.identity.take(index),
+        )
+
+    def with_more(self, position: Array, first: int) -> Particles:
+        """Add particles without motion or history at positions of shape (M, D), numbered from `first` on."""
+        more = Particles.at_rest(position, first)
+        return Particles(
+            np.concatenate([self.position, more.position]),
+            np.concatenate([self.velocity, more.velocity]),
+            np.concatenate([self.force, more.force]),
+            np.concatenate([self.distance, more.distance]),
+            np.concatenate([self.identity, more.identity]),
+        )
+
+    def joined_by(self, position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int) -> Particles:
+        """Add particles born between two parents, whose mean velocity and force history they inherit.
+
+        Parameters
+        ----------
+        position : ndarray, shape (M, D)
+            Where the new ones are.
+        parent, other : ndarray of int64, shape (M,)
+            Indices of the parents; the same twice for a single parent.
+        first : int
+            Identity of the first new particle.
+        """
+        newborn = len(position)
+        return Particles(
+            np.concatenate([self.position, position]),
+            np.concatenate([self.velocity, _mean(self.velocity, parent, other)]),
+            np.concatenate([self.force, _mean(self.force, parent, other)]),
+            np.concatenate([self.distance, np.full((newborn, MEMORY), np.nan)]),
+            np.concatenate([self.identity, np.arange(first, first + newborn)]),
+        )
+
+
+def _mean(history: Array, one: NDArray[np.int64], other: NDArray[np.int64]) -> Array:
+    return np.asarray(0.5 * (history[one] + history[other]))
+
+
+def _owner(array: NDArray[Any]) -> NDArray[Any]:
+    """The array whose memory an array is a view of, or itself."""
+    return array.base if isinstance(array.base, np.ndarray) else array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class State:
+    """A moment of a run: all that the next step depends on besides image and parameters.
+
+    Attributes
+    ----------
+    particles : Particles
+        The free particles, in px of the scale that they are on.
+    start : ndarray, shape (M, D)
+        Where the particles began [px of the image]; every scale begins from there as well.
+    shape : tuple of int
+        Shape of the image.
+    scale : int
+        0 is the image itself, 1 half its size, and so on.
+    ground : Ground
+        When particles first sat on an edge in each cell of the scale.
+    far : FarForce or None
+        Far part of the Coulomb force, which serves for some steps; None before the first step of a scale.
+    step : int
+        Steps done in all.
+    step_of_scale : int
+        Steps done at this scale.
+    annealed : float
+        Fraction of the insertion range d_max that annealing has left.
+    steering : tuple
+        `Parameters.steering` of the last step; empty before the first.
+    regions : Regions or None
+        Regions of interest and barriers of the last step.
+    charges : tuple of PlacedCharge
+        Placed charges of the last step.
+    erased : bool
+        Whether particles have been erased since all were last set going.
+    heated : int
+        Step of this scale at which the particles were last set going, by its beginning or by other parameters.
+    next_identity : int
+        Identity for the next particle to be born.
+    born, deleted : int
+        Particles inserted and deleted in the last step.
+    epsilon : float
+        Left side of eq. (23) [px of the scale]; NaN while it has no history.
+    displacement : float
+        Mean distance that a particle moved in the last step [px of the scale].
+    moving : int
+        Particles that moved by more than `equilibrium.STILL` in the last step.
+    idle : int
+        Consecutive steps that found next to no new ground at this scale.
+    quiet : int
+        Consecutive steps in which hardly anything moved, was born or was deleted.
+    launches : int
+        Times that particles have been launched beside boundaries of enclosed regions at this scale.
+    stop_reason : str
+        Why the run ended, in words; empty while it goes on.
+    converged : bool
+        Whether it ended at rest.
+    """
+
+    particles: Particles
+    start: Array
+    shape: tuple[int, ...]
+    scale: int
+    ground: Ground
+    far: FarForce | None = None
+    step: int = 0
+    step_of_scale: int = 0
+    annealed: float = 1.0
+    steering: tuple[object, ...] = ()
+    regions: Regions | None = None
+    charges: Charges = ()
+    erased: bool = False
+    heated: int = 0
+    next_identity: int = 0
+    born: int = 0
+    deleted: int = 0
+    epsilon: float = float("nan")
+    displacement: float = float("nan")
+    moving: int = 0
+    idle: int = 0
+    quiet: int = 0
+    launches: int = 0
+    stop_reason: str = ""
+    converged: bool = False
+
+    @property
+    def position(self) -> Array:
+        """Positions in px of the image itself, whatever the scale; shape (N, D)."""
+        return to_image(self.particles.position, self.scale, self.shape)
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return len(self.particles)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that keeping this state costs [bytes]: its arrays, each counted once.
+
+        States that follow one another share some of them, the start above all, so that several cost less than the sum.
+        """
+        whole = {id(array): array for array in map(_owner, self._arrays())}
+        return sum(array.nbytes for array in whole.values())
+
+    def light(self) -> State:
+        """Return this state without what the next step makes anew: the far force, when its time is over.
+
+        It is made every `FAR_EVERY` steps of a scale, from where the particles are then. States whose `step_of_scale`
+        is a multiple of that do without it; others keep it, for between times it could not be made again. A step from
+        a light state thus gives the same bits.
+        """
+        return self if self.step_of_scale % FAR_EVERY else replace(self, far=None)
+
+    def _arrays(self) -> list[NDArray[Any]]:
+        particles, far = self.particles, self.far
+        return [
+            *(particles.position, particles.velocity, particles.force, particles.distance, particles.identity),
+            *(self.start, self.ground.found, self.ground.news),
+            *(() if far is None else (far.force, far.bend)),
+        ]
+
+    def resumed(self) -> State:
+        """Return this state as one that goes on, for other parameters to act on."""
+        return replace(self, stop_reason="", converged=False, quiet=0)
+
+    def stopped(self, reason: str, converged: bool = False) -> State:
+        """Return this state as the last one of its run."""
+        return replace(self, stop_reason=reason, converged=converged)

@@ -1,0 +1,107 @@
+"""Curve reconstruction: the crust of unorganised points (Amenta, Bern and Eppstein 1998, doi:10.1006/gmip.1998.0465).
+
+The crust joins two points when some circle through both holds neither a point nor a vertex of the Voronoi diagram. It
+can be read off one Delaunay triangulation (Gold and Snoeyink 2001, doi:10.1007/s00453-001-0014-x): an edge qualifies,
+locally, when the two angles opposite to it sum to at most a right angle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.graph import chains
+
+Array = NDArray[np.float64]
+Edges = NDArray[np.int64]
+
+_LEAST_POINTS = 4
+
+_FLATTEST = 1e12
+"""Cotangent that stands for an angle of 0."""
+
+
+def crust(points: Array) -> Edges:
+    """Edges of the one-step crust.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, 2)
+        Distinct points.
+
+    Returns
+    -------
+    ndarray of int64, shape (E, 2)
+        Pairs of indices, the lower one first, sorted.
+    """
+    if len(points) < _LEAST_POINTS:
+        return np.zeros((0, 2), np.int64)
+    try:
+        triangulation = scipy.spatial.Delaunay(points)
+    except scipy.spatial.QhullError:  # all on one line: there is no triangle, and the crust joins neighbours along it
+        order = np.lexsort(points.T)
+        return np.unique(np.sort(np.stack([order[:-1], order[1:]], axis=1), axis=1), axis=0)
+    triangles, neighbors = triangulation.simplices.astype(np.int64), triangulation.neighbors
+    cotangent = _cotangents(points[triangles])
+    number = np.arange(len(triangles))
+    edges = []
+    for k in range(3):  # the edge opposite to each corner, once for both triangles at it
+        beyond = neighbors[:, k]
+        one = np.flatnonzero((cotangent[:, k] > 0.0) & ((beyond < 0) | (number < beyond)))
+        beyond = beyond[one]
+        facing = np.argmax(neighbors[beyond] == one[:, None], axis=1)
+        other = np.where(beyond < 0, _FLATTEST, cotangent[beyond, facing])  # beyond the hull: angle 0
+        # the angles sum to at most a right angle: both acute, and the product of their cotangents at least one
+        kept = one[(other > 0.0) & (cotangent[one, k] * other >= 1.0)]
+        edges.append(np.sort(triangles[kept][:, [(k + 1) % 3, (k + 2) % 3]], axis=1))
+    found = np.concatenate(edges)
+    return found[np.lexsort((found[:, 1], found[:, 0]))]
+
+
+def _cotangents(triangles: Array) -> Array:
+    """Cotangents of the angles of triangles, shape (N, 3, 2), at their corners, shape (N, 3)."""
+    out = np.empty(triangles.shape[:2])
+    for k in range(3):
+        u, v = triangles[:, (k + 1) % 3] - triangles[:, k], triangles[:, (k + 2) % 3] - triangles[:, k]
+        cross = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+        out[:, k] = (u[:, 0] * v[:, 0] + u[:, 1] * v[:, 1]) / np.maximum(cross, 1e-300)
+    return np.clip(out, -_FLATTEST, _FLATTEST)
+
+
+def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
+    """Contours through unorganised points: the crust, walked from point to point.
+
+    Parameters
+    ----------
+    points : array_like, shape (N, 2)
+        Points on curves, denser where the curves bend or come near each other.
+
+    Returns
+    -------
+    tuple of Contour
+        Closed where the crust closes, else open, meeting in junctions where more than two edges meet; longest first.
+
+    Raises
+    ------
+    ValueError
+        For an array of another shape, or values that are not finite.
+    """
+    array = np.asarray(points, dtype=float)
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise ValueError(f"points have the shape {array.shape} but must be (N, 2).")
+    if not np.isfinite(array).all():
+        raise ValueError(
+            f"points hold {int((~np.isfinite(array)).sum())} values that are not finite: leave those points out."
+        )
+    distinct = _distinct(array)
+    return chains(distinct, crust(distinct))
+
+
+def _distinct(points: Array) -> Array:
+    """Points of shape (N, 2) without repetitions, sorted by row, then column."""
+    ordered = points[np.lexsort((points[:, 1], points[:, 0]))]
+    new = np.ones(len(ordered), np.bool_)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    return np.asarray(ordered[new])

@@ -1,0 +1,81 @@
+"""Joining loose ends where the edge goes on between them."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.contours.contour import lengths_along
+from cpm_core.contours.graph import Graph
+from cpm_core.field.scale_field import FAINTEST, Level
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+_DETOUR = 3.0
+"""How many times as long as the gap the way along the curve must be for an end to be joined to its own curve."""
+
+_SIDE = 1.5
+"""How many times nearer than an end the side of a curve must be to be preferred: joining two ends closes a curve,
+joining a side makes a junction."""
+
+_SAMPLES = 7
+"""Places across a gap at which the edge map is read."""
+
+
+def close_gaps(graph: Graph, level: Level, reach: float) -> None:
+    """Join loose ends to each other, and to curves that they run into.
+
+    The nearest pairs come first. A gap must be no wider than `reach` and have an edge of the image across it; it lies
+    between two ends, or between an end and the side of a curve, which makes a junction.
+
+    Parameters
+    ----------
+    graph : Graph
+        Changed in place.
+    level : Level
+        Fields of the scale.
+    reach : float
+        Widest gap [px].
+    """
+    ends = graph.ends()
+    used = np.flatnonzero(graph.degrees)
+    if not len(ends):
+        return
+    tree = scipy.spatial.cKDTree(graph.points[used], balanced_tree=False, compact_nodes=False)
+    near = scipy.spatial.cKDTree(graph.points[ends]).query_ball_tree(tree, reach)
+    end = np.repeat(ends, [len(some) for some in near])
+    other = used[np.concatenate([np.array(some, np.int64) for some in near])]
+    gap = np.linalg.norm(graph.points[end] - graph.points[other], axis=1)
+    open_ = (_way_between(graph, end, other) > _DETOUR * gap) & (end != other)
+    end, other, gap = end[open_], other[open_], gap[open_]
+    held = _edge_between(graph.points[end], graph.points[other], level)
+    end, other, gap = end[held], other[held], gap[held]
+    cost = np.where(graph.degrees[other] == 1, gap, _SIDE * gap)
+    order = np.lexsort((other, end, cost))
+    for a, b in zip(end[order].tolist(), other[order].tolist(), strict=True):
+        if graph.degree(a) == 1:
+            graph.link(a, b)
+
+
+def _way_between(graph: Graph, end: Index, other: Index) -> Array:
+    """Length of the way from loose ends to other vertices, shapes (N,), along the ends' own branches; else infinite."""
+    ways = graph.ways()
+    along = lengths_along(graph.points[ways.vertices])
+    way = np.repeat(np.arange(len(ways)), np.diff(ways.start))
+    place = np.empty(len(graph.points), np.int64)
+    place[ways.vertices] = np.arange(len(way))  # that of a junction is one of many, and not looked at
+    own = way[place[end]]
+    within = (graph.degrees[other] <= 2) & (way[place[other]] == own)
+    behind = (graph.degrees[other] > 2) & ((ways.first[own] == other) | (ways.last[own] == other))
+    length = np.where(within, np.abs(along[place[other]] - along[place[end]]), np.inf)
+    return np.where(behind, ways.lengths[own], length)
+
+
+def _edge_between(a: Array, b: Array, level: Level) -> NDArray[np.bool_]:
+    """Whether the edge map stays up on the ways from a to b, shapes (N, 2), and no wall is in them."""
+    along = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    strength = level.strength(along.reshape(-1, 2)).reshape(-1, _SAMPLES)
+    goes_on = strength.min(axis=1) >= FAINTEST * np.minimum(strength[:, 0], strength[:, -1])
+    return np.asarray(goes_on & ~level.walls.crossed(a, b))

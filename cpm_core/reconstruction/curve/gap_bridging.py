@@ -1,0 +1,333 @@
+"""Bridging gaps: joining loose ends where the edge does not go on, along what there is of it.
+
+A bridge is the cheapest way over the edge map, where a step costs less the stronger the edge under it, down to a small
+fraction of a step where there is none. It therefore follows a faint edge. Where there is nothing to follow a small cost
+for leaving the curve that continues both ends smoothly keeps it to that curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+from skimage.graph import MCP_Geometric
+
+from cpm_core.contours.bridge import Bridge
+from cpm_core.contours.contour import Contour, lengths_along
+from cpm_core.contours.graph import Graph
+from cpm_core.field.scale_field import Level
+
+Array = NDArray[np.float64]
+
+_EASE = 20.0
+"""How much cheaper than without an edge a step is on one as strong as those at the ends, less one."""
+
+_LEAVING, _BLOCKED = 0.04, 30.0
+"""Cost of a step for each pixel that it is off the smooth continuation, and on contours and walls."""
+
+_BACK, _BACK_STRENGTH = 6.0, 12.0
+"""Lengths of the last stretch of a contour that tell its direction, and its strength before it faded [px]."""
+
+_TURN, _SIDE_TURN, _INCIDENCE = 0.26, 0.87, 0.82
+"""Cosines: the least between an end's direction and the way to another end (75 degrees), to the side of a contour (30),
+and the largest between a bridge and the side that it runs into (35); so that of two parallel lines neither is joined to
+the other's side."""
+
+_DETOUR, _ROUND = 1.6, 3.0
+"""How many times as long as the gap a bridge may be, and how many times as long the way along a contour from one of its
+places to the other must be for them to be joined."""
+
+_SIDE = 1.5
+"""How many times cheaper than an end the side of a contour must be to be preferred."""
+
+_AHEAD = 0.5
+"""Distance ahead, as a fraction of the shortest curve, within which a wall is what a curve ends at."""
+
+_SMOOTHINGS = 6
+"""Times that the steps from pixel to pixel are smoothed."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """A possible bridge: what it costs, from which vertex to which, and its places, theirs included."""
+
+    cost: float
+    end: int
+    other: int
+    path: Array
+
+
+def bridge_gaps(graph: Graph, level: Level, longest: float, spacing: float, least: float) -> tuple[Bridge, ...]:
+    """Join loose ends that are at most `longest` apart, or that far from the side of a contour.
+
+    The cheapest bridges come first. None leads across a contour or a wall, or turns back. A curve that ends because it
+    has run into a wall, a barrier or the rim of a region of interest, has no gap there.
+
+    Parameters
+    ----------
+    graph : Graph
+        Changed in place: a bridge's vertices are added to it.
+    level : Level
+        Fields of the scale.
+    longest : float
+        Widest gap [px]; 0 for none.
+    spacing : float
+        Largest distance of a bridge's vertices [px].
+    least : float
+        Length of the shortest curve that is joined [px].
+
+    Returns
+    -------
+    tuple of Bridge
+        What was built, cheapest first.
+    """
+    ends = _ends(graph, level, least) if longest > 0.0 else {}
+    if not ends:
+        return ()
+    ground = _Ground(graph, level)
+    ways = [*_between_ends(graph, ground, ends, longest), *_to_sides(graph, ground, ends, longest)]
+    built = []
+    for way in sorted(ways, key=lambda way: (way.cost, way.end, way.other)):
+        joins_end = way.other in ends
+        if graph.degree(way.end) != 1 or (joins_end and graph.degree(way.other) != 1):
+            continue
+        path = _resampled(way.path, spacing)
+        if ground.free(path, (way.end, way.other)):
+            ground.build(way.end, path[1:-1], way.other)
+            length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+            built.append(Bridge(path, length, float(level.strength(path).mean())))
+    return tuple(built)
+
+
+def bridges_of(bridges: tuple[Bridge, ...], contours: tuple[Contour, ...]) -> tuple[Bridge, ...]:
+    """Those bridges that are part of one of the contours."""
+    if not bridges:
+        return ()
+    places = {tuple(point) for contour in contours for point in contour.points.tolist()}
+    return tuple(bridge for bridge in bridges if tuple(bridge.points[1].tolist()) in places)
+
+
+class _Ground:
+    """What bridges are built on: the edge map, and what they must not cross."""
+
+    def __init__(self, graph: Graph, level: Level) -> None:
+        self.graph = graph
+        self.level = level
+        self._edges = graph.edges()
+        a, b = graph.points[self._edges].swapaxes(0, 1)
+        self._blocked = np.zeros(level.shape, np.bool_)
+        for t in np.linspace(0.0, 1.0, 5):
+            places = np.rint(a + t * (b - a)).astype(np.int64)
+            self._blocked[tuple(np.clip(places, 0, np.array(level.shape) - 1).T)] = True
+        if len(level.walls.segments):
+            self._blocked |= level.walls.clearance <= 0.0
+
+    def costs(self, low: Array, high: Array, strength: float) -> tuple[Array, Array]:
+        """Cost of a step on every pixel from `low` to `high`, without what is in the way; and the pixels' places."""
+        window = tuple(slice(int(a), int(b) + 1) for a, b in zip(low, high, strict=True))
+        costs = 1.0 / (1.0 + _EASE * self.level.edge_map[window] / max(strength, self.level.floor))
+        places = np.moveaxis(np.indices(costs.shape), 0, -1) + low
+        return costs, places
+
+    def obstacles(self, places: Array, spared: Array) -> Array:
+        """Cost of what is in the way on pixels, but for the surroundings of the places that are to be joined."""
+        blocked = self._blocked[tuple(np.moveaxis(places.astype(np.int64), -1, 0))]
+        for place in spared:
+            blocked = blocked & (np.linalg.norm(places - place, axis=-1) > 2.0)
+        return np.asarray(_BLOCKED * blocked)
+
+    def window(self, points: Array, margin: float) -> tuple[Array, Array]:
+        """First and last pixel of the image around points."""
+        last = np.array(self.level.shape) - 1.0
+        return (
+            np.clip(np.floor(points.min(axis=0) - margin), 0.0, last),
+            np.clip(np.ceil(points.max(axis=0) + margin), 0.0, last),
+        )
+
+    def crossing(self, path: Array, spared: tuple[int, ...]) -> tuple[int, tuple[int, int]] | None:
+        """First segment of a path that crosses an edge of the graph, and that edge; edges at `spared` do not count."""
+        edges = self._edges[~np.isin(self._edges, spared).any(axis=1)]
+        p, q = self.graph.points[edges].swapaxes(0, 1)
+        near = (np.maximum(p, q) >= path.min(axis=0)).all(axis=1) & (np.minimum(p, q) <= path.max(axis=0)).all(axis=1)
+        p, q, edges = p[near], q[near], edges[near]
+        for n, (a, b) in enumerate(pairwise(path)):
+            meet = (_side(p, q, a) * _side(p, q, b) <= 0.0) & (_side(a, b, p) * _side(a, b, q) <= 0.0)
+            if meet.any():
+                one, other = edges[np.argmax(meet)].tolist()
+                return n, (one, other)
+        return None
+
+    def build(self, end: int, between: Array, other: int) -> None:
+        """Add a bridge to the graph."""
+        first = len(self.graph.points)
+        self.graph.insert(end, between, other)
+        way = np.array([end, *range(first, first + len(between)), other], dtype=np.int64)
+        self._edges = np.concatenate([self._edges, np.stack([way[:-1], way[1:]], axis=1)])
+
+    def free(self, path: Array, spared: tuple[int, ...]) -> bool:
+        """Whether a path crosses no contour and no wall."""
+        return not self.level.walls.crossed(path[:-1], path[1:]).any() and self.crossing(path, spared) is None
+
+
+def _between_ends(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
+    """Ways from end to end."""
+    number = list(ends)
+    for i, j in sorted(scipy.spatial.cKDTree(graph.points[number]).query_pairs(longest)):
+        a, b = number[i], number[j]
+        gap = graph.distance(a, b)
+        across = (graph.points[b] - graph.points[a]) / max(gap, 1e-300)
+        if min(ends[a] @ across, -(ends[b] @ across)) < _TURN:
+            continue
+        if graph.way_from(a).get(b, np.inf) <= _ROUND * gap:
+            continue
+        guide = _continuation(graph.points[a], ends[a], graph.points[b], ends[b])
+        joined = graph.points[[a, b]]
+        low, high = ground.window(guide, 0.5 * gap + 3.0)
+        costs, places = ground.costs(low, high, min(_strength(graph, ground.level, v) for v in (a, b)))
+        off = scipy.spatial.cKDTree(guide).query(places)[0]
+        search = MCP_Geometric(costs + _LEAVING * off + ground.obstacles(places, joined))
+        total, path = _cheapest(search, low, joined[0], joined[1:])
+        path = _smoothed(path, joined[0], joined[1])
+        if _length(path) <= _DETOUR * gap:
+            yield _Way(total, a, b, path)
+
+
+def _to_sides(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
+    """Ways from an end ahead to the side of a contour."""
+    sides = np.flatnonzero(graph.degrees > 1)
+    if not len(sides):
+        return
+    tree = scipy.spatial.cKDTree(graph.points[sides])
+    for end, direction in ends.items():
+        place = graph.points[end]
+        own = graph.way_from(end)
+        near = sides[tree.query_ball_point(place, longest)]
+        away = graph.points[near] - place
+        distance = np.linalg.norm(away, axis=1)
+        ahead = away @ direction >= _SIDE_TURN * distance
+        apart = np.array([own.get(v, np.inf) for v in near.tolist()]) > _ROUND * distance
+        near = near[ahead & apart]
+        if not len(near):
+            continue
+        low, high = ground.window(np.concatenate([place[None], graph.points[near]]), 3.0)
+        costs, places = ground.costs(low, high, _strength(graph, ground.level, end))
+        away = places - place
+        forward = away @ direction
+        off = np.linalg.norm(away - forward[..., None] * direction, axis=-1)
+        search = MCP_Geometric(costs + _LEAVING * off + _BLOCKED * (forward < -1.0))
+        total, path = _cheapest(search, low, place, graph.points[near])
+        way = _stopped(graph, ground, end, _smoothed(path, place, graph.points[near[_nearest(graph, near, path[-1])]]))
+        gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a vertex farther off
+        if way is not None and gap <= longest and _length(way.path) <= _DETOUR * gap:
+            yield _Way(_SIDE * total, end, way.other, way.path)
+
+
+def _stopped(graph: Graph, ground: _Ground, end: int, path: Array) -> _Way | None:
+    """A way to the side of a contour that ends where it first meets one; None if it meets it at a narrow angle."""
+    (before,) = graph.neighbors(end)
+    meeting = ground.crossing(path, (end, before))
+    if meeting is None:
+        return None
+    segment, edge = meeting
+    other = min(edge, key=lambda v: float(np.linalg.norm(graph.points[v] - path[segment])))
+    path = np.concatenate([path[: segment + 1], graph.points[other][None]])
+    if graph.degree(other) == 1 or len(path) < 3:
+        return None
+    across, side = path[-1] - path[0], graph.points[edge[0]] - graph.points[edge[1]]
+    cosine = abs(float(across @ side)) / max(float(np.linalg.norm(across) * np.linalg.norm(side)), 1e-300)
+    return _Way(0.0, end, other, path) if cosine <= _INCIDENCE else None
+
+
+def _nearest(graph: Graph, vertices: NDArray[np.int64], place: Array) -> int:
+    return int(np.argmin(np.linalg.norm(graph.points[vertices] - place, axis=1)))
+
+
+def _cheapest(search: MCP_Geometric, low: Array, start: Array, goals: Array) -> tuple[float, Array]:
+    """Cost and pixels of the cheapest way from a place to one of others."""
+    first = tuple(np.rint(start - low).astype(int))
+    last = [tuple(goal) for goal in np.rint(goals - low).astype(int)]
+    total, _ = search.find_costs([first])
+    goal = min(last, key=lambda pixel: float(total[pixel]))
+    return float(total[goal]), np.array(search.traceback(goal), dtype=float) + low
+
+
+def _smoothed(path: Array, start: Array, end: Array) -> Array:
+    """A way from pixel to pixel as a smooth curve between two places."""
+    inner = path[(np.linalg.norm(path - start, axis=1) > 1.0) & (np.linalg.norm(path - end, axis=1) > 1.0)]
+    smooth = np.concatenate([start[None], inner, end[None]])
+    for _ in range(_SMOOTHINGS):
+        smooth[1:-1] = 0.25 * (smooth[:-2] + 2.0 * smooth[1:-1] + smooth[2:])
+    return smooth
+
+
+def _resampled(path: Array, spacing: float) -> Array:
+    """A path with vertices at even distances, one at least between its ends."""
+    along = lengths_along(path)
+    count = max(2, int(np.ceil(along[-1] / spacing)))
+    at = np.linspace(0.0, along[-1], count + 1)
+    out = np.stack([np.interp(at, along, path[:, k]) for k in range(2)], axis=1)
+    out[[0, -1]] = path[[0, -1]]
+    return out
+
+
+def _continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
+    """Cubic curve that leaves a and arrives at b in the directions of the ends there."""
+    handle = np.linalg.norm(b - a) / 3.0
+    t = np.linspace(0.0, 1.0, 4 + int(2.0 * np.linalg.norm(b - a)))[:, None]
+    s = 1.0 - t
+    return np.asarray(
+        s**3 * a + 3.0 * s**2 * t * (a + handle * from_a) + 3.0 * s * t**2 * (b + handle * from_b) + t**3 * b
+    )
+
+
+def _ends(graph: Graph, level: Level, least: float) -> dict[int, Array]:
+    """Loose ends, and their directions, of curves that are long enough and do not end at a wall."""
+    ends = [end for end in graph.ends().tolist() if _reaches(graph, end, least)]
+    direction = np.array([_direction(graph, end) for end in ends]).reshape(-1, 2)
+    place = graph.points[ends]
+    walled = level.walls.crossed(place, place + _AHEAD * least * direction)
+    return {end: way for end, way, wall in zip(ends, direction, walled, strict=True) if not wall}
+
+
+def _reaches(graph: Graph, end: int, least: float) -> bool:
+    """Whether a vertex is connected to edges of a length of at least so much."""
+    seen, waiting, length = {end}, [end], 0.0
+    while waiting and length < least:
+        vertex = waiting.pop()
+        for other in graph.neighbors(vertex):
+            if other not in seen:
+                seen.add(other)
+                waiting.append(other)
+                length += graph.distance(vertex, other)
+    return length >= least
+
+
+def _last_stretch(graph: Graph, end: int, back: float) -> list[int]:
+    way = graph.way_from(end)
+    inner = [v for v, length in way.items() if length <= back]
+    return inner if len(inner) > 1 else list(way)[:2]
+
+
+def _direction(graph: Graph, end: int) -> Array:
+    """Unit vector in which a curve leaves its loose end."""
+    stretch = _last_stretch(graph, end, _BACK)
+    way = graph.points[end] - graph.points[stretch[-1]]
+    return np.asarray(way / max(float(np.linalg.norm(way)), 1e-300))
+
+
+def _strength(graph: Graph, level: Level, end: int) -> float:
+    """Edge strength near a loose end."""
+    return float(level.strength(graph.points[_last_stretch(graph, end, _BACK_STRENGTH)]).max())
+
+
+def _length(path: Array) -> float:
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def _side(p: Array, q: Array, a: Array) -> Array:
+    """On which side of the line through p and q a place lies, by the sign."""
+    return np.asarray((q - p)[..., 0] * (a - p)[..., 1] - (q - p)[..., 1] * (a - p)[..., 0])

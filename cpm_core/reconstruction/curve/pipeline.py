@@ -1,0 +1,78 @@
+"""The whole way from particles to contours: refine, thin, trace, tidy, close, choose, bridge, walk."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.contours.bridge import Bridge
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.graph import Graph
+from cpm_core.dynamics.deletion import deletion
+from cpm_core.field.scale_field import Level
+from cpm_core.parameters import Parameters
+from cpm_core.reconstruction.curve.end_linking import close_gaps
+from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps, bridges_of
+from cpm_core.reconstruction.curve.hysteresis import LEAST_LENGTH, choose, drop_weak, shortest
+from cpm_core.reconstruction.curve.ridge_tracing import trace
+from cpm_core.reconstruction.curve.subpixel import crest
+
+Array = NDArray[np.float64]
+
+_LEAST_REACH = 2.5
+"""Distance, in d_min, up to which two points may be joined however small the insertion range is."""
+
+_SPECK, _SPUR = 2.0, 3.0
+"""Length, in d_min, that a piece by itself, and a loose branch at a junction, must exceed to be more than a wrinkle
+between two edges."""
+
+_MERGED = 1.0
+"""Distance of junctions, at least sigma, up to which they are one [px]; the mouths of slits are wider."""
+
+_BRIDGE_SPACING = 2.0
+"""Largest distance of the vertices of a bridge [px]."""
+
+
+def find_contours(
+    positions: Array, level: Level, parameters: Parameters, at_rest: bool = False
+) -> tuple[tuple[Contour, ...], tuple[Bridge, ...]]:
+    """Contours that particles have found.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (N, 2)
+        Particles [px of the scale].
+    level : Level
+        Fields of the scale.
+    parameters : Parameters
+        For `d_min`, `d_max`, `max_gap`, `min_strength`, `sure_edge`, `min_contrast` and `min_length`.
+    at_rest : bool
+        Whether no more particles will come, so that longer stretches of an edge without any are part of a contour.
+
+    Returns
+    -------
+    contours : tuple of Contour
+        In px of the scale, longest first.
+    bridges : tuple of Bridge
+        Gaps that were bridged in them.
+    """
+    seated = positions[level.strength(positions) >= level.floor]
+    points, found = crest(seated, level)
+    points = points[found & ~level.walls.crossed(seated, points)]
+    kept = deletion(points, level.strength(points), level.shape, parameters.d_min)
+    reach = max(parameters.d_min + parameters.d_max, _LEAST_REACH * parameters.d_min)
+    graph = Graph(*trace(points[kept], level, parameters.d_min, at_rest))
+    graph.drop_specks(_SPECK * parameters.d_min)
+    close_gaps(graph, level, reach)
+    graph.drop_spurs(_SPUR * parameters.d_min)
+    graph.merge_junctions(max(_MERGED, level.smoothing))
+    if max(parameters.min_strength, parameters.sure_edge, parameters.min_contrast) > 0.0:
+        drop_weak(graph, level, parameters)
+        graph.drop_spurs(_SPUR * parameters.d_min)
+    if parameters.max_gap == 0.0:  # else a short branch may be one side of a gap
+        graph.drop_spurs(max(shortest(level, parameters), parameters.min_length))
+    graph.drop_ties(shortest(level, parameters))
+    spacing = min(parameters.d_min, _BRIDGE_SPACING)
+    bridges = bridge_gaps(graph, level, parameters.max_gap, spacing, LEAST_LENGTH * parameters.d_min)
+    contours = choose(graph.contours(max(shortest(level, parameters), parameters.min_length)), level, parameters)
+    return contours, bridges_of(bridges, contours)

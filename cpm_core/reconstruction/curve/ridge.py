@@ -1,0 +1,116 @@
+"""The edge map as a landscape whose ridges are the edges: its height and slope at any place between the pixels."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.field.scale_field import SPLINE_MARGIN, Level
+from cpm_core.numerics.jit import compiled, inlined
+
+Array = NDArray[np.float64]
+
+PROBE = 0.3
+"""Distance on either side of a place at which the edge map is read for its slope [px]."""
+
+_ONE = np.uintp(1)
+"""One, as an index without a sign, which spares the loop the question whether it counts from the end."""
+
+
+class Ridge(NamedTuple):
+    """What the crest of an edge is told by; a plain tuple for the compiled loops.
+
+    Attributes
+    ----------
+    strength : ndarray, shape (H, W)
+        Edge map.
+    spline : ndarray, shape (H + 6, W + 6)
+        Coefficients of its cubic spline, `Level.spline`.
+    down, right : ndarray, shape (H, W)
+        The two parts of the image gradient.
+    """
+
+    strength: Array
+    spline: Array
+    down: Array
+    right: Array
+
+
+def ridge_of(level: Level) -> Ridge:
+    """The landscape of a scale; nothing is copied."""
+    down, right = level.gradient
+    return Ridge(level.edge_map, level.spline, down, right)
+
+
+@compiled
+def height(values: Array, row: float, col: float) -> float:
+    """Bilinear interpolation; beyond the border as on it."""
+    rows, cols = values.shape
+    row, col = min(max(row, 0.0), rows - 1.0), min(max(col, 0.0), cols - 1.0)
+    above, before = int(row), int(col)
+    s, t = row - above, col - before
+    i, j = np.uintp(above), np.uintp(before)
+    k, m = np.uintp(min(above + 1, rows - 1)), np.uintp(min(before + 1, cols - 1))
+    upper, lower = (1.0 - t) * values[i, j] + t * values[i, m], (1.0 - t) * values[k, j] + t * values[k, m]
+    mixed: float = (1.0 - s) * upper + s * lower
+    return mixed
+
+
+@compiled
+def uphill(ridge: Ridge, row: float, col: float) -> tuple[float, float]:
+    """Unit vector along the image gradient, which on an edge leads across it; zero where there is no gradient."""
+    rows, cols = ridge.down.shape
+    row, col = min(max(row, 0.0), rows - 1.0), min(max(col, 0.0), cols - 1.0)
+    above, before = int(row), int(col)
+    s, t = row - above, col - before
+    i, j = np.uintp(above), np.uintp(before)
+    k, m = np.uintp(min(above + 1, rows - 1)), np.uintp(min(before + 1, cols - 1))
+    a, b, c, d = (1.0 - s) * (1.0 - t), (1.0 - s) * t, s * (1.0 - t), s * t
+    down = a * ridge.down[i, j] + b * ridge.down[i, m] + c * ridge.down[k, j] + d * ridge.down[k, m]
+    right = a * ridge.right[i, j] + b * ridge.right[i, m] + c * ridge.right[k, j] + d * ridge.right[k, m]
+    size = max(np.sqrt(down * down + right * right), 1e-300)
+    return down / size, right / size
+
+
+@compiled
+def spline_height(spline: Array, row: float, col: float) -> float:
+    """Value of a cubic spline, from its coefficients, `SPLINE_MARGIN` of them beyond the border on every side."""
+    rows, cols = spline.shape
+    row = min(max(row, -1.0), rows - 2.0 * SPLINE_MARGIN)
+    col = min(max(col, -1.0), cols - 2.0 * SPLINE_MARGIN)
+    above, before = int(row + 2.0), int(col + 2.0)
+    e, f, g, h = _weights(row + 2.0 - above)
+    a, b, c, d = _weights(col + 2.0 - before)
+    i, j = np.uintp(above), np.uintp(before)
+    k, m = i + _ONE, j + _ONE
+    n, o = k + _ONE, m + _ONE
+    p, q = n + _ONE, o + _ONE
+    first = a * spline[i, j] + b * spline[i, m] + c * spline[i, o] + d * spline[i, q]
+    second = a * spline[k, j] + b * spline[k, m] + c * spline[k, o] + d * spline[k, q]
+    third = a * spline[n, j] + b * spline[n, m] + c * spline[n, o] + d * spline[n, q]
+    fourth = a * spline[p, j] + b * spline[p, m] + c * spline[p, o] + d * spline[p, q]
+    total: float = e * first + f * second + g * third + h * fourth
+    return total
+
+
+@compiled
+def _weights(t: float) -> tuple[float, float, float, float]:
+    """Cubic B-spline at the four pixels around a place that is `t` beyond the second."""
+    u = 1.0 - t
+    return (
+        u * u * u / 6.0,
+        2.0 / 3.0 - t * t * (1.0 - 0.5 * t),
+        2.0 / 3.0 - u * u * (1.0 - 0.5 * u),
+        t * t * t / 6.0,
+    )
+
+
+@inlined
+def slope(ridge: Ridge, row: float, col: float) -> float:
+    """Difference of the edge map on both sides of a place, along the image gradient."""
+    down, right = uphill(ridge, row, col)
+    ahead = spline_height(ridge.spline, row + PROBE * down, col + PROBE * right)
+    difference: float = ahead - spline_height(ridge.spline, row - PROBE * down, col - PROBE * right)
+    return difference

@@ -1,0 +1,149 @@
+"""Tracing the crest of the edges from point to point.
+
+The crest is where the edge map is largest along the image gradient: where its slope in that direction is zero, and
+falling. Such a zero line is a smooth curve without forks, and the gradient across it gives it a direction, bright on
+one side all along. So each point has one point that follows it, which is found by walking along the crest in steps much
+shorter than anything that outlives the smoothing: curves that run a pixel apart on both sides of a slit are never taken
+for one, and no corner is cut, however far apart the points lie.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.field.scale_field import FAINTEST, Level
+from cpm_core.image.barriers import Walls
+from cpm_core.numerics.parallel import share
+from cpm_core.reconstruction.curve.ridge import Ridge, ridge_of
+from cpm_core.reconstruction.curve.ridge_tracing_kernels import Reach, Seeds, settle, walk
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+_STEP, _STEP_OF_SPACING = 0.4, 0.2
+"""Length of a step: so much [px], and at most so much of the spacing."""
+
+_LONGEST, _LOOSE = 10.0, 5.0
+"""Length, in d_min, of the crest between two points at most, and beyond a last one."""
+
+_LONGEST_AT_REST = 50.0
+"""The former at the end of a run: along a limb of two pixels the electric field has one place of rest for both sides,
+and particles leave one of them empty."""
+
+_DIP = 2.5
+"""Length, in d_min, over which the crest between two points may be under the floor: a longer one is a gap."""
+
+_SHARE = 300
+"""Seeds worth a thread."""
+
+_FADING = 1.6
+"""Length over which an edge must not fade to less than `FAINTEST`, in d_min / 2 [px]; for a loose end twice as much, as
+a sudden end is blurred to."""
+
+
+def trace(points: Array, level: Level, d_min: float, at_rest: bool = False) -> tuple[Array, Index]:
+    """Join points on the crest along it.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, 2)
+        Distinct points on the crest, `crest` [px].
+    level : Level
+        Fields of the scale.
+    d_min : float
+        Spacing of particles [px]. From a point up to ten of it are walked to the next one, and five of it are kept
+        where there is none.
+    at_rest : bool
+        Whether no more particles will come, so that up to fifty of it are walked.
+
+    Returns
+    -------
+    vertices : ndarray, shape (M, 2)
+        The points first, then what is needed between and beyond them for the contours to keep to the crest.
+    edges : ndarray of int64, shape (E, 2)
+        Pairs of vertices.
+    """
+    reach = Reach(
+        step=min(_STEP, _STEP_OF_SPACING * d_min),
+        longest=(_LONGEST_AT_REST if at_rest else _LONGEST) * d_min,
+        loose=_LOOSE * d_min,
+        dip=_DIP * d_min,
+        fading=0.5 * _FADING * d_min,
+        floor=level.floor,
+        faintest=FAINTEST * level.floor,
+    )
+    ridge = ridge_of(level)
+    seeds = _sown(points, ridge, reach)
+    walks = _Walks(ridge, level.walls, seeds, reach)
+    everybody = np.arange(len(points))
+    following = walks.go(everybody, 1.0, loose=False)
+    followed = np.zeros(len(points), np.bool_)
+    followed[following[following >= 0]] = True
+    behind = everybody[~followed]
+    before = walks.go(behind, -1.0)
+    following[before[before >= 0]] = behind[before >= 0]
+    walks.go(everybody[following < 0], 1.0)
+    return walks.graph()
+
+
+def _sown(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
+    """Points as seeds, moved onto the very crest."""
+    place = np.array(points, dtype=float)
+    ahead = np.zeros_like(place)
+    share(lambda first, last: settle(ridge, place, ahead, reach.step, first, last), len(place), _SHARE)
+    shape = ridge.strength.shape
+    np.clip(place, 0.0, np.array(shape) - 1.0, out=place)
+    row, col = (place + 0.5).astype(np.int64).T
+    pixel = row * shape[1] + col
+    order = np.argsort(pixel, kind="stable")
+    first = np.diff(pixel[order], prepend=-1) > 0
+    head, following = np.full(shape, -1, np.int64), np.full(len(place), -1, np.int64)
+    head.ravel()[pixel[order[first]]] = order[first]
+    following[order[:-1]] = np.where(first[1:], -1, order[1:])
+    return Seeds(place, ahead, head, following)
+
+
+class _Walks:
+    """Ways from seed to seed, as they are found."""
+
+    def __init__(self, ridge: Ridge, walls: Walls, seeds: Seeds, reach: Reach) -> None:
+        self._ground = ridge, walls, seeds, reach
+        self._longest = int(2.0 * reach.longest / reach.step) + 2
+        self._vertices, self._edges = [seeds.place], [np.empty((0, 2), np.int64)]
+        self._count = len(seeds.place)
+
+    def go(self, seeds: Index, sign: float, loose: bool = True) -> Index:
+        """Walk from some seeds ahead (1), or back (-1), and keep ways that have met a seed, and loose ones if asked to.
+
+        Returns the seed that each way has met, -1 for none.
+        """
+        met = np.full(len(seeds), -1, np.int64)
+        found: dict[int, list[tuple[Array, Index]]] = {}
+
+        def work(first: int, last: int) -> None:
+            found[first] = self._part(seeds, met, sign, loose, first, last)
+
+        share(work, len(seeds), _SHARE)
+        for first in sorted(found):
+            for vertices, edges in found[first]:
+                self._vertices.append(vertices)
+                self._edges.append(np.where(edges < 0, self._count - 1 - edges, edges))
+                self._count += len(vertices)
+        return met
+
+    def _part(
+        self, seeds: Index, met: Index, sign: float, loose: bool, first: int, last: int
+    ) -> list[tuple[Array, Index]]:
+        found = []
+        way = np.empty((self._longest + 2, 4))
+        while first < last:
+            room = 4 * (last - first) + 2 * self._longest
+            vertices, edges = np.empty((room, 2)), np.empty((room, 2), np.int64)
+            first, added, joined = walk(*self._ground, seeds, met, sign, loose, first, last, way, vertices, edges)
+            found.append((vertices[:added], edges[:joined]))
+        return found
+
+    def graph(self) -> tuple[Array, Index]:
+        """Vertices, the seeds first, and edges."""
+        return np.concatenate(self._vertices), np.concatenate(self._edges)

@@ -1,0 +1,295 @@
+"""Walking along the crest, in steps that keep to it: the loops behind `tracing`."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.field.scale_field import FAINTEST
+from cpm_core.image.barriers import Walls, crosses
+from cpm_core.numerics.jit import compiled, inlined
+from cpm_core.reconstruction.curve.ridge import Ridge, height, slope
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+_HALVINGS = 4
+"""Times that a step may be halved where the crest bends."""
+
+_DEVIATION = 0.03
+"""Distance from the traced crest that the sides of a contour keep [px]."""
+
+_DIFFERENCE = 0.05
+"""Distance on either side over which the slope of the slope is read [px]."""
+
+_ITERATIONS, _DONE = 8, 1e-4
+"""Corrections of a place until it is on the crest, to so much [px]."""
+
+_SIDEWAYS = 0.7
+"""How far to the side a step may lead, in steps."""
+
+_TURN = 0.7
+"""Cosine of the largest turn from one step to the next (45 degrees)."""
+
+_MEETING = 0.6
+"""Distance from a point, in steps, at which it counts as reached."""
+
+
+class Reach(NamedTuple):
+    """Lengths of a search [px], and the weakest edge strengths: of a loose end, and between two points."""
+
+    step: float
+    longest: float
+    loose: float
+    dip: float
+    fading: float
+    floor: float
+    faintest: float
+
+
+class Seeds(NamedTuple):
+    """Points to walk between, sorted into pixels.
+
+    Attributes
+    ----------
+    place, ahead : ndarray, shape (N, 2)
+        Where each is [px], and the direction of the crest there; zero where there is none.
+    head : ndarray of int64, shape (H, W)
+        First seed of each pixel, -1 for none.
+    following : ndarray of int64, shape (N,)
+        Next seed of the same pixel, -1 at the end.
+    """
+
+    place: Array
+    ahead: Array
+    head: Index
+    following: Index
+
+
+@compiled
+def settle(ridge: Ridge, place: Array, ahead: Array, step: float, first: int, last: int) -> None:
+    """Move some seeds onto the crest, and tell the direction that it has there."""
+    farthest = _SIDEWAYS * step
+    for i in range(first, last):
+        down, right = height(ridge.down, place[i, 0], place[i, 1]), height(ridge.right, place[i, 0], place[i, 1])
+        size = max(np.sqrt(down * down + right * right), 1e-300)
+        found, place[i, 0], place[i, 1] = _correct(ridge, place[i, 0], place[i, 1], down / size, right / size, farthest)
+        if found:
+            found, ahead[i, 0], ahead[i, 1] = _direction(ridge, place[i, 0], place[i, 1])
+
+
+@compiled
+def walk(
+    ridge: Ridge,
+    walls: Walls,
+    seeds: Seeds,
+    reach: Reach,
+    numbers: Index,
+    met: Index,
+    sign: float,
+    loose: bool,
+    first: int,
+    last: int,
+    way: Array,
+    vertices: Array,
+    edges: Index,
+) -> tuple[int, int, int]:
+    """Ways from some of the seeds, until all are walked or there is no more room.
+
+    Returns the next seed to begin with, and the numbers of vertices and of edges that were added. Since it is not known
+    yet how many vertices there are before the new ones, these are numbered from -1 downwards.
+    """
+    added, joined = 0, 0
+    while first < last and added + len(way) < len(vertices) and joined + len(way) < len(edges):
+        i = numbers[first]
+        steps, other = _follow(ridge, walls, seeds, i, sign, reach, way)
+        met[first] = other
+        first += 1
+        if other >= 0:
+            steps += 1
+            way[steps, 0], way[steps, 1] = seeds.place[other, 0], seeds.place[other, 1]
+        elif not loose:
+            continue
+        at, one = steps - steps, i  # a bare 0 would have the function below compiled once more, for a constant
+        while at < steps:
+            ahead = _straight_to(way, at, steps)
+            to = other
+            if other < 0 or ahead < steps:
+                to = -1 - added
+                vertices[added, 0], vertices[added, 1] = way[ahead, 0], way[ahead, 1]
+                added += 1
+            edges[joined, 0], edges[joined, 1] = one, to
+            joined += 1
+            at, one = ahead, to
+    return first, added, joined
+
+
+@compiled
+def _straight_to(way: Array, first: int, last: int) -> int:
+    """Farthest place up to which all places of a way lie next to the straight one."""
+    for end in range(first + 2, last + 1):
+        down, right = way[end, 0] - way[first, 0], way[end, 1] - way[first, 1]
+        squared = max(down * down + right * right, 1e-300)
+        for k in range(first + 1, end):
+            a, b = way[k, 0] - way[first, 0], way[k, 1] - way[first, 1]
+            t = min(max((a * down + b * right) / squared, 0.0), 1.0)
+            if (a - t * down) ** 2 + (b - t * right) ** 2 > _DEVIATION**2:
+                return end - 1
+    return last
+
+
+@inlined
+def _follow(ridge: Ridge, walls: Walls, seeds: Seeds, i: int, sign: float, reach: Reach, way: Array) -> tuple[int, int]:
+    """Walk from seed `i` ahead, or back, to the next one.
+
+    Writes place, edge strength and length so far to `way`, the seed's own first. Returns the number of steps and the
+    seed that was met; -1 for none, and then only steps that are good for a loose end.
+    """
+    row, col = seeds.place[i, 0], seeds.place[i, 1]
+    down, right = sign * seeds.ahead[i, 0], sign * seeds.ahead[i, 1]
+    way[0, 0], way[0, 1], way[0, 2], way[0, 3] = row, col, height(ridge.strength, row, col), 0.0
+    walled = len(walls.segments) > 0
+    steps, loose, behind, before = 0, 0, 0, 0
+    length, under, leaving = 0.0, 0.0, False
+    while length < reach.longest and steps < len(way) - 2 and not leaving:
+        if down == 0.0 and right == 0.0:
+            break
+        found, leaving, row, col, down, right = _advance(ridge, row, col, down, right, sign, reach.step)
+        way[steps + 1, 0], way[steps + 1, 1] = row, col
+        if not found or (walled and crosses(walls, way[steps], way[steps + 1])):
+            break
+        steps += 1
+        step = np.sqrt((row - way[steps - 1, 0]) ** 2 + (col - way[steps - 1, 1]) ** 2)
+        length += step
+        last = height(ridge.strength, row, col)
+        way[steps, 2], way[steps, 3] = last, length
+        while length - way[behind + 1, 3] > reach.fading:
+            behind += 1
+        while length - way[before + 1, 3] > 2.0 * reach.fading:
+            before += 1
+        under = 0.0 if last >= reach.floor else under + step
+        if last < reach.faintest or last < FAINTEST * way[behind, 2] or under > reach.dip:
+            break
+        good = last >= max(reach.floor, FAINTEST * way[before, 2])
+        if good and length <= reach.loose and loose == steps - 1:
+            loose = steps
+        met = _meets(seeds, i, sign, row, col, down, right, length, reach.step)
+        if met >= 0 and not (walled and crosses(walls, way[steps], seeds.place[met])):
+            beyond = (row - seeds.place[met, 0]) * down + (col - seeds.place[met, 1]) * right
+            return steps - 1 if beyond > 0.0 else steps, met
+    return loose, -1
+
+
+@compiled
+def _meets(
+    seeds: Seeds, i: int, sign: float, row: float, col: float, down: float, right: float, length: float, step: float
+) -> int:
+    """Seed that lies at a place on the way and has the same direction; -1 for none."""
+    near = _MEETING * step
+    best, nearest = -1, near * near
+    for k in range(int(max(row - near, 0.0) + 0.5), int(min(row + near, seeds.head.shape[0] - 1.0) + 0.5) + 1):
+        for m in range(int(max(col - near, 0.0) + 0.5), int(min(col + near, seeds.head.shape[1] - 1.0) + 0.5) + 1):
+            j = seeds.head[k, m]
+            while j >= 0:
+                squared = (seeds.place[j, 0] - row) ** 2 + (seeds.place[j, 1] - col) ** 2
+                along = sign * (seeds.ahead[j, 0] * down + seeds.ahead[j, 1] * right)
+                if squared < nearest and along > 0.0 and (j != i or length > 4.0 * step):
+                    best, nearest = j, squared
+                j = seeds.following[j]
+    return best
+
+
+@compiled
+def _advance(
+    ridge: Ridge, row: float, col: float, down: float, right: float, sign: float, step: float
+) -> tuple[bool, bool, float, float, float, float]:
+    """One step along the crest.
+
+    Returns whether the crest goes on, whether it leaves the image, at whose border the place then is, the place, and
+    the direction there.
+    """
+    for _ in range(_HALVINGS + 1):
+        to_row, to_col = row + step * down, col + step * right
+        part = _part_inside(ridge.strength, row, col, to_row, to_col)
+        if part < 1.0:
+            to_row, to_col = _cut(ridge.strength, row, col, to_row, to_col, part)
+            return (to_row - row) ** 2 + (to_col - col) ** 2 > _DONE**2, True, to_row, to_col, down, right
+        found, to_row, to_col = _correct(ridge, to_row, to_col, -right, down, _SIDEWAYS * step)
+        if found:
+            found, turned_down, turned_right = _direction(ridge, to_row, to_col)
+            if found and sign * (turned_down * down + turned_right * right) >= _TURN:
+                part = _part_inside(ridge.strength, row, col, to_row, to_col)
+                to_row, to_col = _cut(ridge.strength, row, col, to_row, to_col, part)
+                return True, part < 1.0, to_row, to_col, sign * turned_down, sign * turned_right
+        step *= 0.5
+    return False, False, row, col, down, right
+
+
+@compiled
+def _part_inside(image: Array, row: float, col: float, to_row: float, to_col: float) -> float:
+    """Part of a straight way from a place in the image that lies in it."""
+    part = 1.0
+    if to_row < 0.0:
+        part = row / (row - to_row)
+    elif to_row > image.shape[0] - 1.0:
+        part = (image.shape[0] - 1.0 - row) / (to_row - row)
+    if to_col < 0.0:
+        part = min(part, col / (col - to_col))
+    elif to_col > image.shape[1] - 1.0:
+        part = min(part, (image.shape[1] - 1.0 - col) / (to_col - col))
+    return part
+
+
+@compiled
+def _cut(image: Array, row: float, col: float, to_row: float, to_col: float, part: float) -> tuple[float, float]:
+    """End of the part of a straight way that lies in the image."""
+    if part < 1.0:
+        to_row = min(max(row + part * (to_row - row), 0.0), image.shape[0] - 1.0)
+        to_col = min(max(col + part * (to_col - col), 0.0), image.shape[1] - 1.0)
+    return to_row, to_col
+
+
+@compiled
+def _correct(
+    ridge: Ridge, row: float, col: float, down: float, right: float, farthest: float
+) -> tuple[bool, float, float]:
+    """Move a place along a direction to where the slope is zero; tell whether there is such a place within reach."""
+    moved = 0.0
+    e = _DIFFERENCE
+    for _ in range(_ITERATIONS):
+        before, here, after = 0.0, 0.0, 0.0
+        for k in range(3):
+            there = slope(ridge, row + (k - 1) * e * down, col + (k - 1) * e * right)
+            before, here, after = here, after, there
+        change = (after - before) / (2.0 * e)
+        if change == 0.0:
+            break
+        move = min(max(-here / change, -farthest), farthest)
+        moved += move
+        row += move * down
+        col += move * right
+        if abs(moved) > farthest:
+            break
+        if abs(move) < _DONE:
+            return True, row, col
+    return False, row, col
+
+
+@compiled
+def _direction(ridge: Ridge, row: float, col: float) -> tuple[bool, float, float]:
+    """Direction of the crest at a place on it, with the brighter side always on the same hand; False if it is none."""
+    e = _DIFFERENCE
+    down, right = 0.0, 0.0
+    for k in range(4):
+        sign = 1.0 if k < 2 else -1.0
+        along_row, along_col = (sign, 0.0) if k % 2 == 0 else (0.0, sign)
+        there = slope(ridge, row - e * along_row, col - e * along_col)
+        down += along_row * there
+        right += along_col * there
+    size = np.sqrt(down * down + right * right)
+    # towards the brighter side the slope falls on a crest; in a trough it rises
+    if down * height(ridge.down, row, col) + right * height(ridge.right, row, col) <= 0.0:
+        return False, 0.0, 0.0
+    return True, -right / size, down / size

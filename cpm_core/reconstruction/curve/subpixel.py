@@ -1,0 +1,77 @@
+"""Sub-pixel refinement: from where a particle rests to the crest of the edge."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.field.scale_field import Level
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.reconstruction.curve.ridge import PROBE, Ridge, ridge_of, spline_height, uphill
+
+Array = NDArray[np.float64]
+
+FARTHEST = 2.5
+"""Distance from its place to the crest beyond which a particle is not taken to belong to it [px]."""
+
+_ITERATIONS = 8
+_LONGEST_MOVE = 0.4
+_DONE = 1e-4
+
+_STILL = 1e-12
+"""Move after which a point is not moved any more, whatever the others do [px]."""
+
+_SHARE = 500
+"""Points worth a thread."""
+
+
+def crest(positions: Array, level: Level) -> tuple[Array, NDArray[np.bool_]]:
+    """Move points across the edge to the maximum of the cubic interpolated edge map.
+
+    Each point is moved along the image gradient, by the vertex of the parabola through the edge strength at three
+    places of its normal, until none moves any more.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (N, 2)
+        Points near edges [px].
+    level : Level
+        Fields of the scale.
+
+    Returns
+    -------
+    refined : ndarray, shape (N, 2)
+        Points on the crest.
+    found : ndarray of bool, shape (N,)
+        Whether there was a crest within `FARTHEST` of the point.
+    """
+    ridge = ridge_of(level)
+    place = np.array(positions, dtype=float)
+    move, bend = np.full(len(place), np.inf), np.zeros(len(place))
+    for _ in range(_ITERATIONS):
+        share(lambda first, last: _climb(ridge, place, move, bend, first, last), len(place), _SHARE)
+        if np.abs(move).max(initial=0.0) < _DONE:
+            break
+    inside = ((place >= 0.0) & (place <= np.array(level.shape) - 1.0)).all(axis=1)
+    near = np.linalg.norm(place - positions, axis=1) < FARTHEST
+    return place, inside & (bend < 0.0) & (np.abs(move) < 0.1) & near
+
+
+@compiled
+def _climb(ridge: Ridge, place: Array, move: Array, bend: Array, first: int, last: int) -> None:
+    """Move some points once, by the vertex of a parabola, or uphill where there is none."""
+    for i in range(first, last):
+        if abs(move[i]) < _STILL:
+            continue
+        row, col = place[i, 0], place[i, 1]
+        down, right = uphill(ridge, row, col)
+        behind = spline_height(ridge.spline, row - PROBE * down, col - PROBE * right)
+        middle = spline_height(ridge.spline, row, col)
+        ahead = spline_height(ridge.spline, row + PROBE * down, col + PROBE * right)
+        bend[i] = ahead - 2.0 * middle + behind
+        rise = ahead - behind
+        step = -0.5 * PROBE * rise / bend[i] if bend[i] < 0.0 else np.sign(rise) * _LONGEST_MOVE
+        move[i] = min(max(step, -_LONGEST_MOVE), _LONGEST_MOVE)
+        place[i, 0] = row + move[i] * down
+        place[i, 1] = col + move[i] * right

@@ -1,0 +1,99 @@
+"""Steering: what a person changes in a run that is under way, and how the particles come to know."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.field.placed_charges import REACH, Charges, at_scale, changed
+from cpm_core.image.pyramid import to_scale
+from cpm_core.image.regions import Regions
+from cpm_core.particles.coverage import renewed, with_news
+from cpm_core.particles.starting_points import allowed_by, starting_points
+from cpm_core.particles.state import State
+
+Array = NDArray[np.float64]
+Chosen = NDArray[np.bool_] | Callable[[Array], ArrayLike]
+
+
+def heated(state: State) -> State:
+    """Set all particles going again: what has come to rest must be able to obey."""
+    return replace(
+        state,
+        ground=renewed(state.ground, state.step_of_scale),
+        annealed=1.0,
+        erased=False,
+        heated=state.step_of_scale,
+        idle=0,
+        quiet=0,
+        launches=0,
+        far=None,
+    )
+
+
+def within(state: State, regions: Regions | None) -> State:
+    """Go on in other regions, with the particles that may be there."""
+    if state.regions == regions:
+        return state
+    allowed = allowed_by(state.position, regions)
+    return replace(state, particles=state.particles.where(allowed), regions=regions)
+
+
+def woken(state: State, charges: Charges) -> State:
+    """Go on with other placed charges, and set the particles going again that feel, or felt, one that is another.
+
+    Parameters
+    ----------
+    state : State
+        Before the step.
+    charges : tuple of PlacedCharge
+        Those of the step, in order.
+
+    Returns
+    -------
+    State
+        The others sleep on.
+    """
+    step, others = state.step_of_scale, changed(state.charges, charges)
+    places = at_scale(others, state.scale, state.shape)[:, :2]
+    ground = with_news(state.ground, places, REACH * 0.5**state.scale, step)
+    served = state.far is not None and len(state.far.force) > 0  # else everybody may have been asleep
+    far = state.far if served else None
+    return replace(state, charges=charges, ground=ground, annealed=1.0, heated=step, quiet=0, far=far)
+
+
+def joined(state: State, seeds: ArrayLike, regions: Regions | None) -> State:
+    """Put more particles into a run; see `Engine.joined`."""
+    points = starting_points(seeds, state.shape, regions)
+    particles = state.particles.with_more(to_scale(points, state.scale, state.shape), state.next_identity)
+    joined = replace(
+        state,
+        particles=particles,
+        start=np.concatenate([state.start, points]),
+        next_identity=state.next_identity + len(points),
+    )
+    return heated(joined).resumed()
+
+
+def erased(state: State, inside: Chosen) -> State:
+    """Take particles out of a run; see `Engine.erased`."""
+    if callable(inside):
+        gone = _mask(inside(state.position), state.count, "particles")
+        start = state.start[~_mask(inside(state.start), len(state.start), "starting particles")]
+    else:
+        gone, start = _mask(inside, state.count, "particles"), state.start
+    if not gone.any() and len(start) == len(state.start):
+        return state
+    rest = replace(state, particles=state.particles.where(~gone), start=start, far=None, erased=True)
+    return rest if rest.count else rest.stopped("all particles have been erased")
+
+
+def _mask(inside: ArrayLike, count: int, noun: str) -> NDArray[np.bool_]:
+    """Check which of some things are meant."""
+    mask = np.asarray(inside)
+    if mask.dtype != np.bool_ or mask.shape != (count,):
+        raise ValueError(f"which {noun} to erase must be told by {count} truth values, one for each.")
+    return mask

@@ -1,0 +1,70 @@
+"""The whole method in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from numpy.typing import ArrayLike
+
+from cpm_core.contours.result import Result
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
+from cpm_core.parameters import Parameters
+from cpm_core.particles.state import State
+from cpm_core.segmentation.engine import Engine
+
+
+def segment(
+    values: ArrayLike | Image,
+    seeds: ArrayLike,
+    parameters: Parameters | None = None,
+    max_steps: int | None = None,
+    progress: Callable[[State], object] | None = None,
+    regions: Regions | None = None,
+    charges: Sequence[PlacedCharge] = (),
+) -> Result:
+    """Find the contours of the objects in an image.
+
+    Particles start at the seeds, flow to the edges and along them, from the coarsest scale to the image itself, until
+    they are at rest; contours are then reconstructed through them.
+
+    Parameters
+    ----------
+    values : array_like, shape (H, W), or Image
+        Image.
+    seeds : array_like, shape (N, 2)
+        Where particles start (row, col) [px]: `circle`, `uniform_grid`, `gradient_threshold`, or any points.
+    parameters : Parameters, optional
+        The paper's defaults unless given.
+    max_steps : int, optional
+        Stop after so many steps even if not at rest.
+    progress : callable, optional
+        Called with every `State`.
+    regions : Regions, optional
+        Regions of interest, which particles stay in, and barriers, which they do not cross.
+    charges : sequence of PlacedCharge
+        Charges that attract or repel particles, beside those of the edges.
+
+    Returns
+    -------
+    Result
+        Particles, contours, and how the run ended.
+
+    Raises
+    ------
+    ValueError
+        For an image, seeds or parameters that cannot be worked with; the message says what to do.
+    """
+    chosen = parameters or Parameters()
+    if max_steps is not None and max_steps < 1:
+        raise ValueError(f"max_steps is {max_steps} but must be at least 1.")
+    engine = Engine(values, chosen, regions)
+    state = engine.start(seeds)
+    while not state.stop_reason:
+        state = engine.step(state, chosen, charges)
+        if progress is not None:
+            progress(state)
+        if max_steps is not None and state.step >= max_steps and not state.stop_reason:
+            state = state.stopped(f"stopped after {max_steps} steps, as asked")
+    return engine.result(state, chosen)
