@@ -83,13 +83,13 @@ def test_imports_point_one_way(path):
 @pytest.mark.parametrize(
     ("name", "source"),
     [
-        ("cpm_core.segmentation.engine", "from app.model.document import Document"),
+        ("cpm_core.segmentation.engine", "from app.model.document.document import Document"),
         ("cpm_core.segmentation.engine", "def late():\n    import PySide6.QtCore"),
         ("cpm_core.field.pppm", "from ...app import views"),
-        ("app.model.edits", "from ..session import session"),
-        ("app.model.edits", "from pyqtgraph import Point"),
-        ("app.session.runner", "from PySide6 import QtWidgets"),
-        ("app.session.runner", "import app.views.canvas"),
+        ("app.model.document.edits", "from ..session import session"),
+        ("app.model.document.edits", "from pyqtgraph import Point"),
+        ("app.session.worker.worker_thread", "from PySide6 import QtWidgets"),
+        ("app.session.worker.worker_thread", "import app.views.canvas"),
         ("app.views.canvas", "from app.__main__ import main"),
     ],
 )
@@ -104,7 +104,7 @@ def test_the_rules_see_an_import_that_breaks_them(name, source):
             "cpm_core.segmentation.engine",
             "import numpy\nfrom cpm_core.particles import State\nfrom . import coulomb",
         ),
-        ("app.session.session", "from PySide6.QtCore import QObject\nfrom app.model.document import Document"),
+        ("app.session.session", "from PySide6.QtCore import QObject\nfrom app.model.document.document import Document"),
         ("app.views.canvas", "import pyqtgraph\nfrom app.session.session import Session\nfrom ..model import edits"),
     ],
 )
@@ -157,7 +157,7 @@ def test_parts_of_large_libraries_are_loaded_when_they_are_asked_for():
         "skimage.measure",
         "matplotlib",
     }
-    code = "import sys, cpm_core, app.model.document; print(*sys.modules)"
+    code = "import sys, cpm_core, app.model.document.document; print(*sys.modules)"
     command = [sys.executable, "-c", code]
     loaded = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
     assert "cpm_core.segmentation.engine" in loaded

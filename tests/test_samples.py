@@ -9,8 +9,8 @@ import PIL.Image
 import pytest
 
 import cpm_core as cpm
-from app.model.document import Document
-from app.model.samples import sample_called, samples
+from app.model.document.document import Document
+from app.model.document.samples import sample_called, samples
 from cpm_core.shapes import SHAPES, Circle, Everywhere, Stroke
 from cpm_core.shapes.image_starts import Sower
 

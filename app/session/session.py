@@ -8,18 +8,28 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Qt, QTimer
 
-from app.model import edits
-from app.model.document import NOTHING_TO_START_FROM, Document, ImageReference, Mode
-from app.model.language import tr
-from app.model.modes import starting
-from app.model.naming import describe
-from app.model.resolve import FIRST_PACE, PACES, Resolved, resolve
-from app.model.samples import sample_at
-from app.model.saving import restored
-from app.model.situation import Situation, can_step
-from app.model.status import RunStatus
-from app.session.announcements import Announcements
-from app.session.commands import (
+from app.model.document import edits
+from app.model.document.document import NOTHING_TO_START_FROM, Document, ImageReference, Mode
+from app.model.document.modes import starting
+from app.model.document.naming import describe
+from app.model.document.samples import sample_at
+from app.model.document.saving import restored
+from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
+from app.model.state.situation import Situation, can_step
+from app.model.state.status import RunStatus
+from app.model.text.language import tr
+from app.session.core_functions import Core
+from app.session.document.editor import Editor
+from app.session.document.live_edits import Live
+from app.session.exchange.messages import Opened
+from app.session.exchange.pacing import Pacer
+from app.session.features.contour_review import Curation
+from app.session.features.skeleton import Skeletons
+from app.session.signals import Announcements
+from app.session.tasks.opening import Opener, Wanted
+from app.session.tasks.tasks import Tasks
+from app.session.updates import Progress
+from app.session.worker.commands.run import (
     Adopt,
     Command,
     Discard,
@@ -32,17 +42,7 @@ from app.session.commands import (
     Start,
     WarmUp,
 )
-from app.session.core import Core
-from app.session.curation import Curation
-from app.session.editor import Editor
-from app.session.live import Live
-from app.session.messages import Opened
-from app.session.opening import Opener, Wanted
-from app.session.pacer import Pacer
-from app.session.progress import Progress
-from app.session.runner import Runner
-from app.session.skeletons import Skeletons
-from app.session.tasks import Tasks
+from app.session.worker.worker_thread import Runner
 
 FRAME = 16
 """Time between looks at what the worker has sent up [ms]."""
@@ -267,7 +267,7 @@ class Session(Announcements):
         self.post(SetPace(steps_per_second))
 
     def want_overlay(self, name: str, wanted: bool) -> None:
-        """Say whether an overlay is to be kept up to date; see `app.session.overlays`."""
+        """Say whether an overlay is to be kept up to date; see `app.session.worker.overlays`."""
         before = self._overlays
         self._overlays = before | {name} if wanted else before - {name}
         if self._overlays != before:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QWidget
 
-from app.model.situation import Situation
+from app.model.state.situation import Situation
 from app.views.entry import STATE, TOGGLE, Entry
 from app.views.icons import icon
 from app.views.theme import Theme

@@ -19,8 +19,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.language import tr
-from app.session.preferences import Preferences
+from app.model.text.language import tr
+from app.session.storage.preferences import Preferences
 from app.views.frame_renderer import NARROWEST, WIDEST, frame_size
 from app.views.step_choice import every
 from cpm_core.formats.animations import mp4

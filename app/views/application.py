@@ -10,7 +10,7 @@ from PySide6.QtCore import QTimer
 from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
 
-from app.model.samples import samples
+from app.model.document.samples import samples
 from app.session.session import Session
 from app.views.icons import program_icon
 from app.views.main_window import MainWindow

@@ -6,7 +6,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QResizeEvent, QWheelEvent
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views import theme
 from app.views.coordinates import image_rectangle, to_position

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.entry import Entry
 from app.views.menus import MENUS
 

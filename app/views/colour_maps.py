@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QIcon, QImage, QPixmap
 
-from app.model.language import tr
+from app.model.text.language import tr
 
 Table = NDArray[np.uint8]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from PySide6.QtWidgets import QColorDialog, QMenu, QWidget
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.icons import swatch
 
 PALETTE: tuple[tuple[str, str], ...] = (

@@ -9,7 +9,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views import theme
 from app.views.canvas import Canvas
 from app.views.coordinates import to_xy

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QFileDialog, QWidget
 
-from app.model.language import tr
+from app.model.text.language import tr
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.sessions.session_file import SUFFIX
 

@@ -9,7 +9,7 @@ from PySide6.QtCore import QEvent, QObject, Qt, QTimer
 from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.panel_title import PanelTitle
 from app.views.part import Area, Panel
 from app.views.theme import Theme

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from PySide6.QtWidgets import QMenu
 
-from app.model.situation import Condition, Situation, always
+from app.model.state.situation import Condition, Situation, always
 
 TOGGLE, STATE = "toggle", "state"
 """Groups of actions that are checkable by themselves, and of those that are checked as `Entry.holds` says."""

@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QObject, QTimer
 
-from app.model.language import tr
-from app.session.frames import FrameTaken, TakeFrame
-from app.session.messages import Report
+from app.model.text.language import tr
+from app.session.exchange.messages import Report
 from app.session.session import Session
-from app.session.tasks import Task
+from app.session.tasks.tasks import Task
+from app.session.worker.commands.frames import FrameTaken, TakeFrame
 from app.views.frame_renderer import Frame, FrameRenderer
 
 _PATIENCE = 15

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QImage, QPainter
 
-from app.session.frames import FrameTaken
 from app.session.session import Session
+from app.session.worker.commands.frames import FrameTaken
 from app.views.canvas import Canvas
 from app.views.coordinates import image_rectangle
 from app.views.understudy import Told, Understudy

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable
 from PySide6.QtCore import QSize, Qt, QUrl
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QListWidget, QTextBrowser, QVBoxLayout, QWidget
 
-from app.model.assets import asset
-from app.model.language import tr
+from app.model.text.assets import asset
+from app.model.text.language import tr
 from app.views.entry import Entry
 from app.views.guide_pages import PAGES, Page
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.model.language import tr
+from app.model.text.language import tr
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox, QWidget
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.icons import program_icon
 
 

@@ -8,7 +8,7 @@ from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
 from PySide6.QtSvg import QSvgRenderer
 
-from app.model.assets import asset
+from app.model.text.assets import asset
 
 _SIZES = (16, 20, 24, 32, 40, 48)
 

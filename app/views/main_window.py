@@ -9,9 +9,9 @@ from PySide6.QtCore import QByteArray, QEvent, QSize, Qt
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QAbstractButton, QMainWindow
 
-from app.model.language import tr
-from app.session.preferences import Preferences
+from app.model.text.language import tr
 from app.session.session import Session
+from app.session.storage.preferences import Preferences
 from app.views import theme
 from app.views.actions import Actions
 from app.views.docks import Docks

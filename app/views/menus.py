@@ -8,7 +8,7 @@ from functools import partial
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QMenuBar
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.actions import Actions
 from app.views.entry import Entry, Submenu
 

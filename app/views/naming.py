@@ -6,8 +6,8 @@ from PySide6.QtCore import QEvent, Qt
 from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QLineEdit
 
-from app.model.language import tr
-from app.session.curation import Curation
+from app.model.text.language import tr
+from app.session.features.contour_review import Curation
 from app.views.canvas import Canvas
 from cpm_core.contours.review import middle
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QDockWidget, QHBoxLayout, QLabel, QToolButton, QWidget
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.icons import icon
 from app.views.theme import Theme
 

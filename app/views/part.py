@@ -12,8 +12,8 @@ from typing import Literal
 
 from PySide6.QtWidgets import QMainWindow, QWidget
 
-from app.session.preferences import Preferences
 from app.session.session import Session
+from app.session.storage.preferences import Preferences
 from app.views.entry import Entry, Submenu
 from app.views.preference_row import PreferenceRow
 from app.views.stage import Stage

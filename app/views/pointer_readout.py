@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QLabel
 
-from app.model.language import tr
-from app.model.lengths import length_text
+from app.model.display.lengths import length_text
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas import Canvas
 from cpm_core.image.image import Image

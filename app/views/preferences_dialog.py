@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.preference_row import PreferenceRow
 
 _WIDTH, _HIGHEST = 500, 560

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
-from app.model.language import tr
-from app.model.presets import SUFFIX
+from app.model.parameters.presets import SUFFIX
+from app.model.text.language import tr
 
 
 def ask_for_name(parent: QWidget, suggestion: str) -> str:

@@ -9,11 +9,11 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
-from app.model import edits
-from app.model.document import Document
-from app.model.language import tr
-from app.model.presets import SUFFIX, Preset
-from app.session.preset_store import PresetStore
+from app.model.document import edits
+from app.model.document.document import Document
+from app.model.parameters.presets import SUFFIX, Preset
+from app.model.text.language import tr
+from app.session.storage.presets import PresetStore
 from app.views import preset_dialogs as dialogs
 from app.views.panels.preset_gallery import PresetGallery
 from app.views.part import Desk

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QMenu
 
-from app.model.language import tr
-from app.session.preferences import Preferences
+from app.model.text.language import tr
+from app.session.storage.preferences import Preferences
 
 MOST = 10
 """How many are remembered."""

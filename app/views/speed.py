@@ -5,8 +5,8 @@ from __future__ import annotations
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QSlider, QWidget
 
-from app.model.language import tr
-from app.model.resolve import FIRST_PACE, PACES, pace_text
+from app.model.state.resolve import FIRST_PACE, PACES, pace_text
+from app.model.text.language import tr
 from app.session.session import Session
 
 

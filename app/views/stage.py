@@ -6,9 +6,9 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
-from app.model import edits
-from app.model.language import tr
-from app.model.naming import describe
+from app.model.document import edits
+from app.model.document.naming import describe
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas import Canvas
 from app.views.crosshair import Crosshair

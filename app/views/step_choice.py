@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.model.language import tr
+from app.model.text.language import tr
 
 
 def evenly(first: int, last: int, count: int) -> tuple[int, ...]:

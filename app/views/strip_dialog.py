@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.frame_renderer import Frame, to_picture
 from app.views.step_choice import evenly, written
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QToolButton, QWidget
 
-from app.model.language import tr
-from app.model.time_left import in_words
-from app.session.tasks import Task, Tasks
+from app.model.state.time_left import in_words
+from app.model.text.language import tr
+from app.session.tasks.tasks import Task, Tasks
 from app.views.icons import icon
 from app.views.theme import Theme
 

@@ -6,8 +6,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QFontMetrics
 from PySide6.QtWidgets import QHBoxLayout, QToolBar, QToolButton, QWidget
 
-from app.model.language import tr
-from app.model.modes import MODES
+from app.model.document.modes import MODES
+from app.model.text.language import tr
 from app.views.actions import PRIMARY, Actions
 
 _FILES, _EDITS, _RUN, _AFTER = ("open", "save"), ("undo", "redo"), ("run", "step", "reset"), ("fit", "export")

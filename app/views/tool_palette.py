@@ -8,7 +8,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QSizePolicy, QToolBar, QToolButton, QVBoxLayout, QWidget
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.actions import Actions
 from app.views.icons import icon
 from app.views.theme import Theme

@@ -6,13 +6,13 @@ from typing import Any, cast
 
 from PySide6.QtCore import QObject
 
-from app.session.announcements import Announcements
-from app.session.commands import Command
-from app.session.curation import Curation
-from app.session.frames import FrameTaken
-from app.session.messages import Overlays, Report, Sowing
+from app.session.exchange.messages import Overlays, Report, Sowing
+from app.session.features.contour_review import Curation
 from app.session.session import Session
-from app.session.timeline_commands import Compared
+from app.session.signals import Announcements
+from app.session.worker.commands.frames import FrameTaken
+from app.session.worker.commands.run import Command
+from app.session.worker.commands.timeline import Compared
 
 
 class Understudy(Announcements):

@@ -6,7 +6,7 @@ from typing import Literal
 
 from PySide6.QtWidgets import QMessageBox, QWidget
 
-from app.model.language import tr
+from app.model.text.language import tr
 
 Answer = Literal["save", "discard", "cancel"]
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from PySide6.QtCore import QDeadlineTimer, QEventLoop, Qt
 
-from app.model import edits
-from app.model.samples import sample_called
+from app.model.document import edits
+from app.model.document.samples import sample_called
 from app.views.application import make_application, open_window
 from app.views.main_window import MainWindow
 from app.views.parts.files import FilesPart

@@ -1,4 +1,4 @@
-"""Writes ``cpm.pot``: every sentence of the window, for translating it; see `app.model.language`.
+"""Writes ``cpm.pot``: every sentence of the window, for translating it; see `app.model.text.language`.
 
 Run ``python assets/languages/make_template.py`` to write it beside this file, or name another file.
 """

@@ -12,8 +12,8 @@ import PIL.Image
 import PIL.ImageDraw
 
 import cpm_core as cpm
-from app.model.document import Document
-from app.model.samples import sample_called
+from app.model.document.document import Document
+from app.model.document.samples import sample_called
 from cpm_core.shapes.image_starts import Sower
 
 HERE = Path(__file__).parent

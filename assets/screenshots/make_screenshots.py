@@ -19,9 +19,9 @@ from PIL import Image as Picture
 from PySide6.QtCore import QDeadlineTimer, QEventLoop, QSettings, QStandardPaths
 from PySide6.QtWidgets import QWidget
 
-from app.model import edits
-from app.model.samples import sample_called
-from app.session.time_travel import travel_of
+from app.model.document import edits
+from app.model.document.samples import sample_called
+from app.session.features.timeline_navigation import travel_of
 from app.views import theme
 from app.views.application import make_application, open_window
 from app.views.main_window import MainWindow

@@ -14,7 +14,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QSettings, Qt
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from app.model import edits
+from app.model.document import edits
 from app.session.session import Session
 from app.views import unsaved
 from app.views.application import make_application

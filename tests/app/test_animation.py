@@ -14,7 +14,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QFileDialog
 
-from app.session.tasks import Task
+from app.session.tasks.tasks import Task
 from app.views import theme
 from app.views.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.parts.animation import AnimationPart

@@ -13,9 +13,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
-from app.model.colouring import QUANTITIES, SHADES, Births, age, coloured, convergence, speed
-from app.model.round_numbers import round_down, round_up
-from app.session.trace import Recorder
+from app.model.display.colouring import QUANTITIES, SHADES, Births, age, coloured, convergence, speed
+from app.model.display.round_numbers import round_down, round_up
+from app.session.worker.run_record import Recorder
 from app.views import colour_maps, theme
 from app.views.discs import Discs
 from cpm_core import Engine, Parameters

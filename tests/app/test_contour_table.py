@@ -12,8 +12,8 @@ import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QLineEdit, QMenu
 
-from app.model import edits
-from app.session.survey import Surveyor
+from app.model.document import edits
+from app.session.exchange.contour_tracking import Surveyor
 from app.views.main_window import MainWindow
 from app.views.panels.contour_table.columns import COLUMNS, NAME
 from app.views.panels.contour_table.view import ContourTable

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.model.difference import difference
+from app.model.display.difference import difference
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 

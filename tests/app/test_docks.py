@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QMainWindow, QTabBar, QToolButton
 
-from app.session.preferences import Preferences
+from app.session.storage.preferences import Preferences
 from app.views.docks import Docks
 from app.views.main_window import MainWindow
 from app.views.part import Panel

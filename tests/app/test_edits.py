@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model import edits
-from app.model.controls import controls, slider_range, value_of
-from app.model.document import Document
+from app.model.document import edits
+from app.model.document.document import Document
+from app.model.parameters.controls import controls, slider_range, value_of
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Stroke
 

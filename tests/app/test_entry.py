@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from app import __main__ as entry
-from app.model.samples import sample_at, samples
+from app.model.document.samples import sample_at, samples
 from cpm_core import cli
 
 

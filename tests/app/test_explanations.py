@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.controls import controls
-from app.model.wording import WORDS, rich
+from app.model.parameters.controls import controls
+from app.model.text.wording import WORDS, rich
 from app.views.panels.drawings import DRAWINGS
 from app.views.panels.parameter_drawing import ParameterDrawing
 from app.views.parts.preferring import PreferringPart

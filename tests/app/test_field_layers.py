@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.model.flow_lines import Seen, flow_lines
-from app.model.iso_lines import LINES, iso_lines
-from app.model.shades import of_potential
+from app.model.display.flow_lines import Seen, flow_lines
+from app.model.display.iso_lines import LINES, iso_lines
+from app.model.display.shades import of_potential
 from app.views.layers.field import line_points
 
 SIDE = 120

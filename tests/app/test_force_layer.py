@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.session.probing import NAMES, Probe
+from app.session.worker.commands.forces import NAMES, Probe
 from app.views.layers.forces import KINDS
 
 

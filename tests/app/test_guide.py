@@ -9,8 +9,8 @@ import PIL.Image
 import pytest
 from PySide6.QtCore import Qt, QUrl
 
-from app.model.assets import asset
-from app.model.samples import sample_called
+from app.model.document.samples import sample_called
+from app.model.text.assets import asset
 from app.views.guide import KEYS, Guide
 from app.views.guide_pages import PAGES
 from app.views.parts.helping import HelpingPart

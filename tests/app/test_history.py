@@ -6,9 +6,9 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from app.model import edits
-from app.model.document import Document
-from app.session.editor import Editor
+from app.model.document import edits
+from app.model.document.document import Document
+from app.session.document.editor import Editor
 from cpm_core.shapes import Circle
 
 

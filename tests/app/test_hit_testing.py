@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model.hit_testing import Hit, hit
+from app.model.document.hit_testing import Hit, hit
 from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Region, Stroke
 
 CIRCLE = Circle((50.0, 60.0), 20.0)

@@ -120,7 +120,7 @@ def test_the_tools_of_gettext_read_the_template(template, tmp_path) -> None:
 
 IN_BRACKETS = """
 import re, sys
-import app.model.language as language
+import app.model.text.language as language
 language.tr = lambda said: f"⟦{said}⟧"
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QTabBar, QWidget

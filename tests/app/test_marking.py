@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.model import marking
-from app.model.document import Document
-from app.model.marking import Target
+from app.model.document import marking
+from app.model.document.document import Document
+from app.model.document.marking import Target
 from cpm_core.contours.review import Mark
 
 HERE, THERE = (10.0, 12.0), (40.0, 41.0)

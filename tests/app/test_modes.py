@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model import edits
-from app.model.document import Document, ImageReference
-from app.model.modes import MODES, mode_called, use_mode
-from app.model.resolve import resolve
-from app.model.situation import Situation, can_step
-from app.model.status import RunStatus
+from app.model.document import edits
+from app.model.document.document import Document, ImageReference
+from app.model.document.modes import MODES, mode_called, use_mode
+from app.model.state.resolve import resolve
+from app.model.state.situation import Situation, can_step
+from app.model.state.status import RunStatus
 from app.views.layers.skeleton import by_thickness, disks
 from app.views.parts import modes as modes_part
 from cpm_core.parameters import PRESETS

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model import edits
-from app.model.controls import controls, slider_range, value_of
-from app.model.document import Document
-from app.model.mosaic import Axis, in_text, pick, plan, read_values, sensible_values
+from app.model.display.mosaic import Axis, in_text, pick, plan, read_values, sensible_values
+from app.model.document import edits
+from app.model.document.document import Document
+from app.model.parameters.controls import controls, slider_range, value_of
 from app.views.main_window import MainWindow
 from app.views.mosaic import MosaicDialog
 from app.views.mosaic.enlarged import EnlargedTile

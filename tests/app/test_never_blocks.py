@@ -22,7 +22,7 @@ import pytest
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QDockWidget
 
-from app.model import edits
+from app.model.document import edits
 from app.session.session import Session
 from app.views.application import make_application
 from app.views.layers.layer import Layer

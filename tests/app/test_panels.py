@@ -9,11 +9,11 @@ import pytest
 from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QLabel, QToolButton
 
-from app.model.controls import controls
-from app.model.resolve import resolve
-from app.model.situation import Situation
-from app.model.status import RunStatus
-from app.session.messages import Trace
+from app.model.parameters.controls import controls
+from app.model.state.resolve import resolve
+from app.model.state.situation import Situation
+from app.model.state.status import RunStatus
+from app.session.exchange.messages import Trace
 from app.views.curves import pieces
 from app.views.help import show_about
 from app.views.layers.field import ARROW_SPACING, arrow_lines, arrows

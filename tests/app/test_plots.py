@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 
-from app.model.plots import PLOTS, figure
-from app.session.messages import Trace
-from app.session.trace import Recorder
+from app.model.display.plots import PLOTS, figure
+from app.session.exchange.messages import Trace
+from app.session.worker.run_record import Recorder
 from app.views.panels.plot import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage, QPixmap
 
-from app.model.presets import Preset, built_in, checked_name, read, written
-from app.session.preset_store import PresetStore
+from app.model.parameters.presets import Preset, built_in, checked_name, read, written
+from app.session.storage.presets import PresetStore
 from app.views import preset_dialogs as dialogs
 from app.views.panels.preset_gallery import PresetGallery
 from app.views.parts.parameters import ParametersPart

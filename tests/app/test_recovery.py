@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from PySide6.QtWidgets import QMessageBox
 
-from app.model import edits
-from app.session.journal import KEY, folder_of_journals, lock_of
-from app.session.recovery import left_behind
+from app.model.document import edits
+from app.session.storage.autosave import KEY, folder_of_journals, lock_of
+from app.session.storage.recovery import left_behind
 from app.views.parts.files import FilesPart
 from app.views.parts.recovery import RecoveryPart
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
@@ -161,7 +161,7 @@ PROGRAM = """
 import sys
 from pathlib import Path
 from PySide6.QtCore import QSettings, QTimer
-from app.model import edits
+from app.model.document import edits
 from app.views.application import make_application, open_window
 from cpm_core.shapes import Circle
 from app.views.parts.recovery import RecoveryPart

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from app.model import edits
-from app.model.document import Document, ImageReference
-from app.model.resolve import resolve
-from app.model.situation import Situation, can_redo, can_step, can_undo, has_image, is_started
-from app.model.status import RunStatus
+from app.model.document import edits
+from app.model.document.document import Document, ImageReference
+from app.model.state.resolve import resolve
+from app.model.state.situation import Situation, can_redo, can_step, can_undo, has_image, is_started
+from app.model.state.status import RunStatus
 from cpm_core.shapes import Barrier, Charge, Circle
 
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)

@@ -10,8 +10,8 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
-from app.model import edits
-from app.model.shades import of_edge_map
+from app.model.display.shades import of_edge_map
+from app.model.document import edits
 from app.views.parts.running import RunningPart
 from cpm_core import Engine, Parameters
 from cpm_core.particles.initialization import circle

@@ -13,8 +13,8 @@ from PySide6.QtCore import QMimeData, QPoint, Qt, QTimer, QUrl
 from PySide6.QtGui import QDropEvent, QPalette
 from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMessageBox
 
-from app.model import edits
-from app.model.presets import Preset
+from app.model.document import edits
+from app.model.parameters.presets import Preset
 from app.views import theme
 from app.views.main_window import MainWindow
 from app.views.parts.files import FilesPart

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model.lengths import bar
+from app.model.display.lengths import bar
 from app.views.layers.scale_bar import LONGEST
 from cpm_core.image.image import Image
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.model import shades
+from app.model.display import shades
 
 MAPS = arrays(np.float64, (3, 5), elements=st.floats(0.0, 1e6, allow_subnormal=False))
 

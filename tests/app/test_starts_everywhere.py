@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model import edits
+from app.model.document import edits
 from cpm_core import divergence_centers, gradient_threshold, uniform_grid
 from cpm_core.shapes import KINDS, Everywhere, Region
 
@@ -105,7 +105,7 @@ def test_the_window_says_that_it_is_looking_for_places_and_what_went_wrong(windo
     def fail(*_: object) -> None:
         raise RuntimeError("out of places")
 
-    monkeypatch.setattr("app.session.run.Sower.sow", fail)
+    monkeypatch.setattr("app.session.worker.run.Sower.sow", fail)
     hand.key(*KEYS["centers"])
     assert window.panels["run"].status.state.startswith("Looking for places")
     hand.wait(lambda: window.session.idle)

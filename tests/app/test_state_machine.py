@@ -22,13 +22,13 @@ from hypothesis.stateful import (
 )
 from PySide6.QtCore import QCoreApplication
 
-from app.model import edits
-from app.model.document import Document
-from app.session.journal import Journal
-from app.session.keeper import Keeper
-from app.session.recovery import left_behind
+from app.model.document import edits
+from app.model.document.document import Document
+from app.session.features.timeline_navigation import travel_of
 from app.session.session import Session
-from app.session.time_travel import travel_of
+from app.session.storage.autosave import Journal
+from app.session.storage.recovery import left_behind
+from app.session.storage.session_file import Keeper
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Shape

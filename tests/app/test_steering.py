@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model import edits
-from app.session.timeline_commands import SetTimelineBudget
+from app.model.document import edits
+from app.session.worker.commands.timeline import SetTimelineBudget
 from app.views.parts.running import RunningPart
 from app.views.parts.timeline import TimelinePart
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge

@@ -13,13 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import QObject, Qt
 
-from app.model.time_left import SURE_AFTER, in_words, seconds_left
-from app.session.commands import Command
-from app.session.core import Core
-from app.session.messages import Report, Trouble
+from app.model.state.time_left import SURE_AFTER, in_words, seconds_left
+from app.session.core_functions import Core
+from app.session.exchange.messages import Report, Trouble
 from app.session.session import Session
-from app.session.tasks import Cancelled, Task, Tasks
-from app.session.workshop import Workshop
+from app.session.tasks.tasks import Cancelled, Task, Tasks
+from app.session.worker.command_context import Workshop
+from app.session.worker.commands.run import Command
 from app.views.application import make_application
 from app.views.main_window import MainWindow
 from app.views.parts.tasks import TasksPart

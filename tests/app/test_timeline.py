@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from app.session.chronicle import Chronicle
-from app.session.deeds import Stepped
-from app.session.timeline import Timeline
-from app.session.trace import Recorder
+from app.session.timeline.run_actions import Stepped
+from app.session.timeline.timeline import Timeline
+from app.session.worker.recorded_run import Chronicle
+from app.session.worker.run_record import Recorder
 from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 
-from app.session.chronicle import MEGABYTE
-from app.session.commands import Command
-from app.session.run import Run
-from app.session.workshop import Workshop
+from app.session.worker.command_context import Workshop
+from app.session.worker.commands.run import Command
+from app.session.worker.recorded_run import MEGABYTE
+from app.session.worker.run import Run
 from app.views.parts.preferring import PreferringPart
 from app.views.parts.running import RunningPart
 from app.views.parts.timeline import BUDGET, TimelinePart

@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
-from app.model import edits
+from app.model.document import edits
 from app.views.cheat_sheet import CheatSheet
 from app.views.tools import TOOLS
 from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold

@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
-from app.model import edits
+from app.model.document import edits
 from app.views.tools import TOOLS
 from cpm_core import edge_map
 from cpm_core.numerics import polyline

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model.trails import Trails
+from app.model.display.trails import Trails
 
 
 def ways_of(trails: Trails, moments: list[dict[int, tuple[float, float]]]) -> list[set[tuple[float, ...]]]:

@@ -10,7 +10,7 @@ from PIL import Image as Picture
 from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 
-from app.model import edits
+from app.model.document import edits
 from cpm_core.shapes import Circle
 
 KEY = Qt.Key

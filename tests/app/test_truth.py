@@ -11,8 +11,8 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.differences import differences
-from app.session.latest import Latest
+from app.model.display.differences import differences
+from app.session.exchange.latest_only import Latest
 from app.views.main_window import MainWindow
 from app.views.parts.truth import TruthPart
 from cpm_core.contours.agreement import compare

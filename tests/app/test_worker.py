@@ -12,16 +12,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.model import edits
-from app.model.document import Document
-from app.session.commands import Adopt, Discard, Go, Halt, SetPace, SetParameters, Sow, Start, WarmUp
-from app.session.core import Core
-from app.session.live_commands import PlaceCharges
-from app.session.mailbox import Mailbox
-from app.session.messages import Failed, Opened, Snapshot, Sowing, Trouble, WentOn
-from app.session.pacer import Pacer
-from app.session.runner import Runner
-from app.session.trace import Recorder
+from app.model.document import edits
+from app.model.document.document import Document
+from app.session.core_functions import Core
+from app.session.exchange.mailbox import Mailbox
+from app.session.exchange.messages import Failed, Opened, Snapshot, Sowing, Trouble, WentOn
+from app.session.exchange.pacing import Pacer
+from app.session.worker.commands.run import Adopt, Discard, Go, Halt, SetPace, SetParameters, Sow, Start, WarmUp
+from app.session.worker.commands.steering import PlaceCharges
+from app.session.worker.run_record import Recorder
+from app.session.worker.worker_thread import Runner
 from cpm_core import Image, Parameters, Regions, uniform_grid
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.particles.coverage import Ground, unvisited

@@ -25,9 +25,9 @@ from PySide6.QtWidgets import QWidget
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from app.model import edits
-from app.session.core import Core
-from app.session.messages import Snapshot
+from app.model.document import edits
+from app.session.core_functions import Core
+from app.session.exchange.messages import Snapshot
 from app.session.session import FRAME, Session
 from app.views.application import make_application
 from app.views.main_window import MainWindow

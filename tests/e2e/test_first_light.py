@@ -10,7 +10,7 @@ from PIL import Image as Picture
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.samples import samples
+from app.model.document.samples import samples
 from app.views.application import make_application, open_window
 from app.views.main_window import MainWindow
 

@@ -6,7 +6,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views import colour_maps, theme
 from app.views.pinned import INK, MARGIN, Pinned
 

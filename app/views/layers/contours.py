@@ -11,9 +11,9 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtWidgets import QCheckBox, QVBoxLayout, QWidget
 
-from app.model.language import tr
-from app.model.shades import Shades
-from app.session.curation import Item
+from app.model.display.shades import Shades
+from app.model.text.language import tr
+from app.session.features.contour_review import Item
 from app.session.session import Session
 from app.views import theme
 from app.views.coordinates import to_xy

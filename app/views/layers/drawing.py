@@ -8,9 +8,9 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtWidgets import QGraphicsItem
 
-from app.model.document import Document
-from app.model.language import tr
-from app.model.shades import Shades
+from app.model.display.shades import Shades
+from app.model.document.document import Document
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views import theme
 from app.views.coordinates import to_xy

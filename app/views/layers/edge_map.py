@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pyqtgraph as pg
 
-from app.model.language import tr
-from app.session.messages import Overlays
+from app.model.text.language import tr
+from app.session.exchange.messages import Overlays
 from app.session.session import Session
 from app.views import colour_maps
 from app.views.coordinates import image_rectangle

@@ -7,9 +7,9 @@ import pyqtgraph as pg
 from numpy.typing import NDArray
 from PySide6.QtCore import QRectF, QTimer
 
-from app.model.flow_lines import Seen, flow_lines
-from app.model.language import tr
-from app.session.messages import Overlays
+from app.model.display.flow_lines import Seen, flow_lines
+from app.model.text.language import tr
+from app.session.exchange.messages import Overlays
 from app.session.session import Session
 from app.views import theme
 from app.views.coordinates import to_xy

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 
-from app.model.language import tr
-from app.session.messages import Report, Snapshot
-from app.session.probing import Probe, Probed
+from app.model.text.language import tr
+from app.session.exchange.messages import Report, Snapshot
 from app.session.session import Session
+from app.session.worker.commands.forces import Probe, Probed
 from app.views import theme
 from app.views.layers.layer import Layer
 from app.views.layers.options import Amount

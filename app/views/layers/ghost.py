@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pyqtgraph as pg
 
-from app.model.language import tr
-from app.model.shades import Shades
-from app.session.messages import Report
+from app.model.display.shades import Shades
+from app.model.text.language import tr
+from app.session.exchange.messages import Report
 from app.session.session import Session
-from app.session.timeline_commands import Compared
+from app.session.worker.commands.timeline import Compared
 from app.views import theme
 from app.views.curves import Curves
 from app.views.discs import NO_POSITIONS, Discs

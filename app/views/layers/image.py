@@ -7,11 +7,11 @@ import math
 import pyqtgraph as pg
 from PySide6.QtWidgets import QWidget
 
-from app.model.language import tr
-from app.model.shades import Shades, Window, windowed
-from app.session.messages import Report
+from app.model.display.shades import Shades, Window, windowed
+from app.model.text.language import tr
+from app.session.exchange.messages import Report
 from app.session.session import Session
-from app.session.shading import FindWindow, Shade, Shaded, WindowFound
+from app.session.worker.commands.intensity_window import FindWindow, Shade, Shaded, WindowFound
 from app.views import colour_maps
 from app.views.coordinates import image_rectangle
 from app.views.layers.layer import Layer

@@ -7,10 +7,10 @@ from typing import ClassVar
 import pyqtgraph as pg
 from PySide6.QtGui import QColor
 
-from app.model.colouring import QUANTITIES, SHADES, Births, coloured
-from app.model.language import tr
-from app.model.shades import Shades
-from app.session.messages import Snapshot
+from app.model.display.colouring import QUANTITIES, SHADES, Births, coloured
+from app.model.display.shades import Shades
+from app.model.text.language import tr
+from app.session.exchange.messages import Snapshot
 from app.session.session import Session
 from app.views import colour_maps, theme
 from app.views.discs import NO_POSITIONS, Discs

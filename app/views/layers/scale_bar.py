@@ -6,9 +6,9 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
-from app.model.language import tr
-from app.model.lengths import Bar, bar
-from app.model.shades import Shades
+from app.model.display.lengths import Bar, bar
+from app.model.display.shades import Shades
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views.layers.layer import Layer
 from app.views.layers.options import Switch

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.language import tr
-from app.model.shades import Shades
+from app.model.display.shades import Shades
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views import theme
 from app.views.curves import Curves

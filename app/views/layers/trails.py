@@ -12,10 +12,10 @@ from PySide6.QtCore import QLineF, QRectF
 from PySide6.QtGui import QColor, QPainter, QPen
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.model.language import tr
-from app.model.shades import Shades
-from app.model.trails import Trails
-from app.session.messages import Snapshot
+from app.model.display.shades import Shades
+from app.model.display.trails import Trails
+from app.model.text.language import tr
+from app.session.exchange.messages import Snapshot
 from app.session.session import Session
 from app.views import theme
 from app.views.coordinates import image_rectangle

@@ -8,8 +8,8 @@ import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
 
-from app.model.language import tr
-from app.model.shades import Shades
+from app.model.display.shades import Shades
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views import theme
 from app.views.curves import Curves

@@ -5,9 +5,9 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit
 
-from app.model.controls import Control
-from app.model.language import tr
-from app.model.mosaic import Axis, in_text, read_values, sensible_values
+from app.model.display.mosaic import Axis, in_text, read_values, sensible_values
+from app.model.parameters.controls import Control
+from app.model.text.language import tr
 from cpm_core.parameters import Parameters
 
 

@@ -19,14 +19,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.controls import controls
-from app.model.document import NOTHING_TO_START_FROM
-from app.model.language import tr
-from app.model.mosaic import COUNTS, Plan, Tile, pick, plan
-from app.model.shades import Shades
-from app.model.time_left import in_words
+from app.model.display.mosaic import COUNTS, Plan, Tile, pick, plan
+from app.model.display.shades import Shades
+from app.model.document.document import NOTHING_TO_START_FROM
+from app.model.parameters.controls import controls
+from app.model.state.time_left import in_words
+from app.model.text.language import tr
+from app.session.features.parameter_sweep import Done, Sweep
 from app.session.session import Session
-from app.session.sweep import Done, Sweep
 from app.views.mosaic.axis_row import AxisRow
 from app.views.mosaic.enlarged import EnlargedTile
 from app.views.mosaic.picture import Picture

@@ -6,8 +6,8 @@ from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLabel, QVBoxLayout, QWidget
 
-from app.model.language import tr
-from app.session.sweep import Done
+from app.model.text.language import tr
+from app.session.features.parameter_sweep import Done
 from app.views import theme
 from app.views.mosaic.picture import Picture
 from app.views.mosaic.tile import words

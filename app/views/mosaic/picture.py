@@ -9,7 +9,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QTransform
 
-from app.model.shades import Shades
+from app.model.display.shades import Shades
 from app.views import theme
 from app.views.coordinates import to_xy
 from cpm_core.contours.contour import Contour

@@ -16,9 +16,9 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QToolButton, QWidget
 
-from app.model.language import tr
-from app.model.mosaic import Tile
-from app.session.sweep import Done
+from app.model.display.mosaic import Tile
+from app.model.text.language import tr
+from app.session.features.parameter_sweep import Done
 from app.views.mosaic.picture import Picture
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)

@@ -10,9 +10,9 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
-from app.model.language import tr
-from app.model.plots import PLOTS, Axis, Plot, figure
-from app.session.messages import Trace
+from app.model.display.plots import PLOTS, Axis, Plot, figure
+from app.model.text.language import tr
+from app.session.exchange.messages import Trace
 
 Array = NDArray[np.float64]
 

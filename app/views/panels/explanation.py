@@ -5,9 +5,9 @@ from __future__ import annotations
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
-from app.model.controls import Control
-from app.model.language import tr
-from app.model.wording import FIRST_WORDING, Wording
+from app.model.parameters.controls import Control
+from app.model.text.language import tr
+from app.model.text.wording import FIRST_WORDING, Wording
 from app.views.panels.parameter_drawing import ParameterDrawing
 
 _FULL_CONTRAST = 255.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QToolButton, QVBoxLayout, QWidget
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.icons import swatch
 from app.views.layers.layer import Layer
 from app.views.panels.marked_slider import MarkedSlider

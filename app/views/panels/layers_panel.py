@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views import theme
 from app.views.layers import Layers
 from app.views.panels.layer_row import LayerRow

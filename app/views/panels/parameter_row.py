@@ -8,9 +8,9 @@ from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QEnterEvent, QWheelEvent
 from PySide6.QtWidgets import QCheckBox, QDoubleSpinBox, QGridLayout, QLabel, QToolButton, QWidget
 
-from app.model.controls import Control, slider_range
-from app.model.language import tr
-from app.model.wording import FIRST_WORDING, Wording
+from app.model.parameters.controls import Control, slider_range
+from app.model.text.language import tr
+from app.model.text.wording import FIRST_WORDING, Wording
 from app.views.icons import icon
 from app.views.panels.explanation import tip
 from app.views.panels.marked_slider import MarkedSlider

@@ -6,11 +6,11 @@ from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
-from app.model import edits
-from app.model.controls import Control, controls, value_of
-from app.model.document import Document
-from app.model.language import tr
-from app.model.wording import Wording
+from app.model.document import edits
+from app.model.document.document import Document
+from app.model.parameters.controls import Control, controls, value_of
+from app.model.text.language import tr
+from app.model.text.wording import Wording
 from app.session.session import Session
 from app.views.panels.explanation import Explanation
 from app.views.panels.parameter_row import ParameterRow

@@ -5,9 +5,9 @@ from __future__ import annotations
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QToolButton, QVBoxLayout, QWidget
 
-from app.model.language import tr
-from app.model.plots import PLOTS
-from app.session.messages import Trace
+from app.model.display.plots import PLOTS
+from app.model.text.language import tr
+from app.session.exchange.messages import Trace
 from app.views.panels.chart import Chart
 from app.views.space_key import own_space
 

@@ -17,8 +17,8 @@ from PySide6.QtWidgets import (
     QVBoxLayout,
 )
 
-from app.model.language import tr
-from app.model.presets import Preset
+from app.model.parameters.presets import Preset
+from app.model.text.language import tr
 from app.views.preset_picture import PICTURE, no_picture
 
 _COLUMNS, _CELL = 2, QSize(180, 124)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from app.model.language import tr
-from app.model.resolve import Resolved
+from app.model.state.resolve import Resolved
+from app.model.text.language import tr
 
 _WIDE = (tr("Contours"), tr("Bridged"))
 """Figures that take a line of their own."""

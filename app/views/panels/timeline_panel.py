@@ -18,10 +18,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.language import tr
-from app.session.chronicle import MEGABYTE
-from app.session.time_travel import TimeTravel
-from app.session.timeline_commands import Compared
+from app.model.text.language import tr
+from app.session.features.timeline_navigation import TimeTravel
+from app.session.worker.commands.timeline import Compared
+from app.session.worker.recorded_run import MEGABYTE
 from app.views.icons import icon
 from app.views.panels.timeline_view import ROW, TimelineView
 from app.views.theme import Theme

@@ -21,9 +21,9 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
-from app.model.language import tr
-from app.session.lineage import Branch
-from app.session.time_travel import TimeTravel
+from app.model.text.language import tr
+from app.session.features.timeline_navigation import TimeTravel
+from app.session.timeline.branches import Branch
 from app.views import theme
 
 ROW = 24

@@ -16,9 +16,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.differences import Difference
-from app.model.language import tr
-from app.session.ground_truth import GroundTruth
+from app.model.display.differences import Difference
+from app.model.text.language import tr
+from app.session.features.truth_comparison import GroundTruth
 from app.views import theme
 from app.views.icons import swatch
 from app.views.panels.marked_slider import MarkedSlider

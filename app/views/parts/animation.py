@@ -11,11 +11,11 @@ from pathlib import Path
 from PySide6.QtCore import QRectF
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.language import tr
-from app.model.situation import has_particles
-from app.session.messages import Exported, Report
-from app.session.tasks import Task
-from app.session.time_travel import travel_of
+from app.model.state.situation import has_particles
+from app.model.text.language import tr
+from app.session.exchange.messages import Exported, Report
+from app.session.features.timeline_navigation import travel_of
+from app.session.tasks.tasks import Task
 from app.views.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.entry import Entry
 from app.views.filming import Filming

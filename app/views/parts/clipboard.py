@@ -8,10 +8,10 @@ from functools import partial
 from PySide6.QtCore import QMimeData
 from PySide6.QtWidgets import QApplication
 
-from app.model.language import tr
-from app.model.situation import has_contours, has_image
-from app.session.copying import Copied, copy_contours
-from app.session.messages import Report
+from app.model.state.situation import has_contours, has_image
+from app.model.text.language import tr
+from app.session.exchange.messages import Report
+from app.session.features.copy_contours import Copied, copy_contours
 from app.views.entry import Entry
 from app.views.part import Desk, Part
 

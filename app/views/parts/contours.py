@@ -8,9 +8,9 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QMenu
 
-from app.model import marking
-from app.model.language import tr
-from app.model.situation import Situation
+from app.model.document import marking
+from app.model.state.situation import Situation
+from app.model.text.language import tr
 from app.views.colours import fill_colours
 from app.views.entry import STATE, Entry, Submenu
 from app.views.naming import NameField

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from app.model import edits
-from app.model.language import tr
-from app.model.naming import describe
-from app.model.situation import Condition, has_image
+from app.model.document import edits
+from app.model.document.naming import describe
+from app.model.state.situation import Condition, has_image
+from app.model.text.language import tr
 from app.views.entry import STATE, Entry
 from app.views.part import Part
 from app.views.stage import FIRST_TOOL

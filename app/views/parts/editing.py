@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.model import edits
-from app.model.language import tr
-from app.model.resolve import resolve
-from app.model.situation import can_redo, can_undo, has_selection, has_shapes
+from app.model.document import edits
+from app.model.state.resolve import resolve
+from app.model.state.situation import can_redo, can_undo, has_selection, has_shapes
+from app.model.text.language import tr
 from app.views.entry import Entry
 from app.views.part import Part
 

@@ -8,14 +8,14 @@ from pathlib import Path
 from PySide6.QtCore import QUrl
 from PySide6.QtWidgets import QMenu
 
-from app.model import edits
-from app.model.language import tr
-from app.model.presets import SUFFIX as PRESET
-from app.model.samples import sample_at, samples
-from app.model.situation import has_contours, has_image
-from app.session.keeper import Keeper, Written
-from app.session.messages import Exported, Opened, Report
-from app.session.reading import PointsRead, read_points
+from app.model.document import edits
+from app.model.document.samples import sample_at, samples
+from app.model.parameters.presets import SUFFIX as PRESET
+from app.model.state.situation import has_contours, has_image
+from app.model.text.language import tr
+from app.session.exchange.messages import Exported, Opened, Report
+from app.session.features.import_points import PointsRead, read_points
+from app.session.storage.session_file import Keeper, Written
 from app.views import unsaved
 from app.views.dialogs import ask_for_export, ask_for_file, ask_where_to_save
 from app.views.entry import Entry, Submenu

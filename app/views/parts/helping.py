@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.model.language import tr
-from app.model.samples import sample_called
+from app.model.document.samples import sample_called
+from app.model.text.language import tr
 from app.views.entry import Entry
 from app.views.guide import Guide
 from app.views.help import show_about

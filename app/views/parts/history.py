@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.panels.history import HistoryPanel
 from app.views.part import Desk, Panel, Part
 from app.views.theme import Theme

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.cheat_sheet import CheatSheet
 from app.views.entry import Entry
 from app.views.part import Part

@@ -7,8 +7,8 @@ from functools import partial
 
 from PySide6.QtGui import QGuiApplication
 
-from app.model.language import tr
-from app.model.situation import Situation
+from app.model.state.situation import Situation
+from app.model.text.language import tr
 from app.views import theme
 from app.views.choice import choice
 from app.views.entry import STATE, Entry

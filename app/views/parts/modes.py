@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from app.model.document import Mode
-from app.model.language import tr
-from app.model.modes import MODES, use_mode
-from app.model.situation import Condition
+from app.model.document.document import Mode
+from app.model.document.modes import MODES, use_mode
+from app.model.state.situation import Condition
+from app.model.text.language import tr
 from app.views.dialogs import ask_for_export
 from app.views.entry import STATE, Entry
 from app.views.part import Part

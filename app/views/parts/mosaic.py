@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import QRectF
 
-from app.model.language import tr
-from app.model.shades import Shades
-from app.model.situation import has_image
-from app.session.sweep import Sweep
+from app.model.display.shades import Shades
+from app.model.state.situation import has_image
+from app.model.text.language import tr
+from app.session.features.parameter_sweep import Sweep
 from app.views.coordinates import image_rectangle
 from app.views.entry import Entry
 from app.views.mosaic import MosaicDialog

@@ -7,11 +7,11 @@ from functools import partial
 
 from PySide6.QtWidgets import QCheckBox
 
-from app.model.language import tr
-from app.model.situation import Situation
-from app.model.wording import FIRST_WORDING, Wording, wording_called
-from app.session.preferences import Value
-from app.session.preset_store import PresetStore
+from app.model.state.situation import Situation
+from app.model.text.language import tr
+from app.model.text.wording import FIRST_WORDING, Wording, wording_called
+from app.session.storage.preferences import Value
+from app.session.storage.presets import PresetStore
 from app.views.choice import choice
 from app.views.entry import STATE, Entry, Submenu
 from app.views.panels.parameters import ParametersPanel

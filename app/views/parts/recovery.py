@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from PySide6.QtCore import QDateTime, QLocale
 from PySide6.QtWidgets import QMessageBox
 
-from app.model.language import tr
-from app.session.journal import Journal, folder_of_journals
-from app.session.keeper import Keeper
-from app.session.recovery import Leftover, left_behind
+from app.model.text.language import tr
+from app.session.storage.autosave import Journal, folder_of_journals
+from app.session.storage.recovery import Leftover, left_behind
+from app.session.storage.session_file import Keeper
 from app.views.part import Desk, Part
 
 

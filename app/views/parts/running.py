@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import QTimer
 
-from app.model.language import tr
-from app.model.resolve import resolve
-from app.model.situation import can_step, has_image, is_running, is_started
-from app.session.messages import Snapshot
-from app.session.watching import WatchEnergy
+from app.model.state.resolve import resolve
+from app.model.state.situation import can_step, has_image, is_running, is_started
+from app.model.text.language import tr
+from app.session.exchange.messages import Snapshot
+from app.session.worker.commands.energy import WatchEnergy
 from app.views.entry import Entry
 from app.views.panels.run_panel import RunPanel
 from app.views.part import Desk, Panel, Part

@@ -8,11 +8,11 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QSpinBox
 
-from app.model.language import tr
-from app.model.situation import has_particles, is_running
-from app.session.chronicle import MEGABYTE, MEGABYTES
-from app.session.time_travel import TimeTravel, travel_of
-from app.session.timeline_commands import SetTimelineBudget
+from app.model.state.situation import has_particles, is_running
+from app.model.text.language import tr
+from app.session.features.timeline_navigation import TimeTravel, travel_of
+from app.session.worker.commands.timeline import SetTimelineBudget
+from app.session.worker.recorded_run import MEGABYTE, MEGABYTES
 from app.views.entry import Entry
 from app.views.panels.timeline_panel import TimelinePanel
 from app.views.part import Desk, Panel, Part

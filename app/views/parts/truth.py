@@ -7,9 +7,9 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.differences import Difference
-from app.model.language import tr
-from app.model.situation import Situation, has_image
+from app.model.display.differences import Difference
+from app.model.state.situation import Situation, has_image
+from app.model.text.language import tr
 from app.views.entry import Entry
 from app.views.panels.truth_panel import TruthPanel
 from app.views.part import Desk, Panel, Part

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
-from app.model.colouring import QUANTITIES
-from app.model.language import tr
-from app.model.situation import has_image
-from app.session.preferences import Preferences
+from app.model.display.colouring import QUANTITIES
+from app.model.state.situation import has_image
+from app.model.text.language import tr
+from app.session.storage.preferences import Preferences
 from app.views.canvas import ZOOM
 from app.views.entry import STATE, Entry
 from app.views.layers.layer import Layer

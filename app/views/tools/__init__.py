@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views.layers.drawing import DrawingLayer
 from app.views.tools.charge import STRENGTH, ChargeTool

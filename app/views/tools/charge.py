@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from app.model import edits
-from app.model.language import tr
-from app.model.naming import describe
+from app.model.document import edits
+from app.model.document.naming import describe
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views.tools.tool import Momentary, new_gesture
 from cpm_core.numerics.polyline import Position

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views.tools.dragged import Dragged
 from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import SMALLEST_RADIUS, Circle

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views.tools.tool import Cursor, Momentary
 from cpm_core.numerics.polyline import Position

@@ -6,7 +6,7 @@ import math
 from abc import abstractmethod
 from typing import ClassVar
 
-from app.model import edits
+from app.model.document import edits
 from app.session.session import Session
 from app.views.tools.tool import Momentary, new_gesture
 from cpm_core.numerics.polyline import Position

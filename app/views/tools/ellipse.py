@@ -6,7 +6,7 @@ import math
 
 from PySide6.QtCore import Qt
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views.tools.dragged import Dragged
 from cpm_core.numerics.polyline import Position

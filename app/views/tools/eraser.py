@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.model.language import tr
+from app.model.text.language import tr
 from app.views import theme
 from app.views.tools.ringed import Ringed
 from cpm_core.numerics.polyline import Position

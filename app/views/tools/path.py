@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import Qt
 
-from app.model import edits
-from app.model.language import tr
+from app.model.document import edits
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views import theme
 from app.views.layers.drawing import DrawingLayer

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.model import edits
-from app.model.language import tr
+from app.model.document import edits
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views.tools.tool import Momentary, new_gesture
 from cpm_core.numerics.polyline import Position

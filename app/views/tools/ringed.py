@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from app.model import edits
+from app.model.document import edits
 from app.session.session import Session
 from app.views.layers.drawing import DrawingLayer
 from app.views.tools.tool import Momentary, new_gesture

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.model import edits
-from app.model.hit_testing import hit
-from app.model.language import tr
-from app.model.naming import describe
+from app.model.document import edits
+from app.model.document.hit_testing import hit
+from app.model.document.naming import describe
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views.tools.tool import Cursor, Momentary, new_gesture
 from cpm_core.numerics.polyline import Position

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from app.model import edits
-from app.model.language import tr
+from app.model.document import edits
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views import theme
 from app.views.layers.drawing import DrawingLayer

@@ -7,7 +7,7 @@ from typing import ClassVar, Protocol
 
 from PySide6.QtCore import Qt
 
-from app.model.language import tr
+from app.model.text.language import tr
 from cpm_core.numerics.polyline import Position
 
 Cursor = Qt.CursorShape

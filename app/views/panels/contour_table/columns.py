@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from app.model.language import tr
-from app.session.curation import Item
+from app.model.text.language import tr
+from app.session.features.contour_review import Item
 
 VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
 _ORDER = {"kept": 0, "": 1, "rejected": 2}

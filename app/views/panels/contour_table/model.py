@@ -7,7 +7,7 @@ from typing import Any
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, QSortFilterProxyModel, Qt
 from PySide6.QtGui import QColor, QFont, QGuiApplication, QPalette
 
-from app.session.curation import Curation, Item
+from app.session.features.contour_review import Curation, Item
 from app.views import theme
 from app.views.icons import swatch
 from app.views.panels.contour_table.columns import COLUMNS, NAME

@@ -9,9 +9,9 @@ from PySide6.QtCore import QSize
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
 
-from app.model import edits
-from app.model.document import Document
-from app.model.language import tr
+from app.model.document import edits
+from app.model.document.document import Document
+from app.model.text.language import tr
 from app.session.session import Session
 from app.views.panels.contour_table.threshold import Threshold
 from app.views.panels.contour_table.view import ContourTable

@@ -6,8 +6,8 @@ from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIn
 from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
 
-from app.model.language import tr
-from app.session.curation import Curation
+from app.model.text.language import tr
+from app.session.features.contour_review import Curation
 from app.views.panels.contour_table.columns import COLUMNS, NAME
 from app.views.panels.contour_table.model import ContourModel, Sorted
 

@@ -1,0 +1,1 @@
+"""What is drawn, as numbers: colors, lines, scales and plots, without Qt."""

@@ -1,0 +1,142 @@
+"""What particles can be coloured by: one number for each, and the range in which it is shown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.model.display.round_numbers import round_up
+from app.model.text.language import tr
+from cpm_core.dynamics.equilibrium import EPSILON
+from cpm_core.particles.state import State
+
+Array = NDArray[np.float64]
+Marks = NDArray[np.uint8]
+
+SHADES = 32
+"""Colours of a palette; one more stands for what is not known yet."""
+
+_USUAL = 99.0
+"""Per cent of the particles that the range is made for: a single fast one must not make all others look alike."""
+
+
+@dataclass(frozen=True, slots=True)
+class Births:
+    """When which particles of a run were born.
+
+    Attributes
+    ----------
+    step : ndarray, shape (K,)
+        Steps.
+    numbered : ndarray, shape (K,)
+        Identity that the next particle was to have after each of them.
+    """
+
+    step: Array
+    numbered: Array
+
+
+def speed(state: State, _: Births) -> Array:
+    """Speed [px of the image / unit of time]."""
+    return np.asarray(np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale)
+
+
+def force(state: State, _: Births) -> Array:
+    """Force without damping at the last step, whatever the scale: the Lorentz force is at most 1."""
+    return np.asarray(np.linalg.norm(state.particles.force[:, 0], axis=1))
+
+
+def age(state: State, births: Births) -> Array:
+    """Steps since birth or, for those that a scale began with, since it began; NaN when the record does not say."""
+    born = np.searchsorted(births.numbered, state.particles.identity, side="right")
+    known = born < len(births.step)
+    steps = np.full(state.count, np.nan)
+    steps[known] = state.step - births.step[born[known]]
+    return steps
+
+
+def convergence(state: State, _: Births) -> Array:
+    """What each particle adds to ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
+    distance = state.particles.distance
+    signs = np.where(np.arange(distance.shape[1]) % 2, 1.0, -1.0)
+    return np.asarray(np.abs(distance @ signs))
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Something that particles can be coloured by.
+
+    Attributes
+    ----------
+    title, tip : str
+        What it is called, and a sentence on it.
+    of : callable
+        Its value for every particle of a state.
+    range : tuple of float, optional
+        Ends of its range, on a logarithmic scale; by default it is linear from 0 to a round number.
+    """
+
+    title: str
+    tip: str
+    of: Callable[[State, Births], Array]
+    range: tuple[float, float] | None = None
+
+
+QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
+    {
+        "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
+        "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
+        "age": Quantity(tr("Age"), tr("Steps since each particle was born, or since its scale began."), age),
+        "convergence": Quantity(
+            tr("Convergence"),
+            tr("What each particle adds to ε of eq. (23); the run rests when their mean is small."),
+            convergence,
+            (EPSILON / 10.0, 1000.0 * EPSILON),
+        ),
+    }
+)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Coloured:
+    """Particles by colour.
+
+    Attributes
+    ----------
+    marks : ndarray of uint8, shape (N,)
+        Shade of each, from 0 to `SHADES` - 1; `SHADES` where the value is not known.
+    low, high : float
+        Values of the first and the last shade.
+    """
+
+    marks: Marks
+    low: float
+    high: float
+
+
+def coloured(quantity: Quantity, state: State, births: Births) -> Coloured:
+    """Shades of all particles of a state; more of the quantity never gives a lower one."""
+    values = quantity.of(state, births)
+    unknown = np.isnan(values)
+    if quantity.range is not None:
+        low, high = quantity.range
+        with np.errstate(divide="ignore"):
+            fraction = np.log(values / low) / math.log(high / low)
+    else:
+        low, high = 0.0, _end(values[~unknown])
+        fraction = values / high
+    fraction[unknown] = 0.0
+    marks = np.clip(np.rint(fraction * (SHADES - 1)), 0, SHADES - 1).astype(np.uint8)
+    marks[unknown] = SHADES
+    return Coloured(marks, low, high)
+
+
+def _end(values: Array) -> float:
+    """Round number that next to all values lie below."""
+    usual = float(np.percentile(values, _USUAL)) if len(values) else 0.0
+    return round_up(usual) if usual > 0.0 else 1.0

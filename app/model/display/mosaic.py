@@ -1,0 +1,183 @@
+"""The plan of a mosaic: two parameters, some values of each, and the tiles that they give."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from app.model.document.document import Document
+from app.model.parameters.controls import Control, slider_range, value_of, with_value
+from app.model.text.language import tr
+from cpm_core.parameters import Parameters
+
+FEWEST, MOST = 2, 6
+"""Values that a parameter may have in a mosaic."""
+
+COUNTS = (3, 4, 5)
+"""Numbers of values that are offered."""
+
+_SPREAD = 0.5
+"""Part of the slider's range that the values offered span."""
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """One of the two parameters.
+
+    Attributes
+    ----------
+    control : Control
+        The parameter.
+    values : tuple of float
+        Its values, ascending.
+    """
+
+    control: Control
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Tile:
+    """One run of a mosaic.
+
+    Attributes
+    ----------
+    row, col : int
+        Its place.
+    down, across : float
+        Values of the two parameters.
+    parameters : Parameters
+        What it is run with.
+    """
+
+    row: int
+    col: int
+    down: float
+    across: float
+    parameters: Parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A mosaic before it is run.
+
+    Attributes
+    ----------
+    down, across : Axis
+        The parameter that changes from row to row, and the one that changes from column to column.
+    tiles : tuple of Tile
+        Row by row.
+    """
+
+    down: Axis
+    across: Axis
+    tiles: tuple[Tile, ...]
+
+    def caption(self, tile: Tile) -> str:
+        """The values of a tile in words."""
+        down, across = self.down.control.symbol, self.across.control.symbol
+        return f"{down} = {tile.down:.4g}, {across} = {tile.across:.4g}"
+
+
+def plan(parameters: Parameters, down: Axis, across: Axis) -> Plan:
+    """Lay out a mosaic.
+
+    Parameters
+    ----------
+    parameters : Parameters
+        What all tiles have in common.
+    down, across : Axis
+        What they differ in.
+
+    Raises
+    ------
+    ValueError
+        When both are the same parameter, or a value is out of its range.
+    """
+    if down.control.name == across.control.name:
+        raise ValueError(tr("Both parameters are the same: choose two different ones."))
+    tiles = [
+        Tile(row, col, first, second, _with(parameters, down.control, first, across.control, second))
+        for row, first in enumerate(down.values)
+        for col, second in enumerate(across.values)
+    ]
+    return Plan(down, across, tuple(tiles))
+
+
+def pick(document: Document, chosen: Plan, tile: Tile) -> Document:
+    """The document with the two parameters of a tile; all others stay as they are now."""
+    first, second = chosen.down.control, chosen.across.control
+    return replace(document, parameters=_with(document.parameters, first, tile.down, second, tile.across))
+
+
+def sensible_values(control: Control, parameters: Parameters, contrast: float, count: int) -> tuple[float, ...]:
+    """Values around the present one, which is among them, evenly over part of the slider's range.
+
+    Parameters
+    ----------
+    control : Control
+        The parameter.
+    parameters : Parameters
+        The present ones.
+    contrast : float
+        Contrast of the image, which goes with everything in grey levels.
+    count : int
+        How many values; fewer when there are not as many whole numbers.
+    """
+    low, high = slider_range(control, contrast)
+    step = 1.0 if control.whole else control.step
+    present = value_of(parameters, control.name)
+    middle = float(present) if isinstance(present, int | float) else 0.5 * (low + high)
+    middle = min(max(middle, low), high)
+    apart = max(step, _rounded(_SPREAD * (high - low) / (count - 1), step))
+    before = min((count - 1) // 2, math.floor((middle - low) / apart + 1e-9))
+    behind = min(count - 1 - before, math.floor((high - middle) / apart + 1e-9))
+    before = min(count - 1 - behind, math.floor((middle - low) / apart + 1e-9))
+    others = (_rounded(middle + index * apart, step) for index in range(-before, behind + 1) if index)
+    within = {round(min(max(value, low), high), 9) for value in others}
+    return tuple(sorted(within | {middle}))
+
+
+def read_values(control: Control, text: str) -> tuple[float, ...]:
+    """The values in a line of text.
+
+    Parameters
+    ----------
+    control : Control
+        The parameter.
+    text : str
+        Numbers with spaces, semicolons or commas between them.
+
+    Raises
+    ------
+    ValueError
+        When there are too few, too many, or one is none.
+    """
+    words = text.replace(";", " ").replace(",", " ").split()
+    values = set()
+    for word in words:
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            told = tr("{title}: “{word}” is no number; write numbers such as 0.4, 0.6, 0.8.")
+            raise ValueError(told.format(title=control.title, word=word)) from None
+        values.add(value)
+    if not FEWEST <= len(values) <= MOST:
+        told = tr("{title} has {count} different values but must have from {fewest} to {most}.")
+        raise ValueError(told.format(title=control.title, count=len(values), fewest=FEWEST, most=MOST))
+    return tuple(sorted(values))
+
+
+def in_text(values: tuple[float, ...]) -> str:
+    """Values as `read_values` reads them."""
+    return ", ".join(f"{value:g}" for value in values)
+
+
+def _with(parameters: Parameters, first: Control, one: float, second: Control, other: float) -> Parameters:
+    return with_value(with_value(parameters, first.name, one), second.name, other)
+
+
+def _rounded(value: float, step: float) -> float:
+    return round(value / step) * step

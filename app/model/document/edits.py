@@ -1,0 +1,104 @@
+"""Edits: pure functions from a document to the next one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from app.model.document.document import Document
+from app.model.parameters import controls
+from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import Position
+from cpm_core.parameters import Parameters
+from cpm_core.shapes import Everywhere, Kind, Points, Shape
+
+
+def add_shape(document: Document, shape: Shape) -> Document:
+    """The document with one more shape, drawn last."""
+    return replace(document, shapes=(*document.shapes, shape))
+
+
+def replace_shape(document: Document, index: int, shape: Shape) -> Document:
+    """The document with `shape` in place of the one at `index`."""
+    shapes = list(document.shapes)
+    shapes[index] = shape
+    return replace(document, shapes=tuple(shapes))
+
+
+def move_shape(document: Document, index: int, by: Position) -> Document:
+    """The document with one shape displaced by (rows, cols)."""
+    return replace_shape(document, index, document.shapes[index].moved(by))
+
+
+def delete_shape(document: Document, index: int) -> Document:
+    """The document without the shape at `index`."""
+    return replace(document, shapes=document.shapes[:index] + document.shapes[index + 1 :])
+
+
+def toggle_everywhere(document: Document, kind: Kind) -> Document:
+    """The document that starts all over the image in this way if it did not before, else without."""
+    start = Everywhere(kind)
+    if start in document.shapes:
+        return delete_shape(document, document.shapes.index(start))
+    return add_shape(document, start)
+
+
+def erase(document: Document, path: Sequence[Position], radius: float) -> Document:
+    """The document without what lies within a distance of a path: single points, and other shapes as a whole.
+
+    Parameters
+    ----------
+    document : Document
+        What is drawn.
+    path : sequence of tuple of float
+        Where the eraser went, (row, col) [px].
+    radius : float
+        How far it reaches [px].
+    """
+    left = [_rubbed(shape, path, radius) for shape in document.shapes]
+    return replace(document, shapes=tuple(shape for shape in left if shape is not None))
+
+
+def _rubbed(shape: Shape, path: Sequence[Position], radius: float) -> Shape | None:
+    """What an eraser leaves of a shape."""
+    if isinstance(shape, Points):
+        near = polyline.distances(path, shape.seeds()) <= radius
+        if not near.any():
+            return shape
+        left = tuple(point for point, gone in zip(shape.positions, near.tolist(), strict=True) if not gone)
+        return Points(left) if left else None
+    return None if any(shape.distance(at) <= radius for at in _stops(path, 0.5 * radius)) else shape
+
+
+def _stops(path: Sequence[Position], apart: float) -> list[Position]:
+    """Places on a path no further apart than that."""
+    stops = [path[0]]
+    for begin, end in pairwise(path):
+        count = max(1, math.ceil(math.dist(begin, end) / apart))
+        share = np.arange(1, count + 1)[:, None] / count
+        stops += [(row, col) for row, col in (np.array(begin) + share * np.subtract(end, begin)).tolist()]
+    return stops
+
+
+def set_shapes(document: Document, shapes: tuple[Shape, ...]) -> Document:
+    """The document with all shapes replaced."""
+    return replace(document, shapes=shapes)
+
+
+def clear_shapes(document: Document) -> Document:
+    """The document with nothing drawn."""
+    return set_shapes(document, ())
+
+
+def set_parameter(document: Document, name: str, value: float | str) -> Document:
+    """The document with one control set; see `app.model.parameters.controls.with_value`."""
+    return replace(document, parameters=controls.with_value(document.parameters, name, value))
+
+
+def set_parameters(document: Document, parameters: Parameters) -> Document:
+    """The document with all parameters replaced."""
+    return replace(document, parameters=parameters)

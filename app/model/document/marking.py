@@ -1,0 +1,56 @@
+"""Marking: pure edits of what is said about contours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+from app.model.document.document import Document
+from cpm_core.contours.review import Mark, Position, Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A contour that something is said about.
+
+    Attributes
+    ----------
+    mark : Mark or None
+        What has been said about it so far.
+    anchor : tuple of float
+        Place (row, col) [px] that a first mark is put on.
+    """
+
+    mark: Mark | None
+    anchor: Position
+
+
+def judge(document: Document, targets: Iterable[Target], verdict: Verdict) -> Document:
+    """The document in which contours are kept, rejected, or undecided again."""
+    return _amended(document, targets, lambda mark: replace(mark, verdict=verdict))
+
+
+def rename(document: Document, targets: Iterable[Target], name: str) -> Document:
+    """The document in which contours are called by a name; by none when it is empty."""
+    return _amended(document, targets, lambda mark: replace(mark, name=name.strip()))
+
+
+def paint(document: Document, targets: Iterable[Target], colour: str) -> Document:
+    """The document in which contours have a colour; that of their kind when it is empty."""
+    return _amended(document, targets, lambda mark: replace(mark, colour=colour))
+
+
+def clear_marks(document: Document) -> Document:
+    """The document in which nothing has been said about any contour."""
+    return replace(document, marks=())
+
+
+def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mark], Mark]) -> Document:
+    """The document with some marks changed, new ones last, and without those that say nothing any more."""
+    marks = list(document.marks)
+    for target in targets:
+        if target.mark is not None and target.mark in marks:
+            marks[marks.index(target.mark)] = amend(target.mark)
+        else:
+            marks.append(amend(Mark(target.anchor)))
+    return replace(document, marks=tuple(mark for mark in marks if not mark.says_nothing))

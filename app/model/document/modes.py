@@ -1,0 +1,91 @@
+"""Modes: what a person is after, each with the preset and the start that serve it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import cast
+
+from app.model.document.document import Document, Mode
+from app.model.text.language import tr
+from cpm_core.parameters import PRESETS
+from cpm_core.shapes import Everywhere, Limit, Shape
+
+
+@dataclass(frozen=True, slots=True)
+class ModeInfo:
+    """What is said of a mode.
+
+    Attributes
+    ----------
+    title, short : str
+        Name in the menu, and on a button.
+    about : str
+        What it is for, in a sentence.
+    preset : str
+        Name among the core's `PRESETS`.
+    hint : str
+        What to do next when everything is ready for a run; empty for what is said anyway.
+    """
+
+    title: str
+    short: str
+    about: str
+    preset: str
+    hint: str = ""
+
+
+MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
+    {
+        "shape": ModeInfo(
+            tr("Shape &recovery"),
+            tr("Shape"),
+            tr("Draw where to start; the particles find the whole outline."),
+            "shape",
+        ),
+        "automatic": ModeInfo(
+            tr("&Automatic segmentation"),
+            tr("Automatic"),
+            tr("Start everywhere and find all objects; nothing need be drawn."),
+            "automatic",
+            tr("Press Space to let the particles go from everywhere."),
+        ),
+        "skeleton": ModeInfo(
+            tr("S&keleton"),
+            tr("Skeleton"),
+            tr("Find the middle lines of objects and how thick they are; nothing need be drawn."),
+            "noisy",
+            tr("Press Space to find the skeleton of what is in the image."),
+        ),
+    }
+)
+
+
+def mode_called(name: object) -> Mode:
+    """The mode of this name; the first one when there is none."""
+    return cast("Mode", name) if name in MODES else "shape"
+
+
+def use_mode(document: Document, mode: Mode) -> Document:
+    """The document in another mode, with its preset and its start; limits and what is drawn by hand to start from stay.
+
+    Parameters
+    ----------
+    document : Document
+        Document before.
+    mode : Mode
+        "shape" takes away starts that nobody has drawn; "automatic" starts everywhere and nowhere else; "skeleton",
+        which needs no start, leaves the drawing alone.
+    """
+    parameters = PRESETS[MODES[mode].preset]
+    return replace(document, mode=mode, shapes=starting(mode, document.shapes), parameters=parameters)
+
+
+def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
+    """The shapes that a mode begins with, given those there are."""
+    if mode == "automatic":
+        return (*(shape for shape in shapes if isinstance(shape, Limit)), Everywhere("grid"))
+    if mode == "shape":
+        return tuple(shape for shape in shapes if not isinstance(shape, Everywhere))
+    return shapes

@@ -1,0 +1,82 @@
+"""The sample images that come with the program, and what is drawn on them so that they are ready to run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from app.model.document.document import Mode
+from app.model.text.assets import asset
+from app.model.text.language import tr
+from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.shapes import SHAPES, Shape
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """A sample image.
+
+    Attributes
+    ----------
+    title, about : str
+        Name, and one sentence on what it shows.
+    path : Path
+        Its file.
+    shapes : tuple of Shape
+        What is drawn on it.
+    parameters : Parameters
+        What it is run with.
+    mode : Mode
+        What it is an example of.
+    """
+
+    title: str
+    about: str
+    path: Path
+    shapes: tuple[Shape, ...]
+    parameters: Parameters
+    mode: Mode = "shape"
+
+
+@cache
+def samples() -> tuple[Sample, ...]:
+    """All samples, the one that the program starts on first."""
+    listed = json.loads(asset("samples/samples.json").read_text(encoding="utf-8"))
+    return tuple(
+        Sample(
+            title=tr(entry["title"]),
+            about=tr(entry["about"]),
+            path=asset(f"samples/{entry['file']}"),
+            shapes=tuple(_shape(drawn) for drawn in entry["shapes"]),
+            parameters=replace(PRESETS[entry["preset"]], **entry.get("parameters", {})),
+            mode=entry.get("mode", "shape"),
+        )
+        for entry in listed
+    )
+
+
+def sample_at(path: Path) -> Sample | None:
+    """The sample with this file, or None when it is an image of the user's own."""
+    return next((sample for sample in samples() if sample.path == path.resolve()), None)
+
+
+def sample_called(file: str) -> Sample | None:
+    """The sample whose file has this name, or None."""
+    return next((sample for sample in samples() if sample.path.name == file), None)
+
+
+def _shape(drawn: Mapping[str, Any]) -> Shape:
+    """The shape that an entry describes by the name of its kind and its fields."""
+    fields: dict[str, Any] = {name: _frozen(value) for name, value in drawn.items() if name != "shape"}
+    return SHAPES[drawn["shape"]](**fields)
+
+
+def _frozen(value: object) -> object:
+    """A value with tuples for lists and floats for whole numbers."""
+    if isinstance(value, list):
+        return tuple(_frozen(inner) for inner in value)
+    return float(value) if isinstance(value, int) else value

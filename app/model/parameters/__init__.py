@@ -1,0 +1,1 @@
+"""Parameters as controls, and named sets of them."""

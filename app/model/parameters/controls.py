@@ -1,0 +1,219 @@
+"""The controls that parameters are set by: the core's parameters, with w₁ given as its ratio to w₂."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from app.model.text.language import tr
+from app.model.text.wording import WORDS, Wording, rich
+from cpm_core.parameters import PARAMETERS, ParameterInfo, Parameters
+
+RATIO = "ratio"
+HIGHEST_RATIO = 0.99
+LOWEST_RATIO = 0.05
+
+_FULL_CONTRAST = 255.0
+
+
+@dataclass(frozen=True, slots=True)
+class Control:
+    """One slider with everything that is said about it.
+
+    Attributes
+    ----------
+    name : str
+        Field of `Parameters`, or ``"ratio"`` for w₁/w₂.
+    symbol, unit, title : str
+        How it is labelled.
+    low, high : float
+        Values that may be typed.
+    slider_low, slider_high, step : float
+        Range and increment of the slider.
+    default : float or str
+        Value it has unless told otherwise.
+    meaning, more, equation : str
+        What it is, what more of it does, where it stands.
+    advanced : bool
+        Whether it is tucked away.
+    acts : str
+        When a change takes hold, in words.
+    automatic : bool
+        Whether it can be left to the program (``"auto"``).
+    whole : bool
+        Whether only whole numbers make sense.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    title: str
+    low: float
+    high: float
+    slider_low: float
+    slider_high: float
+    step: float
+    default: float | str
+    meaning: str
+    more: str
+    equation: str
+    advanced: bool
+    acts: str
+    automatic: bool = False
+    whole: bool = False
+
+    @property
+    def intuitive(self) -> str:
+        """What it does, in a few plain words."""
+        return WORDS[self.name].plain
+
+    @property
+    def formula(self) -> str:
+        """Where it stands in the model, as rich text."""
+        return WORDS[self.name].formula
+
+    @property
+    def rich_symbol(self) -> str:
+        """Its symbol as rich text."""
+        return rich(self.symbol)
+
+    def label(self, wording: Wording) -> str:
+        """What stands beside the slider, as rich text: plain words and the symbol, or the symbol and its name."""
+        if wording == "intuitive":
+            return f"{self.intuitive} &nbsp;<span style='font-weight: normal'>{self.rich_symbol}</span>"
+        return f"{self.rich_symbol} &nbsp;{self.title}"
+
+    @property
+    def span(self) -> str:
+        """Values that may be typed, with their unit, and what is taken unless told otherwise."""
+        unit = f" {self.unit}" if self.unit else ""
+        default = self.default if isinstance(self.default, str) else f"{self.default:.3g}"
+        if self.high >= 1e6:
+            return tr("{low} or more, default {default}").format(low=f"{self.low:g}{unit}", default=default)
+        return tr("{low} to {high}, default {default}").format(
+            low=f"{self.low:g}", high=f"{self.high:g}{unit}", default=default
+        )
+
+    @property
+    def in_grey_levels(self) -> bool:
+        """Whether its values mean something only beside the grey levels of an image."""
+        return PARAMETERS[self.name].unit.startswith("grey") if self.name in PARAMETERS else False
+
+    @property
+    def facts(self) -> str:
+        """Symbol, place in the published model, range and default in one line."""
+        return " · ".join(part for part in (self.symbol, self.equation, self.span) if part)
+
+
+_ACTS = {
+    "contours": tr("Acts at once, on particles at rest too."),
+    "nothing": tr("Acts at the next step."),
+    "field": tr("Acts at the next step, with edge map and field built anew."),
+    "run": tr("Acts from the next start on."),
+}
+
+
+def controls() -> tuple[Control, ...]:
+    """All controls in the order shown, the three live ones first."""
+    made = [_from_core(name) for name in PARAMETERS if name != "w1"]
+    made.insert(1, _ratio())
+    return tuple(sorted(made, key=lambda control: control.advanced))
+
+
+def slider_range(control: Control, contrast: float) -> tuple[float, float]:
+    """Range of the slider for an image of the given contrast, which everything in grey levels goes with."""
+    if not control.in_grey_levels or contrast <= 0:
+        return control.slider_low, control.slider_high
+    return control.slider_low, control.slider_high * contrast / _FULL_CONTRAST
+
+
+def value_of(parameters: Parameters, name: str) -> float | str:
+    """Value that the control `name` shows."""
+    if name == RATIO:
+        return parameters.w1 / parameters.w2
+    value: float | str = getattr(parameters, name)
+    return value
+
+
+def with_value(parameters: Parameters, name: str, value: float | str) -> Parameters:
+    """Parameters with one control set.
+
+    Parameters
+    ----------
+    parameters : Parameters
+        Parameters before.
+    name : str
+        Name of the control. ``"w2"`` keeps the ratio, so that w₁ stays below it.
+    value : float or str
+        New value.
+
+    Raises
+    ------
+    ValueError
+        When the value lies outside its range.
+    """
+    if name == RATIO:
+        if not isinstance(value, float | int) or not LOWEST_RATIO <= value <= HIGHEST_RATIO:
+            raise ValueError(f"w1/w2 is {value} but must be a number from {LOWEST_RATIO:g} to {HIGHEST_RATIO:g}.")
+        return replace(parameters, w1=value * parameters.w2)
+    if name == "w2":
+        weight = float(value)
+        return replace(parameters, w2=weight, w1=min(parameters.w1 / parameters.w2, HIGHEST_RATIO) * weight)
+    if name == "scales" and isinstance(value, float):
+        value = round(value)
+    fields: dict[str, Any] = {name: value}
+    return replace(parameters, **fields)
+
+
+def _from_core(name: str) -> Control:
+    info = PARAMETERS[name]
+    return Control(
+        name=name,
+        symbol=info.symbol,
+        unit=tr(info.unit) if info.unit else "",
+        title=tr(info.title),
+        low=info.low,
+        high=info.high,
+        slider_low=info.slider_low,
+        slider_high=info.slider_high,
+        step=info.step,
+        default=info.default,
+        meaning=tr(info.meaning),
+        more=tr(info.more),
+        equation=tr(info.equation) if info.equation else "",
+        advanced=info.advanced,
+        acts=_ACTS["contours" if _chooses_contours(info) else info.invalidates],
+        automatic=name == "smoothing",
+        whole=name == "scales",
+    )
+
+
+def _chooses_contours(info: ParameterInfo) -> bool:
+    """Whether the particles do not feel a parameter, which then tells only what is made of them."""
+    if info.invalidates != "nothing":
+        return False
+    free = Parameters(w1=0.01, w2=50.0)  # room for either weight to be any other
+    changed: dict[str, Any] = {info.name: info.slider_high}
+    return replace(free, **changed).steering == free.steering
+
+
+def _ratio() -> Control:
+    standard = Parameters()
+    coulomb = PARAMETERS["w1"]
+    return Control(
+        name=RATIO,
+        symbol="w₁/w₂",
+        unit="",
+        title=tr("Repulsion to attraction"),
+        low=LOWEST_RATIO,
+        high=HIGHEST_RATIO,
+        slider_low=LOWEST_RATIO,
+        slider_high=HIGHEST_RATIO,
+        step=0.01,
+        default=standard.w1 / standard.w2,
+        meaning=tr("Repulsion between particles as a fraction of the attraction by edges."),
+        more=tr(coulomb.more),
+        equation=tr(coulomb.equation),
+        advanced=False,
+        acts=_ACTS[coulomb.invalidates],
+    )

@@ -1,0 +1,160 @@
+"""Presets: named settings of all parameters, those of the program and a person's own, and the files that keep them."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from functools import cache
+from typing import Any
+
+from app.model.text.assets import asset
+from app.model.text.language import tr
+from cpm_core.parameters import PRESETS, Parameters
+
+SUFFIX = ".cpmpreset"
+
+_FORMAT, _VERSION = "CPM preset", 1
+_LONGEST_NAME = 60
+_LARGEST = 4_000_000
+"""Length over which a file is no preset [characters]."""
+
+_BUILT_IN = {
+    "shape": (tr("Shape recovery"), tr("Finds the whole outline of what a start is drawn in or around.")),
+    "automatic": (tr("Automatic segmentation"), tr("Starts everywhere and keeps the contours of sure edges.")),
+    "noisy": (tr("Noisy image"), tr("Chooses the smoothing from the noise of the image.")),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Preset:
+    """Named settings.
+
+    Attributes
+    ----------
+    name : str
+        What a person calls it.
+    parameters : Parameters
+        What it sets.
+    about : str
+        What it is good for, in a sentence.
+    picture : bytes
+        A small picture of what it gives (PNG); empty for none.
+    key : str
+        Name among the core's `PRESETS`; empty for a person's own.
+    """
+
+    name: str
+    parameters: Parameters
+    about: str = ""
+    picture: bytes = b""
+    key: str = ""
+
+    @property
+    def own(self) -> bool:
+        """Whether it is a person's own."""
+        return not self.key
+
+
+@cache
+def built_in() -> tuple[Preset, ...]:
+    """The presets that come with the program."""
+    return tuple(_made(key, parameters) for key, parameters in PRESETS.items())
+
+
+def checked_name(name: str) -> str:
+    """A name without blanks around it.
+
+    Raises
+    ------
+    ValueError
+        When it is empty, too long, or that of a preset of the program.
+    """
+    name = " ".join(name.split())
+    if not name:
+        raise ValueError(tr("A preset needs a name: type one."))
+    if len(name) > _LONGEST_NAME:
+        told = tr("The name has {length} letters but a preset's may have {most} at most: shorten it.")
+        raise ValueError(told.format(length=len(name), most=_LONGEST_NAME))
+    if any(name == preset.name for preset in built_in()):
+        raise ValueError(tr("“{name}” comes with the program: choose another name.").format(name=name))
+    return name
+
+
+def written(preset: Preset) -> bytes:
+    """The file of a preset."""
+    kept = {
+        "format": _FORMAT,
+        "version": _VERSION,
+        "name": preset.name,
+        "about": preset.about,
+        "parameters": asdict(preset.parameters),
+        "picture": base64.b64encode(preset.picture).decode("ascii"),
+    }
+    return (json.dumps(kept, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
+
+
+def read(content: bytes, source: str) -> Preset:
+    """The preset in a file.
+
+    Parameters
+    ----------
+    content : bytes
+        What the file holds.
+    source : str
+        Name of the file, for the messages.
+
+    Raises
+    ------
+    ValueError
+        When it is not the file of a preset, or says something that makes no sense; the message says what.
+    """
+    kept = _opened(content, source)
+    version = kept.get("version")
+    if not isinstance(version, int) or version < 1:
+        raise ValueError(tr("{file} does not say its version: it is damaged.").format(file=source))
+    if version > _VERSION:
+        told = tr("{file} has version {version} but this program reads up to {most}: a newer CPM opens it.")
+        raise ValueError(told.format(file=source, version=version, most=_VERSION))
+    name, about, picture = (kept.get(field, "") for field in ("name", "about", "picture"))
+    if not (isinstance(name, str) and isinstance(about, str) and isinstance(picture, str)):
+        raise ValueError(tr("{file} is damaged: its name or picture is no text.").format(file=source))
+    try:
+        drawn = base64.b64decode(picture, validate=True)
+    except (binascii.Error, ValueError):
+        drawn = b""
+    try:
+        return Preset(checked_name(name), _parameters(kept.get("parameters")), about, drawn)
+    except (TypeError, ValueError) as error:
+        raise ValueError(tr("{file} cannot be used: {reason}").format(file=source, reason=error)) from error
+
+
+def _opened(content: bytes, source: str) -> Mapping[str, Any]:
+    try:
+        kept = json.loads(content.decode("utf-8")) if len(content) <= _LARGEST else None
+    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError):
+        kept = None
+    if not isinstance(kept, dict) or kept.get("format") != _FORMAT:
+        raise ValueError(tr("{file} is no preset of CPM: choose a file that was exported as one.").format(file=source))
+    return kept
+
+
+def _parameters(kept: object) -> Parameters:
+    """Parameters from a file; those that it does not know have their defaults."""
+    if not isinstance(kept, dict):
+        raise ValueError(tr("it holds no parameters."))
+    unknown = sorted(set(kept) - {field.name for field in fields(Parameters)})
+    if unknown:
+        raise ValueError(tr("there is no parameter {name}.").format(name=unknown[0]))
+    return Parameters(**kept)
+
+
+def _made(key: str, parameters: Parameters) -> Preset:
+    name, about = _BUILT_IN.get(key, (key.capitalize(), ""))
+    try:
+        picture = asset(f"presets/{key}.png").read_bytes()
+    except (ValueError, OSError):
+        picture = b""
+    return Preset(name, parameters, about, picture, key)

@@ -1,0 +1,209 @@
+"""From the situation to what the window says."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from app.model.document.document import Document
+from app.model.document.modes import MODES
+from app.model.document.naming import describe
+from app.model.state.situation import Situation
+from app.model.state.status import RunStatus
+from app.model.text.language import tr
+from cpm_core.shapes import Barrier, Charge, Everywhere, Grid, Points, Shape, Stroke, Threshold
+
+FULL_SPEED = tr("full speed")
+PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
+"""Steps per second that the speed control offers; None is as fast as it goes."""
+FIRST_PACE = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Resolved:
+    """What the window says in a situation.
+
+    Attributes
+    ----------
+    title : str
+        Title of the window.
+    run_text, undo_text, redo_text : str
+        Wording of actions that changes with what they would do.
+    running : bool
+        Whether Run shows as Pause.
+    state : str
+        One sentence on how the run stands.
+    hint : str
+        One sentence on what to do next, or empty.
+    numbers : tuple of (str, str, str)
+        Label, value and explanation of the figures in the status panel.
+    """
+
+    title: str
+    run_text: str
+    undo_text: str
+    redo_text: str
+    running: bool
+    state: str
+    hint: str
+    numbers: tuple[tuple[str, str, str], ...]
+
+
+def resolve(situation: Situation) -> Resolved:
+    """What the window says; pure, so that it can be tested without one."""
+    document, status = situation.document, situation.status
+    return Resolved(
+        title=f"{document.image.name} – CPM" if document.image else "CPM",
+        run_text=_run_text(document, status),
+        undo_text=_named(tr("Undo"), situation.undo_name),
+        redo_text=_named(tr("Redo"), situation.redo_name),
+        running=status.phase == "running",
+        state=_state(situation),
+        hint=_hint(situation),
+        numbers=_numbers(status),
+    )
+
+
+def _named(text: str, name: str) -> str:
+    return tr("{undo} {change}").format(undo=text, change=name) if name else text
+
+
+def pace_text(pace: float | None) -> str:
+    """A speed in words."""
+    if pace is None:
+        return FULL_SPEED
+    return tr("1 step/s") if pace == 1 else tr("{pace} steps/s").format(pace=f"{pace:g}")
+
+
+def _run_text(document: Document, status: RunStatus) -> str:
+    if status.phase == "running":
+        return tr("Pause")
+    if document.mode == "skeleton":
+        return MODES["skeleton"].short
+    if (status.phase == "paused" or status.steered) and not status.stale:
+        return tr("Resume")
+    return tr("Run anew") if status.started else tr("Run")
+
+
+def _state(situation: Situation) -> str:
+    document, status = situation.document, situation.status
+    if status.busy:
+        return status.busy
+    if document.mode == "skeleton" and not status.started and document.image is not None:
+        return tr("The skeleton is found") if situation.has_skeleton else tr("Ready to find the skeleton")
+    match status.phase:
+        case "empty":
+            return tr("No image is open.")
+        case "running":
+            return tr("Running")
+        case "paused":
+            return tr("Paused")
+        case "finished":
+            told = tr("Done – {reason}") if status.converged else tr("Stopped – {reason}")
+            return _sentence(told.format(reason=tr(status.stop_reason) if status.stop_reason else ""))
+    if document.starts:
+        return tr("Ready")
+    return tr("Nothing to start from yet") if document.shapes else tr("Nothing drawn yet")
+
+
+def _hint(situation: Situation) -> str:
+    document, status, selected = situation.document, situation.status, situation.selected
+    if status.phase == "empty":
+        return tr("Open an image (Ctrl+O) or drop one here.")
+    if document.mode == "skeleton" and status.phase != "running":
+        return "" if situation.has_skeleton else MODES["skeleton"].hint
+    shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
+    if status.started:
+        return _hint_on_run(status) or (_what_a_charge_does(shape) if isinstance(shape, Charge) else "")
+    if isinstance(shape, Charge):
+        return _what_a_charge_does(shape)
+    if not document.shapes:
+        return tr("Drag on the image to draw a circle in or around an object.")
+    if not document.starts:
+        return tr("Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G).")
+    if shape is not None:
+        return _what_can_be_done_to(shape)
+    return MODES[document.mode].hint or tr("Press Space to let the particles go.")
+
+
+def _hint_on_run(status: RunStatus) -> str:
+    if status.stale:
+        if status.phase == "running":
+            return tr("A start or the scales have changed: Reset (R) to begin from them.")
+        return tr("A start or the scales have changed: Run starts anew from them.")
+    if status.steered:
+        return tr("The parameters have changed: Resume (Space) goes on with them, Reset (R) starts over.")
+    return ""
+
+
+def _what_can_be_done_to(shape: Shape) -> str:
+    name = describe(shape)
+    if isinstance(shape, Everywhere):
+        return tr("Press Space to let the particles go; Delete takes back the {shape}.").format(shape=name)
+    told = {
+        Grid: tr("Arrow keys or the select tool (S) move the {shape}, < and > change its spacing; Delete removes it."),
+        Threshold: tr(
+            "< and > change how strong an edge must be for the {shape}, arrow keys move it; Delete removes it."
+        ),
+        Stroke: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
+        Points: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
+        Barrier: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
+    }.get(type(shape), tr("Arrow keys or the select tool (S) move the {shape}, < and > resize it; Delete removes it."))
+    return told.format(shape=name)
+
+
+def _what_a_charge_does(charge: Charge) -> str:
+    told = tr(
+        "Drag the {shape} of strength {strength} or move it with arrow keys; < and > make it weaker and stronger; "
+        "Delete removes it."
+    )
+    return told.format(shape=describe(charge), strength=f"{abs(charge.strength):g}")
+
+
+def _sentence(text: str) -> str:
+    return text if text.endswith((".", "!", "?")) else f"{text}."
+
+
+def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
+    def shown(value: str) -> str:
+        return value if status.moved else "–"
+
+    epsilon = (
+        "–"
+        if math.isnan(status.epsilon)
+        else f"{status.epsilon:.2e}"
+        if status.epsilon < 1e-3
+        else f"{status.epsilon:.4f}"
+    )
+    scale = tr("0 (full size)") if status.scale == 0 else f"{status.scale} (1:{2**status.scale})"
+    speed = f"{status.steps_per_second:.0f}" if status.phase == "running" else "–"
+    return (
+        (tr("Step"), shown(f"{status.step:,}"), tr("Steps taken over all scales.")),
+        (tr("Particles"), shown(f"{status.count:,}"), tr("Free particles there are now.")),
+        (tr("Scale"), shown(scale), tr("Level of the image pyramid; 0 is the image itself.")),
+        (
+            "ε",
+            shown(epsilon),
+            tr("Eq. (23): how far the particles' distances from the corner change over four steps; small at rest."),
+        ),
+        (
+            tr("Contours"),
+            shown(tr("{closed} closed, {open} open").format(closed=status.closed, open=status.open)),
+            tr("Contours reconstructed so far."),
+        ),
+        (tr("Steps/s"), speed, tr("Speed of the run.")),
+        (
+            tr("Bridged"),
+            shown(_bridged(status)),
+            tr("Gaps in contours that were closed where the edge shows through faintly."),
+        ),
+    )
+
+
+def _bridged(status: RunStatus) -> str:
+    if not status.bridges:
+        return tr("no gap")
+    if status.bridges == 1:
+        return tr("1 gap of {length} px").format(length=f"{status.longest_bridge:.1f}")
+    told = tr("{gaps} gaps, longest {length} px")
+    return told.format(gaps=status.bridges, length=f"{status.longest_bridge:.1f}")

@@ -1,0 +1,38 @@
+"""How long something is going to take, guessed from how long it has taken so far, in words."""
+
+from __future__ import annotations
+
+from app.model.text.language import tr
+
+SURE_AFTER = 1.0
+"""Time after which a guess is worth telling [s]."""
+
+_LEAST_FRACTION = 0.02
+
+
+def seconds_left(elapsed: float, fraction: float | None) -> float | None:
+    """Time that is left, None while nobody can know.
+
+    Parameters
+    ----------
+    elapsed : float
+        Time since the beginning [s].
+    fraction : float or None
+        How much of it is done, from 0 to 1; None where that is not known.
+    """
+    if fraction is None or fraction < _LEAST_FRACTION or elapsed < SURE_AFTER:
+        return None
+    return elapsed * (1.0 - min(fraction, 1.0)) / fraction
+
+
+def in_words(seconds: float | None) -> str:
+    """A time that is left as a person says it, empty when it is not known."""
+    if seconds is None:
+        return ""
+    if seconds < 10.0:
+        return tr("a few seconds left")
+    if seconds < 55.0:
+        return tr("about {seconds} s left").format(seconds=5 * round(seconds / 5))
+    if seconds < 5400.0:
+        return tr("about {minutes} min left").format(minutes=max(1, round(seconds / 60)))
+    return tr("about {hours} h left").format(hours=round(seconds / 3600))

@@ -1,0 +1,82 @@
+"""Two wordings for the parameters: plain words for what a slider does, or the names and symbols of the formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal, cast, get_args
+
+from app.model.text.language import tr
+
+Wording = Literal["intuitive", "formula"]
+
+FIRST_WORDING: Wording = "intuitive"
+
+
+def wording_called(name: str) -> Wording:
+    """The wording of this name; the first one when there is none."""
+    return cast("Wording", name) if name in get_args(Wording) else FIRST_WORDING
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """What is said of a control beside what the core says of its parameter.
+
+    Attributes
+    ----------
+    plain : str
+        What it does, in a few words for a label.
+    formula : str
+        Where it stands, as rich text.
+    """
+
+    plain: str
+    formula: str
+
+
+_FORCES = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>l</sub> − <i>β</i> <i>v</i>"
+
+WORDS: Mapping[str, Words] = MappingProxyType(
+    {
+        "beta": Words(tr("Calm the particles"), _FORCES),
+        "ratio": Words(
+            tr("Push into bays"),
+            "<i>F</i> = <i>w</i>₂ [(<i>w</i>₁/<i>w</i>₂) <i>F</i><sub>c</sub> + <i>F</i><sub>l</sub>] − <i>β</i> "
+            "<i>v</i>",
+        ),
+        "w2": Words(tr("Pull to edges"), _FORCES),
+        "annealing": Words(tr("Keep filling gaps"), tr("every step: {after} = {before}").format(
+            after="<i>d</i><sub>max</sub>", before="<i>a</i> · <i>d</i><sub>max</sub>")),
+        "time_step": Words(tr("Length of a stride"), "<i>r</i>(<i>t</i> + Δ<i>t</i>) = <i>r</i> + <i>v</i> Δ<i>t</i> + "
+                           "<i>F</i> Δ<i>t</i>²/2 + <i>F</i>′ Δ<i>t</i>³/6"),
+        "d_min": Words(tr("Space between particles"), tr("one of two goes where {law}").format(
+            law="<i>d</i> &lt; <i>d</i><sub>min</sub> / 2")),
+        "d_max": Words(tr("Gaps that are filled"), tr("a new one where {law}").format(
+            law="<i>d</i><sub>min</sub> &lt; <i>d</i> ≤ <i>d</i><sub>min</sub> + <i>d</i><sub>max</sub>")),
+        "smoothing": Words(tr("Blur beforehand"), "<i>f</i> = |∇(<i>G</i><sub>σ</sub> ∗ <i>I</i>)|"),
+        "scales": Words(tr("Coarse looks first"), "<i>I</i><sub>s+1</sub> = <i>I</i><sub>s</sub> ↓ 2, &nbsp;"
+                        "<i>s</i> = <i>S</i> − 1, …, 0"),
+        "edge_floor": Words(tr("Ignore faint edges"), tr("charge {charge} only where {law}").format(
+            charge="−<i>f</i>", law="<i>f</i> ≥ <i>f</i><sub>min</sub> · max <i>f</i>")),
+        "max_frame": Words(tr("Ignore a frame"), tr("a rim no wider than {law}").format(
+            law="<i>m</i><sub>max</sub> · min(<i>H</i>, <i>W</i>)")),
+        "max_gap": Words(tr("Bridge gaps"), tr("loose ends joined where {law}").format(
+            law="|<i>r</i>₁ − <i>r</i>₂| ≤ <i>g</i><sub>max</sub>")),
+        "min_strength": Words(tr("Drop weak contours"), tr("kept where {law}").format(
+            law="mean <i>f</i> ≥ <i>s</i><sub>min</sub>")),
+        "sure_edge": Words(tr("Weak only beside strong"), tr("kept with a part where {law}").format(
+            law="<i>f</i> ≥ <i>f</i><sub>sure</sub> · max <i>f</i>")),
+        "min_contrast": Words(tr("Drop texture"), tr("kept where {law}").format(
+            law="|<i>m</i>₁ − <i>m</i>₂| / (|<i>m</i>₁ − <i>m</i>₂| + <i>s</i>) ≥ <i>c</i><sub>min</sub>")),
+        "min_length": Words(tr("Drop short contours"), tr("kept where {law}").format(
+            law="<i>l</i> ≥ <i>l</i><sub>min</sub>")),
+    }
+)  # fmt: skip
+"""By the names of the controls."""
+
+
+def rich(symbol: str) -> str:
+    """A symbol as rich text: what follows its first ``_`` stands lower."""
+    head, _, foot = symbol.partition("_")
+    return f"<i>{head}</i><sub>{foot}</sub>" if foot else f"<i>{head}</i>"

@@ -1,0 +1,137 @@
+"""Steering: what is drawn, moved or taken back while a run exists acts in it at once.
+
+Regions of interest, barriers and placed charges hold for every run: the worker is told whenever they change, and of
+many changes in a row it obeys the last. Starts that are added bring their particles when the gesture ends that draws
+them. A start that is moved or removed has let its particles go already; the run is then out of date, no more.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Hashable
+from dataclasses import replace
+from typing import Protocol
+
+from app.model.document import edits
+from app.model.document.document import Document
+from app.model.state.status import RunStatus
+from app.model.text.language import tr
+from app.session.worker.commands.run import Command, SetParameters, Sow
+from app.session.worker.commands.steering import Erase, Join, Limit, PlaceCharges
+from cpm_core.numerics.polyline import Position
+from cpm_core.shapes import Points, Region, Shape, Start
+
+
+class Steered(Protocol):
+    """What is needed of a session."""
+
+    @property
+    def document(self) -> Document:
+        """What the user means."""
+
+    @property
+    def status(self) -> RunStatus:
+        """How the run stands."""
+
+    @property
+    def generation(self) -> int:
+        """Number of the current run."""
+
+    @property
+    def image_generation(self) -> int:
+        """Number under which the image was opened."""
+
+    def post(self, command: Command) -> None:
+        """Send a command to the worker."""
+
+
+class Live:
+    """Compares documents, and tells the worker what has changed, above all for the run that exists.
+
+    Parameters
+    ----------
+    session : Steered
+        Whose document and run they are.
+    busy : callable
+        Told what is being prepared, and the words for it.
+    """
+
+    def __init__(self, session: Steered, busy: Callable[[str, str], None]) -> None:
+        self._session = session
+        self._busy = busy
+        self._late: tuple[object, ...] = ()
+        self._obeyed: Counter[Hashable] = Counter()
+        self._settled: Counter[Hashable] = Counter()
+        self._looked_at: tuple[Shape, ...] | None = None
+        self._judged: tuple[tuple[Shape, ...] | None, Counter[Hashable], bool] = (None, self._obeyed, False)
+
+    def begin(self, document: Document) -> None:
+        """A run starts from a document."""
+        self._late = document.late
+        self._obeyed = self._settled = document.sources
+        self._looked_at = document.shapes
+
+    def outdated(self, document: Document) -> bool:
+        """Whether a run that started from the document now would begin otherwise than the one that exists did.
+
+        What has only been added joins the run.
+        """
+        judged, obeyed, lost = self._judged
+        # A window asks many times a second, and many thousand points take a while to go through.
+        if judged is not document.shapes or obeyed is not self._obeyed:
+            lost = bool(self._obeyed - document.sources)
+            self._judged = (document.shapes, self._obeyed, lost)
+        return lost or document.late != self._late
+
+    def follow(self, before: Document, after: Document, settled: bool) -> None:
+        """The document has changed; unless it is `settled`, the gesture goes on that changes it."""
+        session = self._session
+        if before.parameters != after.parameters:
+            session.post(SetParameters(after.parameters))
+        if after.sowable and before.sowing != after.sowing:
+            self._busy("sowing", tr("Looking for places to start from…"))
+            session.post(Sow(session.image_generation, after))
+        if before.charges != after.charges:
+            session.post(PlaceCharges(session.image_generation, after.charges))
+        if not session.status.started:
+            return
+        if before.regions != after.regions:
+            session.post(Limit(session.generation, after.regions))
+        if settled:
+            self.settle()
+
+    def settle(self) -> None:
+        """A gesture has ended: the starts that it has added join the run."""
+        document = self._session.document
+        if document.shapes is self._looked_at:
+            return  # parameters, most often, and many points take a while to go through
+        self._looked_at = document.shapes
+        drawn = document.sources
+        lost, gained = self._settled - drawn, drawn - self._settled
+        self._settled = drawn
+        if not self._session.status.started or lost.total() == gained.total():
+            return  # nothing, or a start that was moved or reshaped
+        new = (drawn - self._obeyed) & gained
+        if new:
+            self._obeyed = self._obeyed + new
+            self._session.post(Join(self._session.generation, _only(document, new)))
+
+    def erase(self, path: tuple[Position, ...], radius: float) -> Document:
+        """Take away the particles near a path, and tell what the document is without the shapes near it.
+
+        The run obeys that as well as the document, so that it is not out of date afterwards.
+        """
+        session = self._session
+        rest = edits.erase(session.document, path, radius)
+        self._obeyed = self._obeyed - (session.document.sources - rest.sources)
+        if session.status.started:
+            session.post(Erase(session.generation, path, radius))
+        return rest
+
+
+def _only(document: Document, sources: Counter[Hashable]) -> Document:
+    """The document with these sources alone, in its regions of interest."""
+    points = tuple(source for source in sources.elements() if isinstance(source, tuple))
+    starts = [source for source in sources.elements() if isinstance(source, Start)]
+    regions = [shape for shape in document.shapes if isinstance(shape, Region)]
+    return replace(document, shapes=(*starts, *([Points(points)] if points else []), *regions))

@@ -1,0 +1,107 @@
+"""Undo: one mechanism for everything that changes the document."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from app.model.document.document import Document
+
+DEEPEST = 500
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One change that can be undone.
+
+    Attributes
+    ----------
+    name : str
+        What was done, as it stands after "Undo".
+    before, after : Document
+        The document on either side.
+    gesture : str
+        Changes in a row with the same gesture, such as the drag of a slider, become one; empty never merges.
+    """
+
+    name: str
+    before: Document
+    after: Document
+    gesture: str = ""
+
+
+class History:
+    """Changes done and undone."""
+
+    def __init__(self) -> None:
+        self._done: list[Change] = []
+        self._undone: list[Change] = []
+        self._open = False
+
+    @property
+    def undo_name(self) -> str:
+        """Name of what undo would take back, empty when there is nothing."""
+        return self._done[-1].name if self._done else ""
+
+    @property
+    def redo_name(self) -> str:
+        """Name of what redo would do again, empty when there is nothing."""
+        return self._undone[-1].name if self._undone else ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All changes, the oldest first: those done, then those undone that can be done again."""
+        return (*(change.name for change in self._done), *(change.name for change in reversed(self._undone)))
+
+    @property
+    def done(self) -> int:
+        """How many of them are done."""
+        return len(self._done)
+
+    def go_to(self, done: int) -> Document | None:
+        """The document with so many of the changes done, or None when that is how it is."""
+        document = None
+        while self._done and len(self._done) > done:
+            document = self.undo()
+        while self._undone and len(self._done) < done:
+            document = self.redo()
+        return document
+
+    def push(self, change: Change) -> None:
+        """Record a change that has been made."""
+        self._undone.clear()
+        if self._open and change.gesture and self._done and self._done[-1].gesture == change.gesture:
+            merged = replace(self._done.pop(), after=change.after, name=change.name)
+            if merged.before != merged.after:
+                self._done.append(merged)
+            else:
+                self._open = False
+            return
+        self._done.append(change)
+        self._open = bool(change.gesture)
+        del self._done[:-DEEPEST]
+
+    def seal(self) -> None:
+        """End a gesture: the next change stands for itself."""
+        self._open = False
+
+    def undo(self) -> Document | None:
+        """The document before the last change, or None."""
+        return self._turn(self._done, self._undone, back=True)
+
+    def redo(self) -> Document | None:
+        """The document after the change last undone, or None."""
+        return self._turn(self._undone, self._done, back=False)
+
+    def clear(self) -> None:
+        """Forget everything, as when another image is opened."""
+        self._done.clear()
+        self._undone.clear()
+        self._open = False
+
+    def _turn(self, source: list[Change], target: list[Change], *, back: bool) -> Document | None:
+        self._open = False
+        if not source:
+            return None
+        change = source.pop()
+        target.append(change)
+        return change.before if back else change.after

@@ -1,0 +1,202 @@
+"""What comes up from the worker: snapshots, of which the newest wins, and reports, which are few and never lost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.model.display.shades import Shades
+from app.session.exchange.contour_tracking import Survey
+from app.session.timeline.timeline import Outline
+from cpm_core.contours.result import Result
+from cpm_core.formats.sessions.session_file import SessionFile
+from cpm_core.image.image import Image
+from cpm_core.parameters import Parameters
+from cpm_core.particles.state import State
+from cpm_core.segmentation.engine import Engine
+from cpm_core.shapes.image_starts import Sown
+
+Array = NDArray[np.float64]
+
+
+# Snapshots: the newest wins.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Trace:
+    """The run so far, for plots: arrays of equal length, one entry a step.
+
+    Attributes
+    ----------
+    step : ndarray, shape (K,)
+        Number of the step.
+    epsilon : ndarray, shape (K,)
+        Eq. (23) [px of the scale]; NaN while it is not known.
+    count, born, deleted : ndarray, shape (K,)
+        Particles, and how many of them came and went in the step.
+    kinetic, potential : ndarray, shape (K,)
+        Energies of all particles [px^2 / unit of time^2]; the latter is worked out every few steps, in between that of
+        the last time stands for it; NaN before.
+    scale : ndarray, shape (K,)
+        Level of the image pyramid.
+    numbered : ndarray, shape (K,)
+        Identity that the next particle was to have.
+    """
+
+    step: Array
+    epsilon: Array
+    count: Array
+    born: Array
+    deleted: Array
+    kinetic: Array
+    potential: Array
+    scale: Array
+    numbered: Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Snapshot:
+    """The particles after a step, as the window shows them.
+
+    Attributes
+    ----------
+    generation : int
+        The run that it belongs to.
+    state : State
+        The moment of the run, which is never changed.
+    position : ndarray, shape (N, 2)
+        (row, col) in px of the image.
+    resting : ndarray of bool, shape (N,)
+        Particles that hardly move.
+    steps_per_second : float
+        Measured speed.
+    trace : Trace
+        The run so far.
+    timeline : Outline
+        The branches of the run and the one that it is on.
+    """
+
+    generation: int
+    state: State
+    position: Array
+    resting: NDArray[np.bool_]
+    steps_per_second: float
+    trace: Trace
+    timeline: Outline
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Reconstruction:
+    """Contours of a recent snapshot, and what is known about them."""
+
+    generation: int
+    result: Result
+    survey: Survey
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Overlays:
+    """What is asked for of what lies over the image, by name; see `app.session.worker.overlays`.
+
+    It belongs to the image that was opened as `generation`, whatever has been run on it since.
+    """
+
+    generation: int
+    arrays: Mapping[str, NDArray[np.generic]]
+
+
+# Reports: ordered, few.
+
+
+class Report:
+    """What the window must not miss; each kind is heard by whoever it concerns."""
+
+    __slots__ = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Saved(Report):
+    """A session file has been written or read.
+
+    Attributes
+    ----------
+    path : Path or None
+        Its place; None for work that has none yet.
+    file : SessionFile
+        What it holds.
+    recovered : bool
+        Whether it was found after a crash, so that what it holds is not saved yet.
+    """
+
+    path: Path | None
+    file: SessionFile
+    recovered: bool = False
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Opened(Report):
+    """An image has been read and its engine is ready, with the parameters asked for as far as the image has room."""
+
+    image: Image
+    engine: Engine
+    shades: Shades
+    path: Path
+    parameters: Parameters
+    notes: tuple[str, ...]
+    sha256: str = ""
+    saved: Saved | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class NotOpened(Report):
+    """An image could not be used; everything is as before, and the user may be offered another one."""
+
+    sentence: str
+    otherwise: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Failed(Report):
+    """A run could not start or go on."""
+
+    generation: int
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class WentOn(Report):
+    """A run that had ended goes on with something that was put into it."""
+
+    generation: int
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sowing(Report):
+    """Positions from which particles start all over the image opened as `generation`, or why there are none."""
+
+    generation: int
+    sown: Sown
+    sentence: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Exported(Report):
+    """A file has been written."""
+
+    path: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Trouble(Report):
+    """Something asked for did not work and nothing else changed."""
+
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class WarmedUp(Report):
+    """The kernels are ready."""

@@ -1,0 +1,37 @@
+"""Points read from a file on a thread of their own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.model.text.language import tr
+from app.session.exchange.messages import Report
+from app.session.session import Session
+from app.session.tasks.tasks import Task
+from cpm_core.formats import load_points
+from cpm_core.shapes import Points
+
+MOST = 100_000
+"""Points up to which they are drawn as what they are [number]."""
+
+
+@dataclass(frozen=True, slots=True)
+class PointsRead(Report):
+    """Points have been read."""
+
+    path: Path
+    points: Points
+
+
+def read_points(session: Session, path: Path) -> None:
+    """Begin to read points; `PointsRead` is reported, or what is wrong with the file."""
+
+    def work(task: Task) -> Report:
+        positions = load_points(path)
+        if len(positions) > MOST:
+            told = tr("{name} has {count} points, but no more than {most} can be drawn.")
+            raise ValueError(told.format(name=path.name, count=len(positions), most=MOST))
+        return PointsRead(path, Points(tuple((row, col) for row, col in positions.tolist())))
+
+    session.tasks.start(tr("Reading {name}…").format(name=path.name), work, f"reading {path.name}")

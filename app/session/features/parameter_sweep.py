@@ -1,0 +1,179 @@
+"""The sweep: the runs of a mosaic, several at a time, on threads of their own."""
+
+from __future__ import annotations
+
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Signal
+
+from app.model.display.mosaic import Plan, Tile
+from app.model.document.document import Document
+from app.model.text.language import tr
+from app.session.exchange.error_messages import sentence
+from app.session.exchange.messages import Report
+from app.session.tasks.tasks import Task
+from cpm_core.contours.result import Result
+from cpm_core.contours.review import apply
+from cpm_core.image.image import Image
+from cpm_core.numerics.parallel import cores
+from cpm_core.segmentation.engine import Engine
+from cpm_core.shapes.image_starts import Sower
+
+if TYPE_CHECKING:
+    from app.session.session import Session
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Done:
+    """A tile that has been run.
+
+    Attributes
+    ----------
+    tile : Tile
+        Which one.
+    result : Result or None
+        What came of it, without what has been rejected; None when it could not be run.
+    dice : float or None
+        Overlap with the truth, where there is one.
+    trouble : str
+        Why it could not be run.
+    """
+
+    tile: Tile
+    result: Result | None
+    dice: float | None = None
+    trouble: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Swept(Report):
+    """All tiles of a mosaic have been run."""
+
+
+class Sweep(QObject):
+    """Runs the tiles of a plan as the document would be run, headless.
+
+    Parameters
+    ----------
+    session : Session
+        Whose image, drawing and truth it uses; its run is left alone.
+    """
+
+    began = Signal(object)
+    """A tile is being run: Tile."""
+    finished = Signal(object)
+    """A tile has been run: Done."""
+    ended = Signal()
+    """Nothing is being run any more: all is done, or it has been given up."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self.image: Image | None = None
+        self.task: Task | None = None
+        self._session = session
+        session.image_changed.connect(self._use_image)
+        session.tasks.changed.connect(self._look)
+
+    @property
+    def running(self) -> bool:
+        """Whether tiles are being run."""
+        return self.task is not None
+
+    def start(self, plan: Plan, document: Document) -> None:
+        """Run the tiles of a plan, one on each core but the one that the window needs."""
+        image = self.image
+        if image is None:
+            return
+        self.cancel()
+        truth = self._session.curation.truth
+        tiles = len(plan.tiles)
+        self.task = self._session.tasks.start(
+            tr("Running a mosaic of {count} tiles…").format(count=tiles),
+            lambda task: self._run(_Runs(image, document, task, truth.dice), plan, task),
+            "running a mosaic",
+        )
+
+    def cancel(self) -> None:
+        """Give up what has not been run."""
+        if self.task is not None:
+            self.task.cancel()
+            self.task = None
+            self.ended.emit()
+
+    def _run(self, runs: _Runs, plan: Plan, task: Task) -> Report:
+        done = 0
+        lock = threading.Lock()
+
+        def work(tile: Tile) -> None:
+            nonlocal done
+            if task.cancelled:
+                return
+            self.began.emit(tile)
+            came = runs.run(tile)
+            if came is None or task.cancelled:
+                return
+            self.finished.emit(came)
+            with lock:
+                done += 1
+                task.fraction = done / len(plan.tiles)
+
+        with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-mosaic") as pool:
+            for future in [pool.submit(work, tile) for tile in plan.tiles]:
+                future.result()
+        task.go_on()
+        return Swept()
+
+    def _use_image(self, image: Image, _: object) -> None:
+        self.cancel()
+        self.image = image
+
+    def _look(self) -> None:
+        if self.task is not None and self.task.over:
+            self.task = None
+            self.ended.emit()
+
+
+class _Runs:
+    """What the runs of a mosaic share: image, drawing, and an engine for each number of scales."""
+
+    def __init__(self, image: Image, document: Document, task: Task, dice: _Dice) -> None:
+        self._image = image
+        self._document = document
+        self._task = task
+        self._dice = dice
+        self._sower = Sower(image)
+        self._engines: dict[int, Engine] = {}
+        self._lock = threading.Lock()
+
+    def run(self, tile: Tile) -> Done | None:
+        """Run a tile to its end; None when it has been given up before."""
+        try:
+            result = self._result(tile)
+            return None if result is None else Done(tile, result, self._dice(result.contours))
+        except Exception as error:  # what goes wrong in one tile is told there, and the others go on
+            return Done(tile, None, trouble=sentence(error, "running a tile"))
+
+    def _result(self, tile: Tile) -> Result | None:
+        parameters, document = tile.parameters, self._document
+        with self._lock:  # places to start from and engine are kept for the other tiles
+            sown = self._sower.sow(document.sowable, parameters.smoothing, document.regions)
+            if parameters.scales not in self._engines:
+                self._engines[parameters.scales] = Engine(self._image, parameters, document.regions)
+            engine = self._engines[parameters.scales]
+        state = engine.start(document.seeds(sown))
+        while not state.stop_reason:
+            if self._task.cancelled:
+                return None
+            state = engine.step(state, parameters, document.charges)
+        return apply(engine.result(state, parameters), document.marks)
+
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from cpm_core.contours.contour import Contour
+
+    _Dice = Callable[[Sequence[Contour]], float | None]

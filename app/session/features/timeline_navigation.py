@@ -1,0 +1,267 @@
+"""Where in its timeline the run stands, as the window knows and wants it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from app.model.text.language import tr
+from app.session.exchange.messages import Report, Snapshot, Trouble
+from app.session.session import Session
+from app.session.timeline.branches import Branch
+from app.session.timeline.timeline import Outline
+from app.session.worker.commands.run import Halt
+from app.session.worker.commands.timeline import Compare, Compared, DropBranch, RenameBranch, Seek
+from cpm_core.contours.result import Result
+from cpm_core.parameters import Parameters
+
+_PLAY_EVERY = 50
+"""Time between two steps of what is played again [ms]."""
+
+_COMPARE_EVERY, _SELDOM, _QUIET = 100, 500, 200
+"""Time between two comparisons while steps are gone through and while the run goes on, and time without any after which
+contours are compared [ms]."""
+
+_STAYING = 250
+"""Time at a step after which its contours are looked at closely [ms]."""
+
+NOTHING = Outline()
+
+
+class TimeTravel(QObject):
+    """Goes through the timeline of a session's run.
+
+    Parameters
+    ----------
+    session : Session
+        Whose run.
+    """
+
+    changed = Signal()
+    """It stands elsewhere, or a branch has come, gone or changed."""
+
+    compared = Signal(object)
+    """What the branch compared with is at this step: Compared, or None."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self._outline = NOTHING
+        self._here = (0, 0)
+        self._count = 0
+        self._asked: tuple[int, int] | None = None
+        self._compared: int | None = None
+        self._contours: Result | None = None
+        self._play = QTimer(self)
+        self._play.setInterval(_PLAY_EVERY)
+        self._play.timeout.connect(self._play_on)
+        self._look = QTimer(self, singleShot=True)
+        self._look.timeout.connect(lambda: self._compare(None))
+        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
+        self._quiet.timeout.connect(self._compare_contours)
+        self._stay = QTimer(self, singleShot=True, interval=_STAYING)
+        self._stay.timeout.connect(self._look_closely)
+        session.snapshot_changed.connect(self._follow)
+        session.contours_changed.connect(self._keep_contours)
+        session.status_changed.connect(self._follow_phase)
+        session.reported.connect(self._hear)
+
+    # Looking
+
+    @property
+    def outline(self) -> Outline:
+        """The branches."""
+        return self._outline
+
+    @property
+    def place(self) -> tuple[int, int]:
+        """Branch and step: where the run stands, or where it has been told to go."""
+        return self._asked or self._here
+
+    @property
+    def first(self) -> int:
+        """The first step of the run."""
+        return next((branch.first for branch in self._outline.branches if branch.parent is None), 0)
+
+    @property
+    def count(self) -> int:
+        """Number of particles shown."""
+        return self._count
+
+    @property
+    def playing(self) -> bool:
+        """Whether recorded steps are played again."""
+        return self._play.isActive()
+
+    @property
+    def comparing(self) -> int | None:
+        """The branch compared with."""
+        return self._compared
+
+    def branch(self, identity: int) -> Branch | None:
+        """A branch by its number."""
+        return next((branch for branch in self._outline.branches if branch.identity == identity), None)
+
+    def last(self, identity: int) -> int:
+        """The last step of a branch, 0 when there is no such one."""
+        branch = self.branch(identity)
+        if branch is None:
+            return 0
+        return max(branch.last, self._here[1]) if identity == self._here[0] else branch.last
+
+    # Going
+
+    def go(self, branch: int, step: int) -> None:
+        """Go to a step of a branch, or as near to it as it has one."""
+        self._play.stop()
+        self._go(branch, step)
+
+    def by(self, steps: int) -> None:
+        """Go so many recorded steps forward, or backward when negative."""
+        branch, step = self.place
+        self.go(branch, step + steps)
+
+    def to_first(self) -> None:
+        """Go to the beginning of the run."""
+        self.go(self.place[0], self.first)
+
+    def to_last(self) -> None:
+        """Go to the last step of the branch."""
+        self.go(self.place[0], self.last(self.place[0]))
+
+    def toggle_play(self) -> None:
+        """Play the recorded steps from here on, from the first at the end; or hold."""
+        if self.playing:
+            self._play.stop()
+        elif self._outline.branches:
+            branch, step = self.place
+            if step >= self.last(branch):
+                self._go(branch, self.first)
+            self._play.start()
+        self.changed.emit()
+
+    # Branches
+
+    def rename(self, branch: int, name: str) -> None:
+        """Give a branch another name."""
+        self._session.post(RenameBranch(self._session.generation, branch, name))
+
+    def drop(self, branch: int) -> None:
+        """Forget a branch; where the run stands on it, the run is held."""
+        if self.branch(branch) is None:
+            return
+        command = DropBranch(self._session.generation, branch)
+        if branch == self.place[0]:
+            self._asked = None
+            self._session.hold(command)
+            self._stay.start()
+        else:
+            self._session.post(command)
+
+    def compare(self, branch: int | None) -> None:
+        """Show another branch beside the one that the run is on; None for none."""
+        self._compared = branch
+        self._compare(None)
+        self._quiet.start()
+        self.changed.emit()
+
+    @property
+    def other_parameters(self) -> Parameters | None:
+        """Those with which the step that is shown was taken, as far as they act now; None where they are set anyway."""
+        taken, document = self._outline.parameters, self._session.document
+        if taken is None:
+            return None
+        taken = replace(taken, scales=document.parameters.scales)
+        return None if taken == document.parameters else taken
+
+    def use_its_parameters(self) -> None:
+        """Set the parameters with which the step that is shown was taken."""
+        taken = self.other_parameters
+        if taken is not None:
+            name = tr("use the parameters of step {step}").format(step=self._here[1])
+            self._session.edit(name, lambda document: replace(document, parameters=taken))
+            self.changed.emit()
+
+    # Following
+
+    def _go(self, branch: int, step: int) -> None:
+        if self.branch(branch) is None:
+            return
+        step = min(max(step, self.first), self.last(branch))
+        if (branch, step) == self.place and self._session.status.phase != "running":
+            return
+        asked = self._asked = (branch, step)
+        seek = Seek(self._session.generation, branch, step, wanted=lambda: self._asked in (None, asked))
+        self._session.hold(seek)
+        self._stay.start()
+        self.changed.emit()
+
+    def _play_on(self) -> None:
+        branch, step = self.place
+        if step >= self.last(branch) or self._session.status.phase == "running":
+            self._play.stop()
+            self.changed.emit()
+        elif self._asked is None:  # as fast as steps can be had, and none left out
+            self._go(branch, step + 1)
+
+    def _follow(self, snapshot: Snapshot | None) -> None:
+        if snapshot is None:
+            self._play.stop()
+            self._outline, self._here, self._asked = NOTHING, (0, 0), None
+            self._contours = None
+            self._end_comparison()
+        else:
+            self._outline, self._here = snapshot.timeline, (snapshot.timeline.branch, snapshot.state.step)
+            self._count = snapshot.state.count
+            if self._here == self._asked:
+                self._asked = None
+            if self._compared is not None and (self.branch(self._compared) is None or self._compared == self._here[0]):
+                self._end_comparison()
+            if self._compared is not None and not self._look.isActive():
+                running = self._session.status.phase == "running"
+                self._look.start(_SELDOM if running else _COMPARE_EVERY)
+                self._quiet.start()
+        self.changed.emit()
+
+    def _follow_phase(self) -> None:
+        if self._session.status.phase == "running" and (self._asked is not None or self.playing):
+            self._asked = None
+            self._play.stop()
+            self.changed.emit()
+
+    def _look_closely(self) -> None:
+        if self._session.status.started and self._session.status.phase != "running":
+            self._session.post(Halt())
+
+    def _keep_contours(self, result: Result | None) -> None:
+        self._contours = result
+        if self._compared is not None:
+            self._quiet.start()
+
+    def _end_comparison(self) -> None:
+        self._look.stop()
+        self._quiet.stop()
+        if self._compared is not None:
+            self._compared = None
+            self._compare(None)
+        self.compared.emit(None)
+
+    def _compare(self, against: Result | None) -> None:
+        self._session.post(Compare(self._session.generation, self._compared, self._here[1], against))
+
+    def _compare_contours(self) -> None:
+        if self._compared is not None and self._contours is not None and self._session.status.phase != "running":
+            self._compare(self._contours)
+
+    def _hear(self, report: Report) -> None:
+        if isinstance(report, Trouble):  # it may have been the way there that was barred
+            self._asked = None
+        if isinstance(report, Compared) and report.generation == self._session.generation:
+            self.compared.emit(report if report.branch is not None else None)
+
+
+def travel_of(session: Session) -> TimeTravel:
+    """The one way through the timeline of a session, for all parts of its window."""
+    found = session.findChild(TimeTravel)
+    return found if isinstance(found, TimeTravel) else TimeTravel(session)

@@ -1,0 +1,150 @@
+"""Ground truth in the window: what is known to be in the image, and how well the contours agree with it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Signal
+
+from app.model.display.differences import Difference, differences
+from app.model.text.language import tr
+from app.session.exchange.latest_only import Latest
+from app.session.exchange.messages import Report
+from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.ground_truth import Truth, load_truth
+
+if TYPE_CHECKING:
+    from app.session.features.contour_review import Curation
+    from app.session.session import Session
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TruthRead(Report):
+    """The ground truth of the image opened as `generation` has been read."""
+
+    generation: int
+    truth: Truth
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Verified:
+    """What a comparison with the truth came to."""
+
+    truth: Truth
+    comparison: Comparison
+    differences: tuple[Difference, ...]
+
+
+class GroundTruth(QObject):
+    """Holds the truth of the image and compares every reconstruction with it, on a thread of its own.
+
+    Parameters
+    ----------
+    session : Session
+        Whose image it belongs to.
+    curation : Curation
+        Where contours come from; those rejected are not compared.
+    """
+
+    changed = Signal()
+    """There is another truth, or none."""
+    compared = Signal()
+    """The contours have been compared, or there is nothing to be compared any more."""
+
+    def __init__(self, session: Session, curation: Curation) -> None:
+        super().__init__(curation)
+        self.truth: Truth | None = None
+        self.verified: Verified | None = None
+        self.tolerance = TOLERANCE
+        self.holes = True
+        self._path: Path | None = None
+        self._session = session
+        self._curation = curation
+        self._latest = Latest("cpm-comparison", self)
+        self._latest.done.connect(self._take)
+        session.reported.connect(self._hear)
+        session.image_changed.connect(lambda *_: self.forget())
+        curation.changed.connect(self._compare)
+
+    @property
+    def idle(self) -> bool:
+        """Whether what is shown is up to date."""
+        return self._latest.idle
+
+    def load(self, path: str | Path) -> None:
+        """Read a mask or contours as the truth of the image that is open."""
+        image = self._session.document.image
+        if image is None:
+            self._session.say(tr("There is no image to compare with: open one first."), True)
+            return
+        file, generation, holes, shape = Path(path), self._session.image_generation, self.holes, image.shape
+        self._path = file
+        self._session.tasks.start(
+            tr("Reading {name}…").format(name=file.name),
+            lambda task: TruthRead(generation, load_truth(file, shape, holes=holes)),
+            f"reading {file.name}",
+        )
+
+    def forget(self) -> None:
+        """Compare with nothing any more."""
+        if self.truth is not None:
+            self.truth = self.verified = self._path = None
+            self._latest.forget()
+            self.changed.emit()
+            self.compared.emit()
+
+    def set_tolerance(self, tolerance: float) -> None:
+        """Take boundaries for the same up to this distance [px]."""
+        if tolerance != self.tolerance:
+            self.tolerance = tolerance
+            self._compare()
+
+    def set_holes(self, holes: bool) -> None:
+        """Say whether a contour in another is a hole of it."""
+        if holes != self.holes:
+            self.holes = holes
+            if self._path is not None:
+                self.load(self._path)
+
+    def dice(self, contours: Sequence[Contour]) -> float | None:
+        """The Dice coefficient of some contours, from whichever thread; None when there is no truth."""
+        truth = self.truth
+        return None if truth is None else compare(contours, truth, self.tolerance, holes=self.holes).dice
+
+    def close(self) -> None:
+        """End the thread."""
+        self._latest.close()
+
+    def _hear(self, report: Report) -> None:
+        if isinstance(report, TruthRead) and report.generation == self._session.image_generation:
+            self.truth, self.verified = report.truth, None
+            self.changed.emit()
+            self._compare()
+
+    def _compare(self) -> None:
+        truth, result, tolerance, holes = self.truth, self._curation.result, self.tolerance, self.holes
+        if truth is None:
+            return
+        if result is None:
+            self._latest.forget()
+            self._show(None)
+            return
+        contours = [item.contour for item in self._curation.items if not item.curated.rejected]
+
+        def work() -> Verified:
+            comparison = compare(contours, truth, tolerance, holes=holes)
+            return Verified(truth, comparison, differences(contours, truth, comparison))
+
+        self._latest.ask(work)
+
+    def _take(self, verified: Verified) -> None:
+        if verified.truth is self.truth and self._curation.result is not None:
+            self._show(verified)
+
+    def _show(self, verified: Verified | None) -> None:
+        self.verified = verified
+        self.compared.emit()

@@ -1,0 +1,121 @@
+"""The journal: what would be lost if the program ended now, in a small file that goes when it ends well."""
+
+from __future__ import annotations
+
+import logging
+import uuid
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer
+
+from app.session.storage.session_file import Keeper
+from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
+
+KEY = "journal"
+"""Where a journal, which is a session file otherwise, tells what it is the journal of."""
+
+EVERY = 2000
+"""Time from a change until it is in the journal; more changes meanwhile go with it [ms]."""
+
+_log = logging.getLogger(__name__)
+
+
+def folder_of_journals() -> Path:
+    """A folder of the person's own, beside the preferences."""
+    settings = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
+    return Path(settings.fileName()).parent / "journals"
+
+
+class Journal(QObject):
+    """Follows a document and writes its journal, on a thread of its own.
+
+    Each window has a journal of its own, with a lock beside it that goes with the process, however that ends.
+
+    Parameters
+    ----------
+    keeper : Keeper
+        Whose document is kept.
+    folder : Path
+        Where to; made when it is needed.
+    """
+
+    def __init__(self, keeper: Keeper, folder: Path) -> None:
+        super().__init__(keeper)
+        self._keeper = keeper
+        self.path = folder / f"{uuid.uuid4().hex}{SUFFIX}"
+        self._lock = lock_of(self.path)
+        self._writer: ThreadPoolExecutor | None = None
+        self._last: Future[None] | None = None
+        self._closed = False
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.setInterval(EVERY)
+        self._timer.timeout.connect(self.write)
+        keeper.edited.connect(self._plan)
+        keeper.changed.connect(self._plan)
+
+    def write(self) -> None:
+        """Write what there is now, without waiting for it; nothing is kept of what is saved."""
+        self._timer.stop()
+        if not self._keeper.unsaved:
+            self._submit(None)
+            return
+        kept, path = self._keeper.file, self._keeper.path
+        named = {"session": str(path.absolute()) if path else "", "name": self._keeper.name}
+        self._submit(replace(kept, extra={**kept.extra, KEY: named}))
+
+    def flush(self) -> None:
+        """Wait until everything is on the disk."""
+        if self._last is not None:
+            self._last.result()
+
+    def close(self) -> None:
+        """The program ends well: nothing is left behind."""
+        self._closed = True
+        self._timer.stop()
+        if self._writer is not None:
+            self._submit(None)
+            self._writer.shutdown()
+            self._writer = None
+            self._lock.unlock()
+
+    def _plan(self) -> None:
+        if not (self._closed or self._timer.isActive()) and (self._keeper.unsaved or self._writer is not None):
+            self._timer.start()
+
+    def _submit(self, file: SessionFile | None) -> None:
+        if self._writer is None:
+            if file is None or not self._prepare():
+                return
+            self._writer = ThreadPoolExecutor(1, "cpm-journal")
+        self._last = self._writer.submit(_put, self.path, file)
+
+    def _prepare(self) -> bool:
+        """Make the folder and take the lock."""
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            _log.warning("no journal can be kept in %s: %s", self.path.parent, error)
+            return False
+        return self._lock.tryLock(0)
+
+
+def lock_of(journal: Path) -> QLockFile:
+    """The lock of a journal, which lasts as long as the process that has taken it."""
+    lock = QLockFile(str(journal.with_suffix(".lock")))
+    lock.setStaleLockTime(0)  # however long a window is open, its lock is none of a process that has ended
+    return lock
+
+
+def _put(path: Path, file: SessionFile | None) -> None:
+    if file is None:
+        with suppress(OSError):
+            path.unlink(missing_ok=True)
+        return
+    try:
+        save_session(file, path)
+    except ValueError as error:  # a journal that cannot be written is no reason to disturb
+        _log.warning("the journal was not written: %s", error)

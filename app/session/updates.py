@@ -1,0 +1,192 @@
+"""What the worker has sent up: looked at once a frame, checked, and passed on to the views."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Protocol
+
+from app.model.state.status import Phase, RunStatus
+from app.model.text.language import tr
+from app.session.exchange.messages import (
+    Exported,
+    Failed,
+    NotOpened,
+    Opened,
+    Overlays,
+    Reconstruction,
+    Report,
+    Snapshot,
+    Sowing,
+    Trouble,
+    WarmedUp,
+    WentOn,
+)
+from app.session.worker.worker_thread import Runner
+from cpm_core.shapes.image_starts import Sown
+
+_FIGURES_EVERY = 0.1
+"""Time between two updates of figures that a person reads [s]."""
+
+
+class Audience(Protocol):
+    """Who is told of what arrived."""
+
+    @property
+    def generation(self) -> int:
+        """Number of the run that is shown."""
+
+    @property
+    def image_generation(self) -> int:
+        """Number under which the image shown was opened."""
+
+    def open(self, path: Path) -> None:
+        """Open an image."""
+
+    def accept(self, opened: Opened) -> None:
+        """Take over an image."""
+
+    def show_snapshot(self, snapshot: Snapshot | None) -> None:
+        """Show particles."""
+
+    def show_contours(self, reconstruction: Reconstruction | None) -> None:
+        """Show contours."""
+
+    def show_overlays(self, overlays: Overlays) -> None:
+        """Show edge map and field."""
+
+    def show_sown(self, sown: Sown) -> None:
+        """Show where particles start all over the image."""
+
+    def show_status(self) -> None:
+        """Show how the run stands."""
+
+    def say(self, sentence: str, trouble: bool) -> None:
+        """Tell the user."""
+
+    def pass_on(self, report: Report) -> None:
+        """Tell everybody whom a report concerns."""
+
+
+class Progress:
+    """How the run stands, as far as it is known on the window's side.
+
+    Parameters
+    ----------
+    audience : Audience
+        Who is told.
+    runner : Runner
+        Where it comes from.
+    clock : callable
+        Seconds that only go forward.
+    """
+
+    def __init__(self, audience: Audience, runner: Runner, clock: Callable[[], float] = time.perf_counter) -> None:
+        self._audience = audience
+        self._runner = runner
+        self._clock = clock
+        self._busy: dict[str, str] = {}
+        self._told_at = 0.0
+        self._known = RunStatus()
+
+    @property
+    def status(self) -> RunStatus:
+        """How the run stands."""
+        return replace(self._known, busy=next(iter(self._busy.values()), ""))
+
+    def busy(self, what: str, text: str) -> None:
+        """Say that something is being prepared; `text` is shown meanwhile."""
+        self._busy = {what: text} | {key: value for key, value in self._busy.items() if key != what}
+        self._audience.show_status()
+
+    def phase(self, phase: Phase) -> None:
+        """The user has set the run going or stopped it."""
+        self._known = replace(self._known, phase=phase)
+        self._audience.show_status()
+
+    def forget(self) -> None:
+        """The run before is over and nothing of it is to be seen."""
+        self._known = RunStatus(phase="ready")
+        self._audience.show_snapshot(None)
+        self._audience.show_contours(None)
+        self._audience.show_status()
+
+    def look(self) -> None:
+        """Take what has arrived; what belongs to another run or image is dropped."""
+        for report in self._runner.reports():
+            self._take_report(report)
+        snapshot = self._runner.snapshots.take()
+        if snapshot is not None and snapshot.generation == self._audience.generation:
+            self._take_snapshot(snapshot)
+        contours = self._runner.reconstructor.results.take()
+        if contours is not None and contours.generation == self._audience.generation:
+            result = contours.result
+            closed = sum(contour.closed for contour in result.contours)
+            self._known = replace(
+                self._known,
+                closed=closed,
+                open=len(result.contours) - closed,
+                bridges=len(result.bridges),
+                longest_bridge=max((bridge.length for bridge in result.bridges), default=0.0),
+            )
+            self._audience.show_contours(contours)
+            self._audience.show_status()
+        overlays = self._runner.overlays.take()
+        if overlays is not None and overlays.generation == self._audience.image_generation:
+            self._audience.show_overlays(overlays)
+
+    def _take_snapshot(self, snapshot: Snapshot) -> None:
+        before, state = self._known.phase, snapshot.state
+        held: Phase = "paused" if before == "finished" else before  # gone back from the end of a run
+        self._known = replace(
+            self._known,
+            phase="finished" if state.stop_reason else held,
+            step=state.step,
+            count=len(snapshot.position),
+            scale=state.scale,
+            epsilon=state.epsilon,
+            stop_reason=state.stop_reason,
+            converged=state.converged,
+            steering=state.steering,
+            steps_per_second=snapshot.steps_per_second,
+        )
+        self._audience.show_snapshot(snapshot)
+        now = self._clock()
+        if self._known.phase != "running" or before != "running" or now - self._told_at >= _FIGURES_EVERY:
+            self._told_at = now
+            self._audience.show_status()
+
+    def _take_report(self, report: Report) -> None:
+        match report:
+            case Opened():
+                self._busy.pop("sowing", None)
+                self._audience.accept(report)
+                if report.notes:
+                    self._audience.say(" ".join(report.notes), False)
+            case NotOpened(sentence, otherwise):
+                self._audience.say(sentence, True)
+                if otherwise is not None:
+                    self._audience.open(otherwise)
+            case Failed(generation, sentence):
+                if generation == self._audience.generation:
+                    self._known = replace(self._known, phase="paused" if self._known.count else "ready")
+                    self._audience.say(sentence, True)
+            case WentOn(generation):
+                if generation == self._audience.generation:
+                    self._known = replace(self._known, phase="running")
+            case Sowing(generation, sown, sentence):
+                self._busy.pop("sowing", None)
+                if sentence:
+                    self._audience.say(sentence, True)
+                if generation == self._audience.image_generation:
+                    self._audience.show_sown(sown)
+            case Exported(path):
+                self._audience.say(tr("Written: {path}").format(path=path), False)
+            case Trouble(sentence):
+                self._audience.say(sentence, True)
+            case WarmedUp():
+                self._busy.pop("preparing", None)
+        self._audience.pass_on(report)
+        self._audience.show_status()

@@ -1,0 +1,1 @@
+"""Commands to the worker, by what they concern."""

@@ -1,0 +1,89 @@
+"""The forces on one particle, asked for by a place and worked out on the worker thread."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.session.exchange.error_messages import sentence
+from app.session.exchange.messages import Report
+from app.session.worker.command_context import Workshop
+from app.session.worker.commands.run import Command
+from cpm_core.numerics.polyline import Position
+
+Vector = NDArray[np.float64]
+
+NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
+"""Forces that are told of: attributes of the core's `Forces`."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Probed(Report):
+    """What pulls at a particle.
+
+    Attributes
+    ----------
+    generation, step : int
+        The moment of the run.
+    identity : int
+        Which particle, -1 where there is none near the place asked for.
+    position : tuple of float
+        Where it is [px of the image].
+    forces : mapping
+        By name, (row, col) [px of the image / unit of time^2].
+    """
+
+    generation: int
+    step: int
+    identity: int = -1
+    position: Position = (0.0, 0.0)
+    forces: Mapping[str, Vector] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Probe(Command):
+    """Tell the forces on the particle nearest to a place.
+
+    Attributes
+    ----------
+    generation : int
+        The run.
+    place : tuple of float
+        (row, col) [px of the image].
+    reach : float
+        Distance within which a particle counts [px of the image].
+    """
+
+    generation: int
+    place: Position
+    reach: float
+
+    latest_only = True
+    doing = "working out the forces on a particle"
+
+    def obey(self, shop: Workshop) -> None:
+        """Find it and ask the engine."""
+        engine, state = shop.run.engine, shop.run.state
+        if engine is None or state is None or self.generation != shop.run.generation:
+            shop.report(Probed(self.generation, -1))
+            return
+        position = state.position
+        distance = np.hypot(*(position - self.place).T)
+        nearest = int(distance.argmin()) if len(distance) else -1
+        if nearest < 0 or distance[nearest] > self.reach:
+            shop.report(Probed(self.generation, state.step))
+            return
+        found = engine.forces(state, shop.run.parameters, state.charges, [nearest])
+        size = 2.0**state.scale
+        at = (float(position[nearest, 0]), float(position[nearest, 1]))
+        forces = {name: size * getattr(found, name)[0] for name in NAMES}
+        shop.report(Probed(self.generation, state.step, int(state.particles.identity[nearest]), at, forces))
+
+    def refusal(self, error: Exception) -> Report:
+        """There is none; who points would be told so in every frame, so that nothing is said."""
+        logging.getLogger(__name__).error("%s", sentence(error, self.doing))
+        return Probed(self.generation, -1)

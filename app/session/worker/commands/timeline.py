@@ -1,0 +1,147 @@
+"""Commands and reports of the timeline: going to other steps, branches, and what they are compared by."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from app.model.display.difference import Difference, difference
+from app.session.exchange.messages import Array, Report
+from app.session.worker.command_context import Workshop
+from app.session.worker.commands.run import Command
+from cpm_core.contours.result import Result
+from cpm_core.particles.state import State
+
+
+def _always() -> bool:
+    return True
+
+
+@dataclass(frozen=True, slots=True)
+class Seek(Command):
+    """Hold the run and go to a step of a branch, unless by then somebody wants to be elsewhere."""
+
+    generation: int
+    branch: int
+    step: int
+    wanted: Callable[[], bool] = _always
+
+    latest_only = True
+    doing = "going to another step"
+
+    def obey(self, shop: Workshop) -> None:
+        """Go there."""
+        if self.generation == shop.run.generation:
+            shop.run.go_to(self.branch, self.step, lambda: self.wanted() and not shop.closing())
+
+
+@dataclass(frozen=True, slots=True)
+class RenameBranch(Command):
+    """Give a branch another name."""
+
+    generation: int
+    branch: int
+    name: str
+
+    doing = "renaming a branch"
+
+    def obey(self, shop: Workshop) -> None:
+        """Rename it."""
+        if self.generation == shop.run.generation:
+            shop.run.chronicle.rename(self.branch, self.name)
+            shop.run.tell()
+
+
+@dataclass(frozen=True, slots=True)
+class DropBranch(Command):
+    """Forget a branch."""
+
+    generation: int
+    branch: int
+
+    doing = "deleting a branch"
+
+    def obey(self, shop: Workshop) -> None:
+        """Forget it."""
+        if self.generation == shop.run.generation:
+            shop.run.drop_branch(self.branch)
+
+
+@dataclass(frozen=True, slots=True)
+class SetTimelineBudget(Command):
+    """Let the states of the timeline take so many bytes at most."""
+
+    budget: int
+
+    doing = "making room"
+
+    def obey(self, shop: Workshop) -> None:
+        """Make room."""
+        shop.run.chronicle.set_budget(self.budget)
+        shop.run.tell()
+
+
+@dataclass(frozen=True, slots=True)
+class Compare(Command):
+    """Find what a branch is at a step, for showing it beside another one.
+
+    Attributes
+    ----------
+    generation : int
+        The run.
+    branch : int or None
+        The branch; None for nothing to compare with any more.
+    step : int
+        The step, or the last one of a branch that is shorter.
+    against : Result or None
+        Contours of what is shown, to tell the difference from; None to leave contours alone, which take longer.
+    """
+
+    generation: int
+    branch: int | None
+    step: int
+    against: Result | None = None
+
+    latest_only = True
+    doing = "comparing branches"
+
+    def obey(self, shop: Workshop) -> None:
+        """Find it."""
+        run = shop.run
+        if self.branch is None or self.generation != run.generation:
+            shop.report(Compared(self.generation))
+            return
+        state = run.chronicle.state(self.branch, self.step, lambda: not shop.closing())
+        if state is None:
+            return
+        result = run.result_of(state) if self.against is not None and state.step > 0 else None
+        apart = difference(self.against, result) if self.against is not None and result is not None else None
+        shop.report(Compared(self.generation, self.branch, state, state.position, result, apart))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Compared(Report):
+    """Another branch at the step that is shown, or nothing.
+
+    Attributes
+    ----------
+    generation : int
+        The run.
+    branch : int or None
+        The branch; None for nothing.
+    state : State or None
+        Its state.
+    position : ndarray, shape (N, 2), or None
+        Its particles (row, col) [px of the image].
+    result : Result or None
+        Its contours, where they were asked for.
+    apart : Difference or None
+        How far they lie from those that are shown.
+    """
+
+    generation: int
+    branch: int | None = None
+    state: State | None = None
+    position: Array | None = None
+    result: Result | None = None
+    apart: Difference | None = None

@@ -1,0 +1,119 @@
+"""The worker thread: builds the engine and steps it, obeying commands in order between steps."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections import deque
+
+from app.session.core_functions import Core
+from app.session.exchange.error_messages import sentence
+from app.session.exchange.mailbox import Mailbox
+from app.session.exchange.messages import Failed, Overlays, Report, Snapshot
+from app.session.worker.command_context import Workshop
+from app.session.worker.commands.run import Command, Quit
+from app.session.worker.reconstruction import Reconstructor
+from app.session.worker.run import Run
+
+
+class Runner:
+    """One thread that owns the engine.
+
+    Commands go down through `post`, in order and never lost; snapshots, contours and overlays come up through mailboxes
+    in which the newest wins; the few things that must not be missed come up through `reports`. Nothing here calls back
+    into the window: whoever wants to know looks.
+
+    Parameters
+    ----------
+    core : Core
+        The core's functions.
+    """
+
+    def __init__(self, core: Core | None = None) -> None:
+        self.snapshots: Mailbox[Snapshot] = Mailbox()
+        self.overlays: Mailbox[Overlays] = Mailbox()
+        self.reconstructor = Reconstructor()
+        self._reports: deque[Report] = deque()
+        self._commands: queue.SimpleQueue[Command] = queue.SimpleQueue()
+        self._posted = 0
+        self._obeyed = 0
+        self._waiting = False
+        self._closing = False
+        self._last: dict[type[Command], Command] = {}
+        core = core or Core()
+        self._run = Run(core.engine, self.snapshots, self.overlays, self.reconstructor)
+        self._shop = Workshop(core, self._run, self.report, lambda: self._closing)
+        self._thread = threading.Thread(target=self._work, name="cpm-engine", daemon=True)
+        self._thread.start()
+
+    def post(self, command: Command) -> None:
+        """Send a command; only ever from the window's thread."""
+        self._posted += 1
+        if command.latest_only:
+            self._last[type(command)] = command
+        self._commands.put(command)
+
+    def report(self, report: Report) -> None:
+        """Send a report up, from any thread."""
+        self._reports.append(report)
+
+    def reports(self) -> list[Report]:
+        """Reports since the last call, oldest first."""
+        taken = []
+        while self._reports:
+            taken.append(self._reports.popleft())
+        return taken
+
+    @property
+    def idle(self) -> bool:
+        """Whether every command has been obeyed, nothing steps and everything that was sent up has been taken."""
+        return (
+            self._obeyed == self._posted
+            and self._waiting
+            and self.reconstructor.idle
+            and not (self._reports or self.snapshots or self.overlays or self.reconstructor.results)
+        )
+
+    def close(self) -> None:
+        """Stop between two steps, end both threads and wait for them."""
+        if self._thread.is_alive():
+            self._closing = True
+            self.post(Quit())
+            self._thread.join()
+            self.reconstructor.close()
+
+    def _work(self) -> None:
+        while not isinstance(command := self._next(), Quit):
+            if command is None:
+                self._guarded_step()
+            else:
+                self._guarded_obey(command)
+                self._obeyed += 1
+
+    def _next(self) -> Command | None:
+        """The next command; None when a step is due before one comes."""
+        if not self._run.stepping:
+            self._waiting = True
+            command = self._commands.get()
+            self._waiting = False
+            return command
+        try:
+            wait = self._run.pacer.wait()
+            return self._commands.get(timeout=wait) if wait > 0 else self._commands.get_nowait()
+        except queue.Empty:
+            return None
+
+    def _guarded_step(self) -> None:
+        try:
+            self._run.step()
+        except Exception as error:  # the thread's outermost frame: whatever happens must not end it
+            self._run.halt()
+            self._reports.append(Failed(self._run.generation, sentence(error, "taking a step")))
+
+    def _guarded_obey(self, command: Command) -> None:
+        if command.latest_only and command is not self._last[type(command)]:
+            return
+        try:
+            command.obey(self._shop)
+        except Exception as error:  # the thread's outermost frame: whatever happens must not end it
+            self._reports.append(command.refusal(error))
