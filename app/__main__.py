@@ -36,7 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _open_window(path: str | None) -> int:
     # Qt is imported only here, so that the command line works where there is none.
     try:
-        from app.views.display import why_no_window
+        from app.views.window.display import why_no_window
 
         reason = why_no_window()
         if reason:

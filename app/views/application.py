@@ -12,10 +12,10 @@ from PySide6.QtWidgets import QApplication
 
 from app.model.document.samples import samples
 from app.session.session import Session
-from app.views.icons import program_icon
+from app.views.features.file.recovery import RecoveryPart
+from app.views.features.help.helping import HelpingPart
 from app.views.main_window import MainWindow
-from app.views.parts.helping import HelpingPart
-from app.views.parts.recovery import RecoveryPart
+from app.views.theme.icons import program_icon
 
 SWITCH_INTERVAL = 0.0002
 """Longest time that the worker keeps the window waiting for the interpreter [s]."""

@@ -12,23 +12,23 @@ from PySide6.QtWidgets import QAbstractButton, QMainWindow
 from app.model.text.language import tr
 from app.session.session import Session
 from app.session.storage.preferences import Preferences
-from app.views import theme
-from app.views.actions import Actions
-from app.views.docks import Docks
-from app.views.entry import Entry
-from app.views.garbage import GarbageCollector
-from app.views.menus import Menus
-from app.views.part import Desk, Part
-from app.views.parts import PARTS
-from app.views.parts.files import FilesPart
-from app.views.parts.looks import LooksPart
-from app.views.parts.parameters import ParametersPart
-from app.views.parts.recovery import RecoveryPart
-from app.views.parts.running import RunningPart
-from app.views.pointer_readout import PointerReadout
-from app.views.stage import Stage
-from app.views.tool_bar import ToolBar
-from app.views.tool_palette import ToolPalette
+from app.views.canvas.pointer_readout import PointerReadout
+from app.views.canvas.stage import Stage
+from app.views.features import PARTS
+from app.views.features.file.files import FilesPart
+from app.views.features.file.recovery import RecoveryPart
+from app.views.features.run.parameters import ParametersPart
+from app.views.features.run.running import RunningPart
+from app.views.features.view.looks import LooksPart
+from app.views.theme import theme
+from app.views.widgets.actions import Actions
+from app.views.widgets.entry import Entry
+from app.views.window.docks import Docks
+from app.views.window.garbage import GarbageCollector
+from app.views.window.menus import Menus
+from app.views.window.part import Desk, Part
+from app.views.window.tool_bar import ToolBar
+from app.views.window.tool_palette import ToolPalette
 
 P = TypeVar("P", bound=Part)
 

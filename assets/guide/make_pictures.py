@@ -14,8 +14,8 @@ from PySide6.QtCore import QDeadlineTimer, QEventLoop, Qt
 from app.model.document import edits
 from app.model.document.samples import sample_called
 from app.views.application import make_application, open_window
+from app.views.features.file.files import FilesPart
 from app.views.main_window import MainWindow
-from app.views.parts.files import FilesPart
 from cpm_core.shapes import Region
 
 HERE = Path(__file__).parent

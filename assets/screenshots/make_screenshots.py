@@ -22,11 +22,11 @@ from PySide6.QtWidgets import QWidget
 from app.model.document import edits
 from app.model.document.samples import sample_called
 from app.session.features.timeline_navigation import travel_of
-from app.views import theme
 from app.views.application import make_application, open_window
+from app.views.features.file.files import FilesPart
+from app.views.features.view.mosaic import MosaicPart
 from app.views.main_window import MainWindow
-from app.views.parts.files import FilesPart
-from app.views.parts.mosaic import MosaicPart
+from app.views.theme import theme
 from cpm_core.shapes import Barrier, Charge
 
 HERE = Path(__file__).parent

@@ -16,9 +16,9 @@ from pytestqt.qtbot import QtBot
 
 from app.model.document import edits
 from app.session.session import Session
-from app.views import unsaved
 from app.views.application import make_application
 from app.views.main_window import MainWindow
+from app.views.window import unsaved
 from cpm_core.shapes import Circle
 
 SIDE = 64
@@ -100,7 +100,7 @@ def qapp_cls() -> type[QApplication]:
 
 @pytest.fixture(scope="package", autouse=True)
 def garbage_is_collected_by_hand() -> Iterator[None]:
-    """What is left of a window is not to be destroyed by a thread of a later test; see `app.views.garbage`."""
+    """What is left of a window is not to be destroyed by a thread of a later test; see `app.views.window.garbage`."""
     gc.disable()
     yield
     gc.enable()

@@ -15,13 +15,13 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QFileDialog
 
 from app.session.tasks.tasks import Task
-from app.views import theme
-from app.views.animation_dialog import AnimationDialog, AnimationPlan
-from app.views.parts.animation import AnimationPart
-from app.views.parts.tasks import TasksPart
-from app.views.parts.timeline import TimelinePart
-from app.views.step_choice import evenly, every, written
-from app.views.strip_dialog import StripDialog
+from app.views.features.run.tasks import TasksPart
+from app.views.features.run.timeline import TimelinePart
+from app.views.features.view.animation import AnimationPart
+from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
+from app.views.film.step_choice import evenly, every, written
+from app.views.film.strip_dialog import StripDialog
+from app.views.theme import theme
 
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton

@@ -16,8 +16,8 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem
 from app.model.display.colouring import QUANTITIES, SHADES, Births, age, coloured, convergence, speed
 from app.model.display.round_numbers import round_down, round_up
 from app.session.worker.run_record import Recorder
-from app.views import colour_maps, theme
-from app.views.discs import Discs
+from app.views.canvas.items.discs import Discs
+from app.views.theme import colour_maps, theme
 from cpm_core import Engine, Parameters
 from cpm_core.dynamics.equilibrium import epsilon
 from cpm_core.particles.coverage import unvisited

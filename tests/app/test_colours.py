@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.views import theme
+from app.views.theme import theme
 from cpm_core.cli.figures import drawing
 
 

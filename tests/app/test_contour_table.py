@@ -14,10 +14,10 @@ from PySide6.QtWidgets import QLineEdit, QMenu
 
 from app.model.document import edits
 from app.session.exchange.contour_tracking import Surveyor
+from app.views.features.contours.contours import ContoursPart
 from app.views.main_window import MainWindow
 from app.views.panels.contour_table.columns import COLUMNS, NAME
 from app.views.panels.contour_table.view import ContourTable
-from app.views.parts.contours import ContoursPart
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
 

@@ -7,9 +7,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QMainWindow, QTabBar, QToolButton
 
 from app.session.storage.preferences import Preferences
-from app.views.docks import Docks
 from app.views.main_window import MainWindow
-from app.views.part import Panel
+from app.views.window.docks import Docks
+from app.views.window.part import Panel
 
 SIX = ("Parameters", "Layers", "Contours", "History", "Truth", "Mosaic")
 

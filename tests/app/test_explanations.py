@@ -7,9 +7,9 @@ from PySide6.QtCore import Qt
 
 from app.model.parameters.controls import controls
 from app.model.text.wording import WORDS, rich
-from app.views.panels.drawings import DRAWINGS
-from app.views.panels.parameter_drawing import ParameterDrawing
-from app.views.parts.preferring import PreferringPart
+from app.views.features.file.preferring import PreferringPart
+from app.views.panels.parameters.drawings import DRAWINGS
+from app.views.panels.parameters.parameter_drawing import ParameterDrawing
 from cpm_core.parameters import PARAMETERS
 
 CONTROLS = {control.name: control for control in controls()}

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from app.model.display.flow_lines import Seen, flow_lines
 from app.model.display.iso_lines import LINES, iso_lines
 from app.model.display.shades import of_potential
-from app.views.layers.field import line_points
+from app.views.canvas.layers.fields.field import line_points
 
 SIDE = 120
 ROW, COL = np.indices((SIDE, SIDE)) - (SIDE - 1) / 2

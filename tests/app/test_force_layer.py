@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.session.worker.commands.forces import NAMES, Probe
-from app.views.layers.forces import KINDS
+from app.views.canvas.layers.particles.forces import KINDS
 
 
 @pytest.fixture

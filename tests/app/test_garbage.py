@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import pytest
 
-from app.views.garbage import GarbageCollector
+from app.views.window.garbage import GarbageCollector
 
 
 class Knot:

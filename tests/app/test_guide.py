@@ -11,9 +11,9 @@ from PySide6.QtCore import Qt, QUrl
 
 from app.model.document.samples import sample_called
 from app.model.text.assets import asset
-from app.views.guide import KEYS, Guide
-from app.views.guide_pages import PAGES
-from app.views.parts.helping import HelpingPart
+from app.views.features.help.helping import HelpingPart
+from app.views.help.guide import KEYS, Guide
+from app.views.help.guide_pages import PAGES
 
 TEXTS = {
     page.name: [page.opening, *(step.text for step in page.steps), *page.remarks] for page in PAGES

@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.session.session import Session
-from app.views.layers.options import Amount, Choice, Switch
+from app.views.canvas.layers.options import Amount, Choice, Switch
 from app.views.main_window import MainWindow
 
 

@@ -14,8 +14,8 @@ from app.model.document.modes import MODES, mode_called, use_mode
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step
 from app.model.state.status import RunStatus
-from app.views.layers.skeleton import by_thickness, disks
-from app.views.parts import modes as modes_part
+from app.views.canvas.layers.contours.skeleton import by_thickness, disks
+from app.views.features.edit import modes as modes_part
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Barrier, Circle, Everywhere
 

@@ -14,10 +14,10 @@ from app.model.display.mosaic import Axis, in_text, pick, plan, read_values, sen
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.parameters.controls import controls, slider_range, value_of
+from app.views.features.view.mosaic import MosaicPart
 from app.views.main_window import MainWindow
 from app.views.mosaic import MosaicDialog
 from app.views.mosaic.enlarged import EnlargedTile
-from app.views.parts.mosaic import MosaicPart
 from cpm_core import Engine, Parameters, segment
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Charge

@@ -25,9 +25,9 @@ from PySide6.QtWidgets import QDockWidget
 from app.model.document import edits
 from app.session.session import Session
 from app.views.application import make_application
-from app.views.layers.layer import Layer
+from app.views.canvas.layers.layer import Layer
+from app.views.features.file.files import FilesPart
 from app.views.main_window import MainWindow
-from app.views.parts.files import FilesPart
 from cpm_core import Parameters, uniform_grid
 from cpm_core.shapes import Circle, Points
 

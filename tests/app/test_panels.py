@@ -14,10 +14,10 @@ from app.model.state.resolve import resolve
 from app.model.state.situation import Situation
 from app.model.state.status import RunStatus
 from app.session.exchange.messages import Trace
-from app.views.curves import pieces
-from app.views.help import show_about
-from app.views.layers.field import ARROW_SPACING, arrow_lines, arrows
-from app.views.panels.plot import PlotPanel
+from app.views.canvas.items.curves import pieces
+from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
+from app.views.help.help import show_about
+from app.views.panels.run.plot import PlotPanel
 from cpm_core import Parameters
 
 

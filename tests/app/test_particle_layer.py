@@ -9,8 +9,8 @@ import pytest
 from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
-from app.views import theme
-from app.views.discs import Discs
+from app.views.canvas.items.discs import Discs
+from app.views.theme import theme
 
 HEIGHT, WIDTH = 120, 200
 LARGEST = 6.0

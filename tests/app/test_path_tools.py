@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
-from app.views.parts.running import RunningPart
+from app.views.features.run.running import RunningPart
 from cpm_core import Regions
 from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Region, Stroke

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from app.model.display.plots import PLOTS, figure
 from app.session.exchange.messages import Trace
 from app.session.worker.run_record import Recorder
-from app.views.panels.plot import PlotPanel
+from app.views.panels.run.plot import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc
 

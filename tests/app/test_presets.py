@@ -13,10 +13,10 @@ from PySide6.QtGui import QImage, QPixmap
 
 from app.model.parameters.presets import Preset, built_in, checked_name, read, written
 from app.session.storage.presets import PresetStore
-from app.views import preset_dialogs as dialogs
-from app.views.panels.preset_gallery import PresetGallery
-from app.views.parts.parameters import ParametersPart
-from app.views.preset_picture import PICTURE, picture_of
+from app.views.features.run.parameters import ParametersPart
+from app.views.presets import preset_dialogs as dialogs
+from app.views.presets.preset_gallery import PresetGallery
+from app.views.presets.preset_picture import PICTURE, picture_of
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 
 OWN = Preset("Mine & yours ‹1›", Parameters(beta=1.25, smoothing="auto", scales=2), "For tests.", b"\x89PNG")

@@ -16,8 +16,8 @@ from PySide6.QtWidgets import QMessageBox
 from app.model.document import edits
 from app.session.storage.autosave import KEY, folder_of_journals, lock_of
 from app.session.storage.recovery import left_behind
-from app.views.parts.files import FilesPart
-from app.views.parts.recovery import RecoveryPart
+from app.views.features.file.files import FilesPart
+from app.views.features.file.recovery import RecoveryPart
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 
@@ -164,7 +164,7 @@ from PySide6.QtCore import QSettings, QTimer
 from app.model.document import edits
 from app.views.application import make_application, open_window
 from cpm_core.shapes import Circle
-from app.views.parts.recovery import RecoveryPart
+from app.views.features.file.recovery import RecoveryPart
 
 QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, sys.argv[1])
 application = make_application()

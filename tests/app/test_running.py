@@ -12,7 +12,7 @@ from PySide6.QtGui import QImage
 
 from app.model.display.shades import of_edge_map
 from app.model.document import edits
-from app.views.parts.running import RunningPart
+from app.views.features.run.running import RunningPart
 from cpm_core import Engine, Parameters
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Circle

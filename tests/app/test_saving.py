@@ -15,11 +15,11 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMe
 
 from app.model.document import edits
 from app.model.parameters.presets import Preset
-from app.views import theme
+from app.views.features.file.files import FilesPart
+from app.views.features.run.parameters import ParametersPart
 from app.views.main_window import MainWindow
-from app.views.parts.files import FilesPart
-from app.views.parts.parameters import ParametersPart
-from app.views.recent_files import MOST
+from app.views.theme import theme
+from app.views.window.recent_files import MOST
 from cpm_core import Parameters
 from cpm_core.contours.review import Mark
 from cpm_core.formats.sessions.session_file import load_session

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.model.display.lengths import bar
-from app.views.layers.scale_bar import LONGEST
+from app.views.canvas.layers.image.scale_bar import LONGEST
 from cpm_core.image.image import Image
 
 METRES = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}

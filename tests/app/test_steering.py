@@ -10,8 +10,8 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.session.worker.commands.timeline import SetTimelineBudget
-from app.views.parts.running import RunningPart
-from app.views.parts.timeline import TimelinePart
+from app.views.features.run.running import RunningPart
+from app.views.features.run.timeline import TimelinePart
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
 

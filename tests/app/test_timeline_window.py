@@ -13,10 +13,10 @@ from app.session.worker.command_context import Workshop
 from app.session.worker.commands.run import Command
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
-from app.views.parts.preferring import PreferringPart
-from app.views.parts.running import RunningPart
-from app.views.parts.timeline import BUDGET, TimelinePart
-from app.views.preferences_dialog import PreferencesDialog
+from app.views.features.file.preferring import PreferringPart
+from app.views.features.run.running import RunningPart
+from app.views.features.run.timeline import BUDGET, TimelinePart
+from app.views.window.preferences_dialog import PreferencesDialog
 from cpm_core import Engine, Parameters
 from cpm_core.particles.initialization import circle
 from cpm_core.particles.state import State

@@ -7,8 +7,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
 from app.model.document import edits
-from app.views.cheat_sheet import CheatSheet
-from app.views.tools import TOOLS
+from app.views.canvas.tools import TOOLS
+from app.views.help.cheat_sheet import CheatSheet
 from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
 
 KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier

@@ -11,7 +11,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
 from app.model.document import edits
-from app.views.tools import TOOLS
+from app.views.canvas.tools import TOOLS
 from cpm_core import edge_map
 from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold

@@ -6,8 +6,8 @@ import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
 
 from app.views.application import open_window
-from app.views.parts.helping import SEEN, HelpingPart
-from app.views.tour import Tour
+from app.views.features.help.helping import SEEN, HelpingPart
+from app.views.help.tour import Tour
 
 
 @pytest.fixture

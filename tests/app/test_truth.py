@@ -13,8 +13,8 @@ from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.differences import differences
 from app.session.exchange.latest_only import Latest
+from app.views.features.contours.truth import TruthPart
 from app.views.main_window import MainWindow
-from app.views.parts.truth import TruthPart
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import truth_of_contours

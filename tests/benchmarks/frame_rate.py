@@ -30,8 +30,8 @@ from app.session.core_functions import Core
 from app.session.exchange.messages import Snapshot
 from app.session.session import FRAME, Session
 from app.views.application import make_application
+from app.views.features.file.files import FilesPart
 from app.views.main_window import MainWindow
-from app.views.parts.files import FilesPart
 from cpm_core.contours.result import Result
 from cpm_core.particles.initialization import uniform_grid
 from cpm_core.particles.state import Particles

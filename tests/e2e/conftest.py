@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import QSettings
 
-from app.views import unsaved
+from app.views.window import unsaved
 
 
 @pytest.fixture(autouse=True)

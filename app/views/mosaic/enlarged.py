@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLabel, QVBoxLayout, QW
 
 from app.model.text.language import tr
 from app.session.features.parameter_sweep import Done
-from app.views import theme
 from app.views.mosaic.picture import Picture
 from app.views.mosaic.tile import words
+from app.views.theme import theme
 
 
 class EnlargedTile(QDialog):

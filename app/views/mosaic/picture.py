@@ -10,8 +10,8 @@ from PySide6.QtCore import QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QTransform
 
 from app.model.display.shades import Shades
-from app.views import theme
-from app.views.coordinates import to_xy
+from app.views.canvas.coordinates import to_xy
+from app.views.theme import theme
 from cpm_core.contours.contour import Contour
 
 _LINE, _HALO = 1.8, 3.2

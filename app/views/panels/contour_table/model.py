@@ -8,9 +8,9 @@ from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersisten
 from PySide6.QtGui import QColor, QFont, QGuiApplication, QPalette
 
 from app.session.features.contour_review import Curation, Item
-from app.views import theme
-from app.views.icons import swatch
 from app.views.panels.contour_table.columns import COLUMNS, NAME
+from app.views.theme import theme
+from app.views.theme.icons import swatch
 
 Index = QModelIndex | QPersistentModelIndex
 Role = Qt.ItemDataRole

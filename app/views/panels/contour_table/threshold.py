@@ -10,7 +10,7 @@ from PySide6.QtCore import QRectF, QSize, Signal
 from PySide6.QtGui import QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
-from app.views.panels.marked_slider import MarkedSlider
+from app.views.widgets.marked_slider import MarkedSlider
 
 _BINS = 40
 _STEP = 1 / 200

@@ -1,0 +1,147 @@
+"""The cross-hair: what keys move on the image in place of the pointer, so that every tool can be used without one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QCursor
+
+from app.model.text.language import tr
+from app.views.canvas.canvas import Canvas
+from app.views.canvas.coordinates import to_xy
+from app.views.canvas.items.pens import line_pen
+from app.views.theme import theme
+from cpm_core.numerics.polyline import Position
+
+_Z = 9.0
+_ARM, _GAP = 18.0, 4.0
+"""How far its lines reach, and how far from the place itself they begin [px of the screen]."""
+
+_FINE = 0.5
+"""How far off still counts for a tool that works by clicks [px of the image]: keys tell a place without trembling."""
+
+_MARGIN = 24.0
+"""How near to the edge of what is seen it may come before the image is moved [px of the screen]."""
+
+
+class Crosshair:
+    """Presses, drags and lets go on the canvas as the left button does.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        Where it lies.
+    changed : callable
+        Told that `advice` may have changed.
+    """
+
+    def __init__(self, canvas: Canvas, changed: Callable[[], None]) -> None:
+        self._canvas = canvas
+        self._changed = changed
+        self._at: Position | None = None
+        self._halo = pg.PlotCurveItem(pen=line_pen(theme.HALO, 4.0), antialias=False)
+        self._lines = pg.PlotCurveItem(pen=line_pen(theme.CHOSEN, 1.6), antialias=False)
+        for index, item in enumerate((self._halo, self._lines)):
+            item.setZValue(_Z + 0.1 * index)
+            item.setVisible(False)
+            canvas.view.addItem(item, ignoreBounds=True)
+        canvas.view.sigRangeChanged.connect(self._draw)
+        canvas.taken.connect(self.hide)
+
+    @property
+    def at(self) -> Position | None:
+        """Where it lies, (row, col); None while it is hidden."""
+        return self._at
+
+    @property
+    def advice(self) -> str:
+        """One sentence on what keys do with the tool in use."""
+        tool = self._canvas.tool
+        if self._at is None or tool is None:
+            return ""
+        told = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} Esc puts it away.")
+        return told.format(what=tool.by_keys)
+
+    def toggle(self) -> None:
+        """Show it, or put it away."""
+        if self._at is None:
+            self.show()
+        else:
+            self.hide()
+
+    def show(self) -> None:
+        """Show it under the pointer, or in the middle of what is seen."""
+        canvas = self._canvas
+        shape = canvas.shape
+        if shape is None:
+            return
+        inside = canvas.mapFromGlobal(QCursor.pos())
+        under = canvas.underMouse() and canvas.rect().contains(inside)
+        at = canvas.position((inside if under else canvas.rect().center()).toPointF())
+        row, col = (min(max(round(place), 0), n - 1) for place, n in zip(at, shape, strict=True))
+        self._place((float(row), float(col)))
+        canvas.setFocus()
+
+    def hide(self) -> None:
+        """Put it away."""
+        if self._at is not None:
+            if self._canvas.dragging:
+                self._canvas.cancel()
+            self._at = None
+            self._canvas.led_by_keys = False
+            self._canvas.leave()
+            self._draw()
+            self._changed()
+
+    def move(self, down: float, right: float) -> None:
+        """Move it by px of the image, and what is being dragged with it."""
+        if self._at is not None:
+            self._place((self._at[0] + down, self._at[1] + right))
+
+    def enter(self) -> None:
+        """Press, let go, or both, as the tool works."""
+        canvas, at = self._canvas, self._at
+        tool = canvas.tool
+        if at is None or tool is None:
+            return
+        if canvas.dragging:
+            canvas.let_go()
+        elif tool.clicks and not canvas.grips(at):
+            canvas.press_at(at, _FINE)
+            canvas.let_go()
+        else:
+            canvas.press_at(at)
+        self._changed()
+
+    def _place(self, at: Position) -> None:
+        canvas = self._canvas
+        canvas.led_by_keys, self._at = True, at
+        point, seen = canvas.point(at), canvas.rect()
+        canvas.pan(
+            _beyond(point.x(), seen.left() + _MARGIN, seen.right() - _MARGIN),
+            _beyond(point.y(), seen.top() + _MARGIN, seen.bottom() - _MARGIN),
+        )
+        canvas.bend(Qt.KeyboardModifier.NoModifier)
+        canvas.lead_to(at)
+        self._draw()
+        self._changed()
+
+    def _draw(self, *_: object) -> None:
+        for item in (self._halo, self._lines):
+            item.setVisible(self._at is not None)
+        if self._at is None:
+            return
+        size = self._canvas.view.viewPixelSize()
+        directions = np.array([(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
+        ends = np.array([_GAP, _ARM])[None, :, None] * directions[:, None] * (size[1], size[0])
+        x, y = to_xy((np.array(self._at) + ends).reshape(-1, 2))
+        for item in (self._halo, self._lines):
+            item.setData(x, y, connect="pairs")
+
+
+def _beyond(place: float, first: float, last: float) -> float:
+    """How far a place lies outside two bounds, less than 0 before the first."""
+    return min(place - first, 0.0) + max(place - last, 0.0)

@@ -1,0 +1,1 @@
+"""What a plot is made of: curves, discs, markers, labels and their pens."""

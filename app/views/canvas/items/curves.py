@@ -1,0 +1,138 @@
+"""Curves on the canvas, drawn once and kept until they change."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPainterPath
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from app.views.canvas.coordinates import image_rectangle, to_xy
+from app.views.canvas.items.pens import cached, line_pen
+from app.views.theme import theme
+from cpm_core.numerics.polyline import coarser
+
+Array = NDArray[np.float64]
+
+_RIM = 4.0
+_PIECE = 64
+_UNSEEN = 0.1
+"""Distance off a line at which a corner is not seen [px of the screen]."""
+
+_STEPS = 2
+"""Zooms, for each time as large, at which it is told anew what cannot be seen; in between a little more is drawn."""
+
+_WIDEST = 12.0
+"""Room that the widest line takes beside its corners [px of the screen]."""
+
+_MANY = 100
+"""Pieces in sight from which on the painter must be spared."""
+
+_DASHES = (2.5, 1.8)
+
+
+class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """Curves of one colour with a dark halo.
+
+    Each is drawn in pieces of its own: the time that Qt takes for a wide line grows much faster than its length.
+
+    Parameters
+    ----------
+    colour : str
+        Colour.
+    z : float
+        Place in the pile of layers.
+    width, halo : float
+        Widths of the line and of what is dark around it, 0 for nothing dark [px of the screen].
+    dashed : bool
+        Whether the colour is interrupted.
+    """
+
+    def __init__(self, colour: str, z: float, width: float = 2.0, halo: float = 3.6, dashed: bool = False) -> None:
+        super().__init__()
+        pen = line_pen(colour, width)
+        if dashed:
+            pen.setDashPattern(_DASHES)
+            pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+        self._pens = (line_pen(theme.HALO, halo), pen) if halo else (pen,)
+        self._room = QRectF()
+        self._paths: Sequence[Array] = ()
+        self._pieces: list[QPainterPath] = []
+        self._boxes = boxes([])
+        self._made_for = 0.0
+        self._wanted = True
+        self.count = 0
+        self.setZValue(z)
+        self.setVisible(False)
+        cached(self)
+
+    def use_shape(self, shape: tuple[int, ...], rim: float = _RIM) -> None:
+        """Make room for an image of this shape and, all around, for a rim of so many px of the image."""
+        self.prepareGeometryChange()
+        self._room = image_rectangle(shape).adjusted(-rim, -rim, rim, rim)
+
+    def show(self, paths: Sequence[Array]) -> None:
+        """Show curves, each of shape (K, 2)."""
+        if paths or self.count:
+            self.count = len(paths)
+            self._paths, self._made_for = paths, 0.0
+            self.update()
+            self.set_wanted(self._wanted)
+
+    def set_wanted(self, wanted: bool) -> None:
+        """Say whether the curves are to be seen; where there are none, nothing is drawn in any frame."""
+        self._wanted = wanted
+        self.setVisible(wanted and self.count > 0)
+
+    def boundingRect(self) -> QRectF:
+        """Room that may be drawn on."""
+        return self._room
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw the halos, then the curves."""
+        painter.setBrush(QColor(0, 0, 0, 0))
+        zoom = painter.worldTransform().m11() * painter.device().devicePixelRatioF()
+        self._make_pieces(2.0 ** (math.ceil(_STEPS * math.log2(zoom)) / _STEPS))
+        seen = self._in_sight(painter, zoom)
+        for pen in self._pens:
+            # Of many halos nobody sees whether they are smooth; the lines upon them are.
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing, pen is self._pens[-1] or len(seen) < _MANY)
+            painter.setPen(pen)
+            for index in seen:
+                painter.drawPath(self._pieces[index])
+
+    def _make_pieces(self, zoom: float) -> None:
+        """Leave out what cannot be told apart where a px of the image is `zoom` pixels of the screen: it takes long."""
+        if self._made_for != zoom:
+            self._made_for = zoom
+            seen = [piece for path in coarser(self._paths, _UNSEEN / zoom) for piece in pieces(path)]
+            self._pieces = [pg.arrayToQPath(*to_xy(piece)) for piece in seen]
+            self._boxes = boxes(seen)
+
+    def _in_sight(self, painter: QPainter, zoom: float) -> list[int]:
+        """Pieces that reach into what is painted: the painter takes as long for the others."""
+        device, (inverse, _) = painter.device(), painter.worldTransform().inverted()
+        seen, rim = inverse.mapRect(QRectF(0.0, 0.0, device.width(), device.height())), _WIDEST / zoom
+        (top, left), (bottom, right) = self._boxes
+        rows = (bottom >= seen.top() - rim) & (top <= seen.bottom() + rim)
+        return np.flatnonzero(rows & (right >= seen.left() - rim) & (left <= seen.right() + rim)).tolist()
+
+
+def pieces(path: Array) -> Iterator[Array]:
+    """Pieces of a path that overlap by a segment, so that no joint is left open."""
+    for begin in range(0, max(len(path) - 1, 1), _PIECE):
+        yield np.ascontiguousarray(path[max(begin - 1, 0) : begin + _PIECE + 1])
+
+
+def boxes(paths: Sequence[Array]) -> tuple[Array, Array]:
+    """Upper left and lower right corners of the boxes around paths, each (row, col), shape (2, P)."""
+    if not paths:
+        return np.empty((2, 0)), np.empty((2, 0))
+    corners = np.concatenate(paths)
+    first = np.concatenate([[0], np.cumsum([len(path) for path in paths])[:-1]])
+    return np.minimum.reduceat(corners, first).T, np.maximum.reduceat(corners, first).T

@@ -1,0 +1,137 @@
+"""Discs on the canvas, many of them, drawn anew in every frame and therefore made to be fast."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+from pyqtgraph.Qt import internals
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from app.views.canvas.coordinates import image_rectangle, to_xy
+
+Array = NDArray[np.float64]
+
+_SMALLEST = 2.4
+"""Least diameter of a disc [px of the screen]."""
+
+_SPAN = 2.4
+"""Diameter of a disc [px of the image], a little more than the spacing of the particles."""
+
+Marks = NDArray[np.uint8]
+
+NO_POSITIONS: Array = np.empty((0, 2))
+
+_RIM = 16.0
+"""Room around the image for particles on its border [px of the image]."""
+
+
+class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """Discs of one colour or of a palette, as large as the image is enlarged, within bounds: they hide next to nothing.
+
+    All are stamps of one picture, in which the colours stand side by side, in a single call of the painter. A scatter
+    plot of pyqtgraph does the same, but only after some milliseconds of book-keeping for symbols that differ.
+
+    Parameters
+    ----------
+    colour : str
+        Colour.
+    diameter : float
+        Largest diameter [px of the screen].
+    z : float
+        Place in the pile of layers.
+    """
+
+    def __init__(self, colour: str, diameter: float, z: float) -> None:
+        super().__init__()
+        self._own = (colour,)
+        self._colours: Sequence[str] = self._own
+        self._diameter = diameter
+        self._room = QRectF()
+        self._position = np.empty((0, 2))
+        self._marks: Marks | None = None
+        self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)
+        self._stamp = QPixmap()
+        self._stamped: tuple[object, ...] = ()
+        self.setZValue(z)
+
+    @property
+    def count(self) -> int:
+        """Number of discs."""
+        return len(self._position)
+
+    def use_shape(self, shape: tuple[int, ...], rim: float = _RIM) -> None:
+        """Make room for an image of this shape and, all around, for a rim of so many px of the image."""
+        self.prepareGeometryChange()
+        self._room = image_rectangle(shape).adjusted(-rim, -rim, rim, rim)
+
+    def use_palette(self, colours: Sequence[str] = ()) -> None:
+        """Draw in these colours, by default in the one of its own; the discs are to be shown anew."""
+        self._colours = tuple(colours) or self._own
+
+    def show(self, position: Array, colour: Marks | None = None) -> None:
+        """Show discs at (row, col), shape (N, 2), each in the colour of the palette that its number says."""
+        if len(position) or len(self._position):
+            self._position, self._marks = position, colour
+            self.update()
+
+    def boundingRect(self) -> QRectF:
+        """Room that may be drawn on."""
+        return self._room
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Stamp them all."""
+        if not len(self._position):
+            return
+        device = painter.device()
+        ratio = device.devicePixelRatioF()
+        transform = painter.worldTransform()
+        stamp = self._stamp_for(ratio, transform.m11())
+        origin = transform.map(QPointF(0.0, 0.0))
+        x, y = to_xy(self._position)
+        x, y = origin.x() + x * transform.m11(), origin.y() + y * transform.m22()
+        # The painter takes as long for a stamp that is not seen as for one that is.
+        side = stamp.height()
+        reach = side / ratio
+        seen = (x > -reach) & (x < device.width() + reach) & (y > -reach) & (y < device.height() + reach)
+        marks = self._marks
+        if not seen.all():
+            x, y, marks = x[seen], y[seen], marks if marks is None else marks[seen]
+        self._stamps.resize(len(x))
+        table = self._stamps.ndarray()
+        table[:, 0] = x
+        table[:, 1] = y
+        table[:, 2] = 0.0 if marks is None else marks * float(side)
+        table[:, 3] = 0.0
+        table[:, 4:6] = side
+        table[:, 6:8] = 1.0 / ratio
+        table[:, 8] = 0.0
+        table[:, 9] = 1.0
+        painter.save()
+        painter.resetTransform()
+        painter.drawPixmapFragments(*self._stamps.drawargs(), stamp)  # type: ignore[call-arg]  # pointer and length
+        painter.restore()
+
+    def _stamp_for(self, ratio: float, zoom: float) -> QPixmap:
+        """The discs of all colours for a screen with `ratio` pixels to a point and an image enlarged by `zoom`."""
+        diameter = round(ratio * min(self._diameter, max(_SMALLEST, _SPAN * zoom)), 1)
+        if self._stamped != (diameter, ratio, self._colours):
+            self._stamped = (diameter, ratio, self._colours)
+            side = math.ceil(diameter + 2.0 * ratio)
+            self._stamp = QPixmap(side * len(self._colours), side)
+            self._stamp.fill(Qt.GlobalColor.transparent)
+            painter = QPainter(self._stamp)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            # A rim sets large discs off from each other; around small ones it would be all that is seen.
+            strength = round(190 * min(1.0, max(0.0, (diameter / ratio - _SMALLEST) / 3.0)))
+            painter.setPen(QPen(QColor(0, 0, 0, strength), 0.9 * ratio) if strength else Qt.PenStyle.NoPen)
+            for index, colour in enumerate(self._colours):
+                painter.setBrush(QColor(colour))
+                painter.drawEllipse(QPointF((index + 0.5) * side, side / 2), diameter / 2, diameter / 2)
+            painter.end()
+        return self._stamp

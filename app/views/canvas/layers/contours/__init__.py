@@ -1,0 +1,1 @@
+"""What has been found: contours, skeleton, and a truth to compare with."""

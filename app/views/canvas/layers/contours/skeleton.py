@@ -1,0 +1,102 @@
+"""The layer of the skeleton: its branches coloured by how thick the object is there, and disks that touch its rim."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.model.display.shades import Shades
+from app.model.text.language import tr
+from app.session.session import Session
+from app.views.canvas.items.curves import Curves
+from app.views.canvas.layers.layer import Layer
+from app.views.theme import theme
+from cpm_core.image.image import Image
+from cpm_core.medial_axis.skeleton import Skeleton
+
+Array = NDArray[np.float64]
+
+_THICK = 95.0
+"""Percentile of the radii from which on all are shown as thick: a single wide place must not make all others thin."""
+
+_DISK_EVERY, _CORNERS = 1.0, 48
+"""Distance of two disks along a branch, in radii; and corners of the line that stands for one."""
+
+
+class SkeletonLayer(Layer):
+    """Shows branches and radii."""
+
+    name = "skeleton"
+    title = tr("Skeleton")
+    tip = tr("Middle lines, from thin to thick, and disks that touch the rim.")
+    colours = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
+
+    def __init__(self, view: object, session: Session) -> None:
+        super().__init__(view, session)
+        self._branches = [Curves(colour, 4.6 + 0.01 * n, width=2.6, halo=4.4)
+                          for n, colour in enumerate(theme.THICKNESSES)]  # fmt: skip
+        self._disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
+        self._lines = (self._disks, *self._branches)
+        self.add(*self._lines)
+        session.image_changed.connect(self._use_image)
+        session.skeletons.changed.connect(self._show)
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Pieces of branches, and disks shown."""
+        return sum(item.count for item in self._branches), self._disks.count
+
+    def show_or_hide(self) -> None:
+        """Show or hide them all."""
+        for item in self._lines:
+            item.set_wanted(self.shown)
+
+    def _use_image(self, _: Image, shades: Shades) -> None:
+        for item in self._lines:
+            item.use_shape(shades.shape)
+
+    def _show(self, found: Skeleton | None) -> None:
+        pieces: list[list[Array]] = [[] for _ in self._branches]
+        circles: list[Array] = []
+        if found is not None and found.contours:
+            thickest = max(float(np.percentile(np.concatenate(found.radii), _THICK)), 1e-9)
+            for contour, radii in zip(found.contours, found.radii, strict=True):
+                path, along = contour.path, np.append(radii, radii[0]) if contour.closed else radii
+                for level, piece in by_thickness(path, along / thickest, len(self._branches)):
+                    pieces[level].append(piece)
+                circles += disks(path, along)
+        for item, paths in zip(self._branches, pieces, strict=True):
+            item.show(paths)
+        self._disks.show(circles)
+
+
+def by_thickness(path: Array, share: Array, levels: int) -> list[tuple[int, Array]]:
+    """Pieces of a path, each with the level of its share of the largest thickness.
+
+    Parameters
+    ----------
+    path : ndarray, shape (K, 2)
+        Branch.
+    share : ndarray, shape (K,)
+        Thickness at its vertices, from 0 to 1.
+    levels : int
+        How many levels are told apart.
+    """
+    level = np.minimum((share * levels).astype(int), levels - 1)
+    cuts = [0, *(np.flatnonzero(np.diff(level)) + 1).tolist(), len(path)]
+    return [(int(level[a]), path[a : min(b + 1, len(path))]) for a, b in pairwise(cuts)]
+
+
+def disks(path: Array, radii: Array) -> list[Array]:
+    """Outlines of disks about places of a branch, so far apart that they can be told from each other."""
+    angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
+    around = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    found, room = [], 0.0
+    for index, (place, radius) in enumerate(zip(path, radii, strict=True)):
+        room -= float(np.hypot(*(place - path[index - 1]))) if index else 0.0
+        if room <= 0.0 and radius >= 1.0:
+            found.append(place + radius * around)
+            room = _DISK_EVERY * float(radius)
+    return found

@@ -1,0 +1,66 @@
+"""The layer of the ground truth: its boundaries, and where contours are missing or wrong."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+
+from app.model.display.shades import Shades
+from app.model.text.language import tr
+from app.session.session import Session
+from app.views.canvas.items.curves import Curves
+from app.views.canvas.layers.layer import Layer
+from app.views.theme import theme
+from cpm_core.image.image import Image
+
+
+class TruthLayer(Layer):
+    """Shows the ground truth, when one has been loaded, and the differences told by colour and stroke."""
+
+    name = "truth"
+    title = tr("Ground truth")
+    tip = tr("True boundaries; where contours are missing, dashed, or wrong, broad.")
+    shortcut = ""
+    colours = (theme.TRUTH, theme.MISSING, theme.WRONG)
+
+    def __init__(self, view: pg.ViewBox, session: Session) -> None:
+        super().__init__(view, session)
+        self._truth = session.curation.truth
+        self._boundary = Curves(theme.TRUTH, 3.95, width=1.6, halo=0.0)
+        self._missing = Curves(theme.MISSING, 4.3, width=3.4, halo=5.0, dashed=True)
+        self._wrong = Curves(theme.WRONG, 4.4, width=5.0, halo=7.0)
+        self._lines = (self._boundary, self._missing, self._wrong)
+        self.add(*self._lines)
+        session.image_changed.connect(self._use_image)
+        self._truth.changed.connect(self._show_truth)
+        self._truth.compared.connect(self._show_differences)
+
+    @property
+    def counts(self) -> tuple[int, int, int]:
+        """Boundaries, missing and wrong pieces shown."""
+        return self._boundary.count, self._missing.count, self._wrong.count
+
+    def show_or_hide(self) -> None:
+        """Show or hide it all."""
+        for item in self._lines:
+            item.set_wanted(self.shown)
+
+    def _use_image(self, _: Image, shades: Shades) -> None:
+        for item in self._lines:
+            item.use_shape(shades.shape)
+
+    def _show_truth(self) -> None:
+        truth = self._truth.truth
+        self._boundary.show([contour.path for contour in truth.contours] if truth else [])
+
+    def _show_differences(self) -> None:
+        self._missing.show(self._pieces("missing"))
+        self._wrong.show(self._pieces("wrong"))
+
+    def _pieces(self, kind: Literal["missing", "wrong"]) -> list[NDArray[np.float64]]:
+        verified = self._truth.verified
+        found = verified.differences if verified else ()
+        return [difference.points for difference in found if difference.kind == kind]

@@ -1,0 +1,1 @@
+"""What a person has drawn: starts, limits and placed charges."""

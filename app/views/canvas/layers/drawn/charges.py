@@ -1,0 +1,84 @@
+"""Placed charges: discs with a plus or a minus, and rings that tell how far they act."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QRectF
+from PySide6.QtGui import QPainterPath
+
+from app.views.canvas.coordinates import to_xy
+from app.views.canvas.items.curves import Curves
+from app.views.canvas.items.markers import Markers
+from app.views.theme import theme
+from cpm_core.field.placed_charges import RADIUS, REACH
+from cpm_core.shapes import Charge, Circle
+
+_Z = 7.6
+_DISC, _STRONGER, _SIGN = 18.0, 2.0, 11.0
+"""Diameters of a disc without strength, what a strength of one adds to it, and of a sign [px of the screen]."""
+
+
+class Charges:
+    """The charges of a document, seen as well while particles run, for they act all the time.
+
+    The stronger a charge is, the larger is its disc. A thin ring lies where it pulls the most; a dashed one, around the
+    chosen charge, where it is no longer felt.
+    """
+
+    def __init__(self, view: pg.ViewBox) -> None:
+        self._rings = (Curves(theme.ATTRACTING, _Z - 0.2, width=1.8), Curves(theme.REPELLING, _Z - 0.2, width=1.8))
+        self._reach = Curves(theme.CHOSEN, _Z - 0.1, width=1.2, halo=2.6, dashed=True)
+        self._discs = Markers(size=_DISC, pxMode=True)
+        self._signs = Markers(size=_SIGN, pxMode=True, pen=None, brush=pg.mkBrush("w"))
+        self._marks = (self._discs, self._signs)
+        for index, item in enumerate(self._marks):
+            item.setZValue(_Z + 0.1 * index)
+        for item in (*self._rings, self._reach, *self._marks):
+            view.addItem(item, ignoreBounds=True)
+
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Make room for an image of this shape."""
+        for curves in (*self._rings, self._reach):
+            curves.use_shape(shape, rim=float(max(shape)) + REACH)
+
+    def show(self, charges: Sequence[Charge], chosen: Charge | None) -> None:
+        """Show charges, one of them as chosen."""
+        for curves, sign in zip(self._rings, (1.0, -1.0), strict=True):
+            curves.show([_ring(charge, RADIUS) for charge in charges if sign * charge.strength > 0.0])
+        self._reach.show([_ring(chosen, REACH)] if chosen is not None else [])
+        x, y = to_xy(np.array([charge.position for charge in charges], dtype=float).reshape(-1, 2))
+        colours = [theme.ATTRACTING if charge.strength > 0.0 else theme.REPELLING for charge in charges]
+        rims = [(theme.CHOSEN, 2.6) if charge is chosen else (theme.HALO, 1.4) for charge in charges]
+        self._discs.setData(
+            x=x,
+            y=y,
+            size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
+            brush=[pg.mkBrush(colour) for colour in colours],
+            pen=[pg.mkPen(colour, width=width) for colour, width in rims],
+        )
+        self._signs.setData(x=x, y=y, symbol=[_PLUS if charge.strength > 0.0 else _MINUS for charge in charges])
+
+    def set_visible(self, visible: bool) -> None:
+        """Show or hide it all."""
+        for curves in (*self._rings, self._reach):
+            curves.set_wanted(visible)
+        for item in self._marks:
+            item.setVisible(visible)
+
+
+def _ring(charge: Charge, radius: float) -> np.ndarray:
+    return Circle(charge.position, radius).outline
+
+
+def _bars(*bars: QRectF) -> QPainterPath:
+    path = QPainterPath()
+    for bar in bars:
+        path.addRect(bar)
+    return path.simplified()
+
+
+_ACROSS, _DOWN = QRectF(-0.5, -0.12, 1.0, 0.24), QRectF(-0.12, -0.5, 0.24, 1.0)
+_PLUS, _MINUS = _bars(_ACROSS, _DOWN), _bars(_ACROSS)

@@ -1,0 +1,51 @@
+"""What is being drawn and is not in the document yet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import Qt
+
+from app.views.canvas.coordinates import to_xy
+from app.views.canvas.items.markers import Markers
+from app.views.canvas.items.pens import line_pen
+from app.views.theme import theme
+from cpm_core.numerics.polyline import Position
+from cpm_core.shapes import Circle
+
+_Z = 8.0
+
+
+class Draft:
+    """A path with its corners, and, when it is to be closed, the way back to the first of them."""
+
+    def __init__(self, view: pg.ViewBox) -> None:
+        self._halo = pg.PlotCurveItem(pen=line_pen(theme.HALO, 4.0), antialias=True)
+        self._path = pg.PlotCurveItem(antialias=True)
+        self._closing = pg.PlotCurveItem(antialias=True)
+        self._corners = Markers(size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
+        self._ring = pg.PlotCurveItem(antialias=True)
+        self._rim = pg.PlotCurveItem(pen=line_pen(theme.HALO, 3.4), antialias=True)
+        for index, item in enumerate((self._halo, self._path, self._closing, self._corners, self._rim, self._ring)):
+            item.setZValue(_Z + 0.1 * index)
+            view.addItem(item, ignoreBounds=True)
+
+    def show(self, corners: tuple[Position, ...], path: tuple[Position, ...], colour: str, closed: bool) -> None:
+        """Show a path with corners, all (row, col)."""
+        line = np.array(path, dtype=float).reshape(-1, 2)
+        self._path.setPen(line_pen(colour, 2.0))
+        dashed = line_pen(colour, 1.4)
+        dashed.setStyle(Qt.PenStyle.DashLine)
+        self._closing.setPen(dashed)
+        self._halo.setData(*to_xy(line))
+        self._path.setData(*to_xy(line))
+        self._closing.setData(*to_xy(line[[-1, 0]] if closed and len(line) > 2 else line[:0]))
+        x, y = to_xy(np.array(corners, dtype=float).reshape(-1, 2))
+        self._corners.setData(x=x, y=y)
+
+    def show_ring(self, center: Position | None, radius: float, colour: str) -> None:
+        """Show the ring in which a tool works; None shows none."""
+        rim = Circle(center, radius).outline if center is not None else np.empty((0, 2))
+        self._ring.setPen(line_pen(colour, 1.6))
+        for item in (self._rim, self._ring):
+            item.setData(*to_xy(rim))

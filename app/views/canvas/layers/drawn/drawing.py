@@ -1,0 +1,193 @@
+"""The layer that shows what is drawn: starts with their particles and handles, limits, and what is being drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtWidgets import QGraphicsItem
+
+from app.model.display.shades import Shades
+from app.model.document.document import Document
+from app.model.text.language import tr
+from app.session.session import Session
+from app.views.canvas.coordinates import to_xy
+from app.views.canvas.items.curves import Curves
+from app.views.canvas.items.discs import NO_POSITIONS, Discs
+from app.views.canvas.items.markers import Markers
+from app.views.canvas.layers.drawn.charges import Charges
+from app.views.canvas.layers.drawn.draft import Draft
+from app.views.canvas.layers.drawn.limits import Limits
+from app.views.canvas.layers.layer import Layer
+from app.views.theme import theme
+from cpm_core.image.image import Image
+from cpm_core.numerics.polyline import Position
+from cpm_core.shapes import (
+    Charge,
+    Circle,
+    Ellipse,
+    Everywhere,
+    Grid,
+    Kind,
+    Limit,
+    Points,
+    Polygon,
+    Start,
+    Stroke,
+    Threshold,
+)
+from cpm_core.shapes.image_starts import NOWHERE, Sowable, Sown
+
+_Z = 7.0
+_FAINT, _LIGHT = 0.45, 0.55
+"""Opacity of the drawing behind a run, and of particles that nobody has drawn one by one."""
+
+_DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "edges": 3.0, "centers": 6.0, None: 3.0}
+"""Diameters of the latter, the smaller the more there are of them [px of the screen]; None is for areas."""
+
+_Line = Circle | Ellipse | Polygon | Stroke
+"""Starts that are seen as lines with their particles on them."""
+
+_Area = Grid | Threshold
+"""Starts that are seen as areas with their particles in them."""
+
+
+class DrawingLayer(Layer):
+    """Shapes of the document; starts are strong while they are about to start a run, faint behind one."""
+
+    name = "drawing"
+    title = tr("Drawing")
+    tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
+    shortcut = "Ctrl+3"
+    colours = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
+
+    def __init__(self, view: pg.ViewBox, session: Session) -> None:
+        super().__init__(view, session)
+        self._lines = Curves(theme.DRAWING, _Z, width=1.4)
+        self._chosen = Curves(theme.CHOSEN, _Z + 0.1, width=2.2)
+        self._areas = Curves(theme.DRAWING, _Z, width=1.2, dashed=True)
+        self._everywhere = {kind: Discs(theme.MOVING, diameter, 0.0) for kind, diameter in _DIAMETERS.items()}
+        self._seeds = Discs(theme.MOVING, 6.0, 0.0)
+        self._points = Discs(theme.MOVING, 7.0, 0.0)
+        self._chosen_points = Discs(theme.CHOSEN, 9.0, 0.0)
+        self._handles = Markers(
+            size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
+        )
+        self._limits = Limits(view)
+        self._charges = Charges(view)
+        self._draft = Draft(view)
+        self._sown: Sown = NOWHERE
+        self._shown_starts: tuple[Sowable, ...] = ()
+        self._curves = (self._lines, self._areas, self._chosen)
+        self._marks: tuple[QGraphicsItem, ...] = (
+            *self._everywhere.values(),
+            self._seeds,
+            self._points,
+            self._chosen_points,
+            self._handles,
+        )
+        for z, item in enumerate(self._marks, start=2):
+            item.setZValue(_Z + 0.1 * z)
+        self.add(*self._curves, *self._marks)
+        self._drawn: tuple[object, ...] = ()
+        self._faint = 1.0
+        self._chosen_start: Sowable | None = None
+        session.image_changed.connect(self._use_image)
+        session.document_changed.connect(self._follow)
+        session.status_changed.connect(self._follow)
+        session.sown_changed.connect(self._show_sown)
+
+    @property
+    def everywhere(self) -> int:
+        """Number of particles shown that nobody has drawn one by one."""
+        return sum(discs.count for discs in self._everywhere.values())
+
+    def _use_image(self, _: Image, shades: Shades) -> None:
+        shape = shades.shape
+        rim = float(max(shape))
+        for curves in self._curves:
+            curves.use_shape(shape, rim)
+        for discs in (*self._everywhere.values(), self._seeds, self._points, self._chosen_points):
+            discs.use_shape(shape, rim)
+        self._limits.use_shape(shape)
+        self._charges.use_shape(shape)
+        self._sown = NOWHERE
+
+    def _show_sown(self, sown: Sown) -> None:
+        self._sown = sown
+        self._draw_everywhere()
+
+    def show_draft(self, corners: tuple[Position, ...], path: tuple[Position, ...], colour: str, closed: bool) -> None:
+        """Show a path that is being drawn."""
+        self._draft.show(corners, path, colour, closed)
+
+    def show_ring(self, center: Position | None, radius: float, colour: str) -> None:
+        """Show the ring in which a tool works; None shows none."""
+        self._draft.show_ring(center, radius, colour)
+
+    def _follow(self, *_: object) -> None:
+        session = self.session
+        wanted = (session.document.shapes, session.selected, session.status.moved)
+        if wanted != self._drawn:
+            self._drawn = wanted
+            self._show(session.document, session.selected, session.status.moved)
+
+    def _show(self, document: Document, selected: int | None, started: bool) -> None:
+        chosen = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
+        rest = [shape for shape in document.shapes if shape is not chosen]
+        self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line)])
+        self._areas.show([shape.outline for shape in rest if isinstance(shape, _Area)])
+        self._chosen.show([chosen.outline] if isinstance(chosen, _Line | _Area) else [])
+        # Once the particles have left, the points that they came from would only hide them.
+        placed: list[Points | Grid] = [shape for shape in document.shapes if isinstance(shape, Grid)]
+        placed += [shape for shape in rest if isinstance(shape, Points)]
+        self._points.show(_particles([] if started else placed))
+        self._chosen_points.show(_particles([chosen] if isinstance(chosen, Points | Stroke) else []))
+        # A chosen circle shows its handles, a chosen stroke has nothing to be told by but its particles.
+        lines = [*rest, *([chosen] if isinstance(chosen, Circle | Ellipse | Polygon) else [])]
+        self._seeds.show(_particles([] if started else [line for line in lines if isinstance(line, _Line)]))
+        self._shown_starts = () if started else document.sowable
+        self._draw_everywhere()
+        x, y = to_xy(np.array(chosen.handles() if chosen else (), dtype=float).reshape(-1, 2))
+        self._handles.setData(x=x, y=y)
+        self._faint = _FAINT if started and not isinstance(chosen, Start) else 1.0
+        self._chosen_start = chosen if isinstance(chosen, Sowable) else None
+        self.fade()
+        limits = [shape for shape in document.shapes if isinstance(shape, Limit)]
+        self._limits.show(limits, chosen if isinstance(chosen, Limit) else None)
+        charges = [shape for shape in document.shapes if isinstance(shape, Charge)]
+        self._charges.show(charges, chosen if isinstance(chosen, Charge) else None)
+
+    def show_or_hide(self) -> None:
+        """Show or hide it all."""
+        for curves in self._curves:
+            curves.set_wanted(self.shown)
+        for mark in self._marks:
+            mark.setVisible(self.shown)
+        self._limits.set_visible(self.shown)
+        self._charges.set_visible(self.shown)
+
+    def fade(self) -> None:
+        """Faint behind a run."""
+        faint: tuple[QGraphicsItem, ...] = (*self._curves, *self._marks)
+        for item in faint:
+            item.setOpacity(self.opacity * self._faint)
+        self._handles.setOpacity(self.opacity)
+        chosen = self._chosen_start
+        for kind, discs in self._everywhere.items():
+            strong = isinstance(chosen, Threshold) if kind is None else chosen == Everywhere(kind)
+            discs.setOpacity(self.opacity * (1.0 if strong else _LIGHT))
+
+    def _draw_everywhere(self) -> None:
+        for kind, discs in self._everywhere.items():
+            seen = [self._sown[start] for start in self._shown_starts if start in self._sown and _kind(start) == kind]
+            discs.show(np.concatenate([NO_POSITIONS, *seen]))
+
+
+def _kind(start: Sowable) -> Kind | None:
+    return start.kind if isinstance(start, Everywhere) else None
+
+
+def _particles(shapes: Sequence[_Line | Points | Grid]) -> np.ndarray:
+    return np.concatenate([np.empty((0, 2)), *(shape.seeds() for shape in shapes)])

@@ -1,0 +1,98 @@
+"""What limits the particles: regions of interest, dimmed outside, and barriers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPainterPath
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from app.views.canvas.coordinates import image_rectangle, to_xy
+from app.views.canvas.items.curves import Curves
+from app.views.canvas.items.pens import cached
+from app.views.theme import theme
+from cpm_core.shapes import Barrier, Limit, Region
+
+_DIM_Z, _LINE_Z = 2.5, 6.5
+"""Places in the pile: what is dimmed lies under particles and contours, the lines above them."""
+
+
+class Limits:
+    """Regions and barriers of a document, seen as well while particles run, for they act all the time."""
+
+    def __init__(self, view: pg.ViewBox) -> None:
+        self._dim = Dim()
+        self._regions = Curves(theme.REGION, _LINE_Z, width=1.8)
+        self._barriers = Curves(theme.BARRIER, _LINE_Z + 0.1, width=3.6, halo=5.6)
+        self._chosen = Curves(theme.CHOSEN, _LINE_Z + 0.2, width=1.8, halo=0.0)
+        self._lines = (self._regions, self._barriers, self._chosen)
+        for item in (self._dim, *self._lines):
+            view.addItem(item, ignoreBounds=True)
+
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Make room for an image of this shape."""
+        self._dim.use_shape(shape)
+        for item in self._lines:
+            item.use_shape(shape, rim=float(max(shape)))
+
+    def show(self, limits: list[Limit], chosen: Limit | None) -> None:
+        """Show limits, one of them as chosen."""
+        regions = [limit for limit in limits if isinstance(limit, Region)]
+        barriers = [limit for limit in limits if isinstance(limit, Barrier)]
+        self._dim.show(regions)
+        self._regions.show([np.array(region.outline) for region in regions])
+        self._barriers.show([np.array(barrier.outline) for barrier in barriers])
+        self._chosen.show([np.array(chosen.outline)] if chosen is not None else [])
+
+    def set_visible(self, visible: bool) -> None:
+        """Show or hide it all."""
+        for item in (self._dim, *self._lines):
+            item.set_wanted(visible)
+
+
+class Dim(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """A veil over the image outside the regions of interest."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._room = QRectF()
+        self._veil = QPainterPath()
+        self._wanted = True
+        self.setZValue(_DIM_Z)
+        self.setVisible(False)
+        cached(self)
+
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Make room for an image of this shape."""
+        self.prepareGeometryChange()
+        self._room = image_rectangle(shape)
+
+    def show(self, regions: list[Region]) -> None:
+        """Dim all but these; nothing when there is none."""
+        if not regions and self._veil.isEmpty():
+            return
+        self._veil = QPainterPath()
+        if regions:
+            self._veil.addRect(self._room)
+            for region in regions:
+                inside = pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(np.array(region.outline))))
+                # A path that crosses itself has no holes: what it winds around is inside.
+                inside.setFillRule(Qt.FillRule.WindingFill)
+                self._veil = self._veil.subtracted(inside)
+        self.update()
+        self.set_wanted(self._wanted)
+
+    def set_wanted(self, wanted: bool) -> None:
+        """Say whether the veil is to be seen, where there is one."""
+        self._wanted = wanted
+        self.setVisible(wanted and not self._veil.isEmpty())
+
+    def boundingRect(self) -> QRectF:
+        """Room that may be drawn on."""
+        return self._room
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw the veil."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.fillPath(self._veil, QColor(theme.DIMMED))

@@ -1,0 +1,1 @@
+"""Fields over the image: edge map, electric field, potential."""

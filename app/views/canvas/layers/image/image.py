@@ -1,0 +1,172 @@
+"""The layer of the image itself."""
+
+from __future__ import annotations
+
+import math
+
+import pyqtgraph as pg
+from PySide6.QtWidgets import QWidget
+
+from app.model.display.shades import Shades, Window, windowed
+from app.model.text.language import tr
+from app.session.exchange.messages import Report
+from app.session.session import Session
+from app.session.worker.commands.intensity_window import FindWindow, Shade, Shaded, WindowFound
+from app.views.canvas.coordinates import image_rectangle
+from app.views.canvas.items.pens import cached
+from app.views.canvas.layers.image.image_form import ImageForm
+from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.options import Amount, Choice
+from app.views.theme import colour_maps
+from cpm_core.image.image import Image
+
+_WHOLE, _HAND = "0", "hand"
+
+_AT_ONCE = 1 << 22
+"""Pixels up to which shades are made at once, in less than a frame or two; those of more are made on the worker."""
+
+
+class ImageLayer(Layer):
+    """The grey values in a window: as a percentile of the pixels, or chosen by hand."""
+
+    name = "image"
+    title = tr("Image")
+    tip = tr("The image itself.")
+    shortcut = "Ctrl+0"
+    options = (
+        Choice("map", tr("Colours"), colour_maps.MAPS, colour_maps.GREY, tr("Colours from dark to bright.")),
+        Choice(
+            "range",
+            tr("Range"),
+            {
+                _WHOLE: tr("All grey values"),
+                "0.1": tr("All but 0.1 % at either end"),
+                "1": tr("All but 1 % at either end"),
+                "5": tr("All but 5 % at either end"),
+                _HAND: tr("By hand"),
+            },
+            _WHOLE,
+            tr("Grey values that are told apart; what lies below is black, what lies above is white."),
+        ),
+        Amount("gamma", tr("Gamma"), 0.2, 3.0, 0.05, 1.0, tr("Less brings out what is dark, more what is bright.")),
+    )
+
+    def __init__(self, view: pg.ViewBox, session: Session) -> None:
+        super().__init__(view, session)
+        self._item = pg.ImageItem()
+        self._item.setZValue(0)
+        cached(self._item)
+        self.add(self._item)
+        self._image: Image | None = None
+        self._whole: Shades | None = None
+        self._ends = self._window = (0.0, 1.0)
+        session.image_changed.connect(self._use_image)
+        session.reported.connect(self._hear)
+
+    @property
+    def image(self) -> Image | None:
+        """The image shown."""
+        return self._image
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest grey value."""
+        return self._ends
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Grey values shown black and white."""
+        return self._window
+
+    @property
+    def shades(self) -> Shades | None:
+        """What is shown, before it is coloured."""
+        shown: Shades | None = self._item.image
+        return shown
+
+    def choose_window(self, low: float, high: float) -> None:
+        """Show grey values from `low`, black, to `high`, white."""
+        if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self._window:
+            self.chosen["range"] = _HAND
+            self._use_window(low, high)
+
+    def follow_choice(self, name: str) -> None:
+        """Change colours or window."""
+        if name == "map":
+            self._item.setLookupTable(None if self.word("map") == colour_maps.GREY else self._table())
+        elif name == "range":
+            self._find_window()
+        else:
+            self._shade()
+
+    def settings(self) -> QWidget:
+        """Histogram and options."""
+        return ImageForm(self)
+
+    def view_state(self) -> dict[str, object]:
+        """With the window where it is chosen by hand."""
+        state = super().view_state()
+        return {**state, "low": self._window[0], "high": self._window[1]} if state["range"] == _HAND else state
+
+    def use_view_state(self, state: dict[str, object]) -> None:
+        """Take on the window as well."""
+        super().use_view_state(state)
+        low, high = state.get("low"), state.get("high")
+        if self.word("range") == _HAND and isinstance(low, int | float) and isinstance(high, int | float):
+            self.choose_window(float(low), float(high))
+
+    def _table(self) -> colour_maps.Table:
+        return colour_maps.table(self.word("map"))
+
+    def _use_image(self, image: Image, shades: Shades) -> None:
+        self._image, self._whole = image, shades
+        self._ends = self._window = (float(image.values.min()), float(image.values.max()))
+        if self.word("range") == _HAND:
+            # what was chosen for another image says nothing about this one
+            self.chosen["range"] = _WHOLE
+        self._draw(shades)
+        if self.word("range") != _WHOLE or self.number("gamma") != 1.0:
+            self._find_window()
+        self.changed.emit()
+
+    def _find_window(self) -> None:
+        """Ask for the window that is chosen; sorting the pixels takes longer than a frame."""
+        way = self.word("range")
+        if self._image is None or way == _HAND:
+            return
+        if way == _WHOLE:
+            self._use_window(*self._ends)
+        else:
+            self.session.post(FindWindow(self._image, float(way)))
+
+    def _use_window(self, low: float, high: float) -> None:
+        self._window = (low, high)
+        self._shade()
+        self.changed.emit()
+
+    def _shade(self) -> None:
+        if self._image is None or self._whole is None:
+            return
+        window = self._wanted()
+        if window == Window(*self._ends):
+            self._draw(self._whole)
+        elif self._image.values.size <= _AT_ONCE:
+            self._draw(windowed(self._image.values, window))
+        else:
+            self.session.post(Shade(self._image, window))
+
+    def _wanted(self) -> Window:
+        return Window(*self._window, self.number("gamma"))
+
+    def _hear(self, report: Report) -> None:
+        match report:
+            case WindowFound(image, percent, low, high):
+                if image is self._image and self.word("range") == f"{percent:g}":
+                    self._use_window(low, high)
+            case Shaded(image, window, shades):
+                # of two that are on their way the older one may not stay
+                if image is self._image and window == self._wanted():
+                    self._draw(shades)
+
+    def _draw(self, shades: Shades) -> None:
+        self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))

@@ -1,0 +1,41 @@
+"""The form for the levels and colours of the image."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from app.views.canvas.layers.image.levels import Levels
+from app.views.canvas.layers.layer_form import LayerForm
+
+if TYPE_CHECKING:
+    from app.views.canvas.layers.image.image import ImageLayer
+    from cpm_core.image.image import Image
+
+
+class ImageForm(LayerForm):
+    """Histogram above the options.
+
+    Parameters
+    ----------
+    layer : ImageLayer
+        Whose image.
+    """
+
+    def __init__(self, layer: ImageLayer) -> None:
+        self.levels: Levels | None = None
+        self._image: Image | None = None
+        self._own = layer
+        super().__init__(layer)
+
+    def show_chosen(self) -> None:
+        """Show options, histogram and window."""
+        super().show_chosen()
+        if self._own.image is not self._image and self._own.image is not None:
+            self._image = self._own.image
+            if self.levels is not None:
+                self.rows.removeRow(self.levels)
+            self.levels = Levels(self._image.values, self._own.ends, self._own.window)
+            self.levels.moved.connect(self._own.choose_window)
+            self.rows.insertRow(0, self.levels)
+        elif self.levels is not None:
+            self.levels.show_window(*self._own.window)

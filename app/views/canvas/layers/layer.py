@@ -1,0 +1,134 @@
+"""A layer of the canvas: something that is seen or not, follows the session by itself and redraws only what changed."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import pyqtgraph as pg
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QGraphicsItem, QWidget
+
+from app.session.session import Session
+from app.views.canvas.layers.layer_form import LayerForm
+from app.views.canvas.layers.options import Option, Value
+
+
+class Layer(QObject):
+    """What layers have in common.
+
+    Subclasses set the class variables, add their items with `add`, and connect to the session.
+
+    Parameters
+    ----------
+    view : pg.ViewBox
+        Where its items lie.
+    session : Session
+        What it follows.
+    """
+
+    name: ClassVar[str]
+    """What it is called in code, and in a session file."""
+    title: ClassVar[str]
+    """What it is called in panel and menu."""
+    tip: ClassVar[str] = ""
+    """What it shows, in a sentence."""
+    shortcut: ClassVar[str] = ""
+    """Key that shows or hides it."""
+    initially: ClassVar[bool] = True
+    """Whether it is shown at first."""
+    colours: ClassVar[tuple[str, ...]] = ()
+    """Legend."""
+    options: ClassVar[tuple[Option, ...]] = ()
+    """What can be chosen about it, besides its opacity."""
+
+    changed = Signal()
+    """It is shown, hidden, of another opacity, or something else has been chosen now."""
+
+    def __init__(self, view: pg.ViewBox, session: Session) -> None:
+        super().__init__()
+        self.view = view
+        self.session = session
+        self.shown = self.initially
+        self.opacity = 1.0
+        self.chosen: dict[str, Value] = {option.name: option.first for option in self.options}
+        self._items: list[QGraphicsItem] = []
+
+    def add(self, *items: QGraphicsItem) -> None:
+        """Put items on the canvas."""
+        for item in items:
+            self._items.append(item)
+            self.view.addItem(item, ignoreBounds=True)
+
+    def pin(self, *items: QGraphicsItem) -> None:
+        """Put items on the canvas that do not move with the image; their places are in px of the screen."""
+        for item in items:
+            self._items.append(item)
+            item.setParentItem(self.view)
+
+    def set_shown(self, shown: bool) -> None:
+        """Show or hide it."""
+        if shown != self.shown:
+            self.shown = shown
+            self.show_or_hide()
+            self.changed.emit()
+
+    def set_opacity(self, opacity: float) -> None:
+        """Let what lies below shine through, from 0 to 1."""
+        if opacity != self.opacity:
+            self.opacity = opacity
+            self.fade()
+            self.changed.emit()
+
+    def show_or_hide(self) -> None:
+        """Do to the items what `shown` says."""
+        for item in self._items:
+            item.setVisible(self.shown)
+
+    def fade(self) -> None:
+        """Do to the items what `opacity` says."""
+        for item in self._items:
+            item.setOpacity(self.opacity)
+
+    def choose(self, name: str, value: object) -> None:
+        """Choose something about it; a value that makes no sense changes nothing."""
+        option = next(option for option in self.options if option.name == name)
+        taken = option.taken(value)
+        if taken is not None and taken != self.chosen[name]:
+            self.chosen[name] = taken
+            self.follow_choice(name)
+            self.changed.emit()
+
+    def follow_choice(self, name: str) -> None:
+        """Do to the items what has been chosen."""
+
+    def word(self, name: str) -> str:
+        """Which way has been chosen."""
+        return str(self.chosen[name])
+
+    def number(self, name: str) -> float:
+        """Which number has been chosen."""
+        return float(self.chosen[name])
+
+    @property
+    def settable(self) -> bool:
+        """Whether there is something to be chosen about it."""
+        return bool(self.options) or type(self).settings is not Layer.settings
+
+    def settings(self) -> QWidget | None:
+        """A widget for what can be chosen about it, made anew at each call; None when there is nothing."""
+        return LayerForm(self) if self.options else None
+
+    def view_state(self) -> dict[str, object]:
+        """What a session file keeps of it."""
+        return {"shown": self.shown, "opacity": self.opacity, **self.chosen}
+
+    def use_view_state(self, state: dict[str, object]) -> None:
+        """Look as a session file says; what it does not say, or says wrongly, stays as it is."""
+        shown, opacity = state.get("shown"), state.get("opacity")
+        if isinstance(shown, bool):
+            self.set_shown(shown)
+        if isinstance(opacity, int | float) and 0.0 <= opacity <= 1.0:
+            self.set_opacity(float(opacity))
+        for option in self.options:
+            if option.name in state:
+                self.choose(option.name, state[option.name])

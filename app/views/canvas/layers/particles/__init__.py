@@ -1,0 +1,1 @@
+"""Particles, their colors and trails, and the forces on them."""

@@ -1,0 +1,109 @@
+"""The layer of the particles."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import pyqtgraph as pg
+from PySide6.QtGui import QColor
+
+from app.model.display.colouring import QUANTITIES, SHADES, Births, coloured
+from app.model.display.shades import Shades
+from app.model.text.language import tr
+from app.session.exchange.messages import Snapshot
+from app.session.session import Session
+from app.views.canvas.items.discs import NO_POSITIONS, Discs
+from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.options import Choice
+from app.views.canvas.layers.particles.colour_legend import BEGIN, UNKNOWN, ColourLegend
+from app.views.theme import colour_maps, theme
+from cpm_core.image.image import Image
+
+_STATE = "state"
+_COLOURS = ("viridis", "cividis", "magma")
+
+
+class ParticleLayer(Layer):
+    """The particles, coloured by whether they rest or by a quantity."""
+
+    name = "particles"
+    title = tr("Particles")
+    tip = tr("Moving, and nearly at rest.")
+    shortcut = "Ctrl+1"
+    colours = (theme.MOVING, theme.RESTING)
+    ways: ClassVar = {_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
+    """What they can be coloured by: names and titles."""
+    options = (
+        Choice(
+            "colour",
+            tr("Colour by"),
+            ways,
+            _STATE,
+            " ".join(quantity.tip for quantity in QUANTITIES.values()),
+        ),
+        Choice(
+            "map",
+            tr("Colours"),
+            {name: colour_maps.MAPS[name] for name in _COLOURS},
+            "viridis",
+            tr("Colours from little to much."),
+        ),
+    )
+
+    def __init__(self, view: pg.ViewBox, session: Session) -> None:
+        super().__init__(view, session)
+        # Contours run over the particles at rest, so that both are seen, and under those that still move.
+        self._resting = Discs(theme.RESTING, 7.0, 3.0)
+        self._moving = Discs(theme.MOVING, 6.0, 6.0)
+        self.legend = ColourLegend(view)
+        self.add(self._resting, self._moving)
+        self.pin(self.legend)
+        self._snapshot: Snapshot | None = None
+        session.image_changed.connect(self._use_image)
+        session.snapshot_changed.connect(self._show)
+
+    @property
+    def count(self) -> int:
+        """Number of particles shown."""
+        return self._resting.count + self._moving.count
+
+    def show_or_hide(self) -> None:
+        """Show or hide the particles, and the legend where there is one."""
+        super().show_or_hide()
+        self._show_legend()
+
+    def follow_choice(self, name: str) -> None:
+        """Change the colours."""
+        palette = [] if self.word("colour") == _STATE else _palette(self.word("map"))
+        for discs in (self._resting, self._moving):
+            discs.use_palette(palette)
+        self._show(self._snapshot)
+
+    def _use_image(self, _: Image, shades: Shades) -> None:
+        for item in (self._resting, self._moving):
+            item.use_shape(shades.shape)
+
+    def _show(self, snapshot: Snapshot | None) -> None:
+        self._snapshot = snapshot
+        if snapshot is None:
+            self._resting.show(NO_POSITIONS)
+            self._moving.show(NO_POSITIONS)
+        elif self.word("colour") == _STATE:
+            self._resting.show(snapshot.position[snapshot.resting])
+            self._moving.show(snapshot.position[~snapshot.resting])
+        else:
+            quantity = QUANTITIES[self.word("colour")]
+            shown = coloured(quantity, snapshot.state, Births(snapshot.trace.step, snapshot.trace.numbered))
+            for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
+                discs.show(snapshot.position[which], shown.marks[which])
+            partly = bool((shown.marks == SHADES).any())
+            self.legend.show_range(quantity.title, shown.low, shown.high, self.word("map"), partly)
+        self._show_legend()
+
+    def _show_legend(self) -> None:
+        self.legend.setVisible(self.shown and self._snapshot is not None and self.word("colour") != _STATE)
+
+
+def _palette(name: str) -> list[str]:
+    """Colours from little to much, and one for what is not known yet."""
+    return [QColor(*map(int, row)).name() for row in colour_maps.table(name, SHADES, BEGIN)] + [UNKNOWN]

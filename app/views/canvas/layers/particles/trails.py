@@ -1,0 +1,144 @@
+"""The layer of the trails: where particles have been."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+from pyqtgraph.Qt import internals
+from PySide6.QtCore import QLineF, QRectF
+from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from app.model.display.shades import Shades
+from app.model.display.trails import Trails
+from app.model.text.language import tr
+from app.session.exchange.messages import Snapshot
+from app.session.session import Session
+from app.views.canvas.coordinates import image_rectangle
+from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.options import Amount
+from app.views.theme import theme
+from cpm_core.image.image import Image
+
+Array = NDArray[np.float64]
+
+_Z = 2.9
+_LENGTH = 20.0
+_BANDS = 4
+"""Steps in which a trail fades: each is one call of the painter."""
+
+_MOST = 24_000
+"""Lines that are drawn at most in a frame; where there are more, the trails are shorter."""
+
+_RIM = 16.0
+
+
+class TrailLayer(Layer):
+    """Lines along the last places of each particle, the older the fainter."""
+
+    name = "trails"
+    title = tr("Trails")
+    tip = tr("Where each particle has been.")
+    shortcut = "Ctrl+7"
+    initially = False
+    colours = (theme.TRAIL,)
+    options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Moments that a trail reaches back.")),)
+
+    def __init__(self, view: pg.ViewBox, session: Session) -> None:
+        super().__init__(view, session)
+        self.trails = Trails(int(_LENGTH))
+        self._item = Lines(theme.TRAIL, _Z)
+        self.add(self._item)
+        self._item.setVisible(False)
+        session.image_changed.connect(self._use_image)
+        session.snapshot_changed.connect(self._follow)
+
+    def show_or_hide(self) -> None:
+        """Keep in mind only what is seen."""
+        super().show_or_hide()
+        if not self.shown:
+            self.trails.forget()
+            self._item.show(())
+
+    def follow_choice(self, name: str) -> None:
+        """Longer or shorter."""
+        self.trails.keep(int(self.number("length")))
+        self._item.show(self.trails)
+
+    def _use_image(self, _: Image, shades: Shades) -> None:
+        self._item.use_shape(shades.shape)
+
+    def _follow(self, snapshot: Snapshot | None) -> None:
+        if snapshot is None:
+            self.trails.forget()
+        elif self.shown:
+            self.trails.add(snapshot.state.step, snapshot.state.particles.identity, snapshot.position)
+        if self.shown:
+            self._item.show(self.trails)
+
+
+class Lines(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """Many short lines in bands of one colour that fade.
+
+    Parameters
+    ----------
+    colour : str
+        Colour.
+    z : float
+        Place in the pile of layers.
+    """
+
+    def __init__(self, colour: str, z: float) -> None:
+        super().__init__()
+        self._colour = colour
+        self._room = QRectF()
+        self._bands: list[Array] = []
+        self._lines = internals.PrimitiveArray(QLineF, 4)
+        self.setZValue(z)
+
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Make room for an image of this shape."""
+        self.prepareGeometryChange()
+        self._room = image_rectangle(shape).adjusted(-_RIM, -_RIM, _RIM, _RIM)
+
+    def show(self, newest_first: Iterable[Array]) -> None:
+        """Show pairs of positions, each of shape (M, 2, 2), newest first."""
+        pieces: list[Array] = []
+        room = _MOST
+        for pairs in newest_first:
+            if len(pairs) > room and pieces:
+                break
+            pieces.append(pairs[:: len(pairs) // _MOST + 1])
+            room -= len(pairs)
+        bands = np.array_split(np.arange(len(pieces)), _BANDS)
+        self._bands = [np.concatenate([pieces[i] for i in band]) for band in bands if len(band)]
+        self.update()
+
+    def boundingRect(self) -> QRectF:
+        """Room that may be drawn on."""
+        return self._room
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw the oldest first."""
+        transform = painter.worldTransform()
+        painter.save()
+        painter.resetTransform()
+        # A thousand lines look better smoothed; ten thousand would take several frames.
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, sum(map(len, self._bands)) < _MOST // 10)
+        colour = QColor(self._colour)
+        for age in range(len(self._bands) - 1, -1, -1):
+            pairs = self._bands[age]
+            if not len(pairs):
+                continue
+            self._lines.resize(len(pairs))
+            table = self._lines.ndarray()
+            for end in (0, 1):
+                table[:, 2 * end] = transform.dx() + pairs[:, end, 1] * transform.m11()
+                table[:, 2 * end + 1] = transform.dy() + pairs[:, end, 0] * transform.m22()
+            colour.setAlphaF(0.85 * (1.0 - age / _BANDS) + 0.1)
+            painter.setPen(QPen(colour, 1.0))
+            painter.drawLines(*self._lines.drawargs())
+        painter.restore()

@@ -1,0 +1,87 @@
+"""The one place that tells the user of trouble and news: a bar at the top of the canvas."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
+
+from app.model.text.language import tr
+from app.views.theme.icons import icon
+from app.views.theme.theme import Theme
+
+_NEWS_SHOWN = 6000
+
+
+class MessageBar(QFrame):
+    """One sentence and a button to dismiss it; news go by themselves, trouble stays.
+
+    Parameters
+    ----------
+    parent : QWidget
+        Widget along whose upper edge it lies, without pushing anything aside.
+    """
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._label = QLabel()
+        self._label.setWordWrap(True)
+        self._label.setTextFormat(Qt.TextFormat.PlainText)
+        self._label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self._label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self._button = QToolButton()
+        self._button.setAutoRaise(True)
+        self._button.setToolTip(tr("Dismiss (Esc)"))
+        self._button.setAccessibleName(tr("Dismiss message"))
+        self._button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self._button.clicked.connect(self.hide)
+        self._above = parent
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(12, 6, 6, 6)
+        self._row.addWidget(self._label)
+        self._row.addWidget(self._button, alignment=Qt.AlignmentFlag.AlignTop)
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.timeout.connect(self.hide)
+        self._theme: Theme | None = None
+        self.hide()
+
+    @property
+    def text(self) -> str:
+        """What is shown, empty when nothing is."""
+        return "" if self.isHidden() else self._label.text()
+
+    def say(self, sentence: str, trouble: bool) -> None:
+        """Show a sentence; news does not push trouble away."""
+        if not trouble and not self.isHidden() and self.objectName() == "trouble":
+            return
+        self._label.setText(sentence)
+        self.setObjectName("trouble" if trouble else "news")
+        self.style().unpolish(self)
+        self.style().polish(self)
+        for child in (self._label, self._button):
+            self.style().unpolish(child)
+            self.style().polish(child)
+        self._tint()
+        self.place()
+        self.show()
+        self.raise_()
+        if trouble:
+            self._timer.stop()
+        else:
+            self._timer.start(_NEWS_SHOWN)
+
+    def place(self) -> None:
+        """Lie along the upper edge of the parent."""
+        width = self._above.width()
+        self.resize(width, self._row.totalHeightForWidth(width))
+        self.move(0, 0)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the button."""
+        self._theme = theme
+        self._tint()
+
+    def _tint(self) -> None:
+        if self._theme is not None:
+            trouble = self.objectName() == "trouble"
+            self._button.setIcon(icon("close", self._theme.trouble_text if trouble else self._theme.news_text))

@@ -1,0 +1,53 @@
+"""What lies under the pointer, in the status bar."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QLabel
+
+from app.model.display.lengths import length_text
+from app.model.text.language import tr
+from app.session.session import Session
+from app.views.canvas.canvas import Canvas
+from cpm_core.image.image import Image
+from cpm_core.numerics.polyline import Position
+
+
+class PointerReadout(QLabel):
+    """Row, column and grey value; with the size of a pixel known, the place in its unit as well.
+
+    Parameters
+    ----------
+    session : Session
+        Whose image it reads.
+    canvas : Canvas
+        Whose pointer it follows.
+    """
+
+    def __init__(self, session: Session, canvas: Canvas) -> None:
+        super().__init__()
+        self._image: Image | None = None
+        session.image_changed.connect(self._use_image)
+        canvas.pointed.connect(self._show)
+
+    def _use_image(self, image: Image, _: object) -> None:
+        self._image = image
+
+    def _show(self, position: Position | None) -> None:
+        text = ""
+        if position is not None and self._image is not None:
+            row, col = round(position[0]), round(position[1])
+            rows, cols = self._image.shape
+            if 0 <= row < rows and 0 <= col < cols:
+                text = self._text(self._image, row, col)
+        self.setText(text)
+
+    @staticmethod
+    def _text(image: Image, row: int, col: int) -> str:
+        value = image.values[row, col]
+        if image.unit is None:
+            return tr("row {row}, col {col}:  {value:g}").format(row=row, col=col, value=value)
+        down, right = (
+            length_text(place, size, image.unit) for place, size in zip((row, col), image.spacing, strict=True)
+        )
+        words = tr("row {row}, col {col}  ({down}, {right}):  {value:g}")
+        return words.format(row=row, col=col, down=down, right=right, value=value)

@@ -1,0 +1,175 @@
+"""The stage: the canvas with the message bar and the hint upon it, following the session."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
+
+from app.model.document import edits
+from app.model.document.naming import describe
+from app.model.text.language import tr
+from app.session.session import Session
+from app.views.canvas.canvas import Canvas
+from app.views.canvas.crosshair import Crosshair
+from app.views.canvas.message_bar import MessageBar
+from app.views.canvas.tools import TOOLS
+from app.views.canvas.tools.select import SelectTool
+from app.views.canvas.tools.tool import Tool
+from cpm_core.shapes import Circle
+
+FIRST_TOOL = "circle"
+
+_ARROWS = {
+    Qt.Key.Key_Up: (-1.0, 0.0),
+    Qt.Key.Key_Down: (1.0, 0.0),
+    Qt.Key.Key_Left: (0.0, -1.0),
+    Qt.Key.Key_Right: (0.0, 1.0),
+}
+_SIZES = {Qt.Key.Key_Less: -1.0, Qt.Key.Key_Greater: 1.0}
+_DRAFT_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Backspace)
+_PAN = 40.0
+_MIDDLE_FRACTION = 0.2
+_BESIDE_HINT = 16
+"""Least room to either side of the hint [px]."""
+
+
+class Stage(QWidget):
+    """Shows the canvas and lets the tools work on it."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self._session = session
+        self.canvas = Canvas(session)
+        self.messages = MessageBar(self.canvas)
+        self.hint = QLabel(self.canvas)
+        self.hint.setObjectName("hint")
+        self.hint.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.hint.hide()
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self.canvas, 1)
+        self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
+        self._hint = ""
+        drawing = self.canvas.layers.drawing
+        self._tools: dict[str, Tool] = {
+            entry.name: entry.make(session, drawing, lambda: self.show_hint(self._hint)) for entry in TOOLS
+        }
+        self.canvas.grip = SelectTool(session)
+        self.canvas.installEventFilter(self)
+        self.use_tool(FIRST_TOOL)
+        session.said.connect(self.messages.say)
+        session.status_changed.connect(lambda: self.show_hint(session.resolved.hint))
+
+    def use_tool(self, name: str) -> None:
+        """Change the tool; who is about to draw is done with what was selected, whose handles would be in the way."""
+        self.canvas.use(self._tools[name])
+        if name != "select":
+            self._session.select(None)
+        self.crosshair.move(0.0, 0.0)
+        self.show_hint(self._hint)
+
+    def escape(self) -> None:
+        """Give up what is being drawn; when nothing is, dismiss the message and select nothing."""
+        if self.canvas.gesturing:
+            self.canvas.cancel()
+        elif self.crosshair.at is not None:
+            self.crosshair.hide()
+        else:
+            self.messages.hide()
+            self._session.select(None)
+            self._session.curation.select(())
+
+    def show_hint(self, text: str) -> None:
+        """Say what to do next, at the foot of the canvas; a tool that wants to say something comes first."""
+        self._hint = text
+        tool = self.canvas.tool
+        if tool is not None and self._session.document.image is not None:
+            text = self.crosshair.advice or tool.advice or text
+        if self.hint.text() != text or self.hint.isHidden() == bool(text):
+            self.hint.setText(text)
+            self.hint.setVisible(bool(text))
+            self._place_hint()
+
+    def add_circle(self) -> None:
+        """Draw a circle in the middle of what is seen."""
+        seen = self.canvas.view.viewRect()
+        image = self._session.document.image
+        if image is None:
+            return
+        rows, cols = image.shape
+        row = min(max(seen.center().y(), 0.0), rows - 1.0)
+        col = min(max(seen.center().x(), 0.0), cols - 1.0)
+        circle = Circle((row, col), max(4.0, _MIDDLE_FRACTION * min(seen.width(), seen.height(), rows, cols)))
+        self._session.edit(tr("add circle"), lambda document: edits.add_shape(document, circle))
+        self._session.select(len(self._session.document.shapes) - 1)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Keys for the selected shape, and the places of bar and hint when the canvas changes its size."""
+        if event.type() == QEvent.Type.Resize:
+            self.messages.place()
+            self._place_hint()
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and self._wants(event):
+            event.accept()
+            return True
+        if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and self._take_key(event):
+            return True
+        return super().eventFilter(watched, event)
+
+    def _wants(self, event: QKeyEvent) -> bool:
+        """Whether a key that is a shortcut of the window belongs to what is being drawn, or to a size."""
+        tool = self.canvas.tool
+        if tool is None:
+            return False
+        if event.key() in _SIZES:
+            return tool.sized or self._session.selected is not None
+        return event.key() == Qt.Key.Key_Backspace and tool.drafting
+
+    def _take_key(self, event: QKeyEvent) -> bool:
+        key = Qt.Key(event.key())
+        tool = self.canvas.tool
+        keyed, held = self.crosshair.at is not None, event.modifiers()
+        ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
+        if tool is not None and tool.drafting and key in _DRAFT_KEYS and ends:
+            (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
+            return True
+        if key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            (self.crosshair.enter if keyed else self.crosshair.show)()
+            return True
+        factor = 10.0 if held & Qt.KeyboardModifier.ShiftModifier else 1.0
+        index = self._session.selected
+        if key in _ARROWS:
+            row, col = _ARROWS[key]
+            if keyed:
+                self.crosshair.move(factor * row, factor * col)
+            elif index is None:
+                self.canvas.pan(_PAN * col, _PAN * row)
+            else:
+                name = tr("move {shape}").format(shape=describe(self._session.document.shapes[index]))
+                by = (factor * row, factor * col)
+                self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
+            return True
+        if key in _SIZES and index is not None:
+            self._grow(index, _SIZES[key])
+            return True
+        if key in _SIZES and tool is not None and tool.sized:
+            tool.resize(_SIZES[key])
+            return True
+        return False
+
+    def _grow(self, index: int, by: float) -> None:
+        shape = self._session.document.shapes[index]
+        verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
+        name, grown = verb.format(shape=describe(shape)), shape.grown(by)
+        self._session.edit(name, lambda document: edits.replace_shape(document, index, grown), f"grow {index}")
+
+    def _place_hint(self) -> None:
+        size = self.canvas.size()
+        room = size.width() - 2 * _BESIDE_HINT
+        self.hint.setWordWrap(False)
+        self.hint.adjustSize()
+        if self.hint.width() > room:
+            self.hint.setWordWrap(True)
+            self.hint.resize(room, self.hint.heightForWidth(room))
+        self.hint.move((size.width() - self.hint.width()) // 2, size.height() - self.hint.height() - 14)

@@ -1,0 +1,1 @@
+"""Menu Contours: review, table and comparison with a truth."""

@@ -1,0 +1,189 @@
+"""The contours: their table, what is said about them, and how they are picked on the canvas."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QMenu
+
+from app.model.document import marking
+from app.model.state.situation import Situation
+from app.model.text.language import tr
+from app.views.canvas.naming import NameField
+from app.views.panels.contour_table import ContourPanel
+from app.views.theme.colours import fill_colours
+from app.views.widgets.entry import STATE, Entry, Submenu
+from app.views.window.part import Desk, Panel, Part
+
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
+
+
+class ContoursPart(Part):
+    """What is done to contours once they are found."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        session, canvas = desk.session, desk.stage.canvas
+        self._curation = session.curation
+        self._layer = canvas.layers.contours
+        self.panel = ContourPanel(session, self._fill_colours)
+        self.name_field = NameField(canvas, self._curation)
+        self._keys = _CanvasKeys(self)
+        canvas.installEventFilter(self._keys)
+        canvas.pointed.connect(lambda at: self._curation.hover(None) if at is None else None)
+        self._curation.selection_changed.connect(session.status_changed)
+        self.panel.buttons["keep"].clicked.connect(lambda: self._curation.judge("kept"))
+        self.panel.buttons["reject"].clicked.connect(lambda: self._curation.judge("rejected"))
+        self.panel.buttons["name"].clicked.connect(self.panel.table.name_selected)
+
+    def entries(self) -> Sequence[Entry | Submenu]:
+        """Table, selection, verdicts, names, colours."""
+        return (
+            Entry(
+                name="contour_table",
+                menu="Contours",
+                text=tr("&Table of contours"),
+                do=lambda: self.desk.reveal("contours"),
+                shortcuts=("Ctrl+T",),
+                tip=tr("Show what is known about each contour."),
+            ),
+            Entry(
+                name="next_contour",
+                menu="Contours",
+                text=tr("Select ne&xt contour"),
+                do=self._select_next,
+                shortcuts=("Shift+N",),
+                tip=tr("Select one contour after the other, longest first."),
+                gap=True,
+                when=self._any,
+            ),
+            Entry(
+                name="all_contours",
+                menu="Contours",
+                text=tr("Select &all contours"),
+                do=lambda: self._curation.select(item.key for item in self._curation.items),
+                shortcuts=("Ctrl+A",),
+                tip=tr("Select all contours."),
+                when=self._any,
+            ),
+            Entry(
+                name="keep",
+                menu="Contours",
+                text=tr("&Keep"),
+                do=lambda: self._curation.judge("kept"),
+                shortcuts=("K",),
+                tip=tr("Say that the selected contours are right; once more takes it back."),
+                gap=True,
+                when=self._chosen,
+            ),
+            Entry(
+                name="reject",
+                menu="Contours",
+                text=tr("&Reject"),
+                do=lambda: self._curation.judge("rejected"),
+                shortcuts=("X",),
+                tip=tr("Leave the selected contours out of what is exported; once more takes it back."),
+                when=self._chosen,
+            ),
+            Entry(
+                name="name_contour",
+                menu="Contours",
+                text=tr("&Name…"),
+                do=self.ask_name,
+                shortcuts=("F2",),
+                tip=tr("Give the selected contour a name."),
+                when=self._chosen,
+            ),
+            Submenu(name="colours", menu="Contours", text=tr("&Colour"), fill=self._fill_colours),
+            Entry(
+                name="forget_verdicts",
+                menu="Contours",
+                text=tr("&Forget verdicts, names and colours"),
+                do=lambda: self.desk.session.edit(tr("forget verdicts, names and colours"), marking.clear_marks),
+                tip=tr("Begin anew with what has been said about contours."),
+                when=lambda situation: bool(situation.document.marks),
+            ),
+            Entry(
+                name="show_rejected",
+                menu="Contours",
+                text=tr("&Show rejected contours"),
+                do=lambda: self._layer.set_show_rejected(not self._layer.show_rejected),
+                tip=tr("Show rejected contours faint and dashed, or hide them."),
+                group=STATE,
+                checked=True,
+                gap=True,
+                holds=lambda situation: self._layer.show_rejected,
+            ),
+        )
+
+    def panels(self) -> Sequence[Panel]:
+        """The table."""
+        return (
+            Panel(
+                name="contours",
+                title=tr("Contours"),
+                widget=self.panel,
+                area="bottom",
+                tab="below",
+                shown=False,
+                shortcut="F11",
+            ),
+        )
+
+    def ask_name(self) -> None:
+        """Ask for the name of the contour selected, on the canvas or in the table, wherever the hand is."""
+        chosen = self._curation.chosen
+        if self.panel.table.hasFocus():
+            self.panel.table.name_selected()
+        elif chosen:
+            self.name_field.ask(chosen[0].key)
+
+    def take_key(self, key: int) -> bool:
+        """Enter names and Delete rejects what is picked on the canvas."""
+        if not self._picking:
+            return False
+        if key in _ENTER:
+            self.ask_name()
+        elif key in _DELETE:
+            self._curation.judge("rejected")
+        return key in _ENTER or key in _DELETE
+
+    @property
+    def _picking(self) -> bool:
+        tool = self.desk.stage.canvas.tool
+        return tool is not None and tool.name == "contours" and bool(self._curation.selected)
+
+    def _any(self, situation: Situation) -> bool:
+        return bool(self._curation.items)
+
+    def _chosen(self, situation: Situation) -> bool:
+        return bool(self._curation.selected)
+
+    def _select_next(self) -> None:
+        keys = [item.key for item in self._curation.items]
+        at = max((keys.index(key) for key in self._curation.selected if key in keys), default=-1)
+        if keys:
+            self._curation.select((keys[(at + 1) % len(keys)],))
+
+    def _fill_colours(self, menu: QMenu) -> None:
+        fill_colours(menu, self.desk.window, self._curation.paint)
+        menu.setEnabled(True)
+        for action in menu.actions():
+            action.setEnabled(bool(self._curation.selected))
+
+
+class _CanvasKeys(QObject):
+    """Keys of the canvas that concern contours."""
+
+    def __init__(self, part: ContoursPart) -> None:
+        super().__init__(part.desk.window)
+        self._part = part
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Take those keys while contours are picked."""
+        if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
+            return self._part.take_key(event.key())
+        return False

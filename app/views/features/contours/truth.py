@@ -1,0 +1,105 @@
+"""The ground truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from PySide6.QtWidgets import QFileDialog
+
+from app.model.display.differences import Difference
+from app.model.state.situation import Situation, has_image
+from app.model.text.language import tr
+from app.views.panels.contour_table.truth_panel import TruthPanel
+from app.views.widgets.entry import Entry
+from app.views.window.part import Desk, Panel, Part
+from cpm_core.formats import READABLE
+from cpm_core.formats.contours.contour_files import CONTOURS_READABLE
+
+_SPAN = 48.0
+"""Side of what is shown of a place that is jumped to, at least [px of the image]."""
+
+
+class TruthPart(Part):
+    """What contours are compared with."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self.truth = desk.session.curation.truth
+        self.panel = TruthPanel(self.truth)
+        self._folder = ""
+        self.panel.load_wanted.connect(self._load)
+        self.panel.jump_wanted.connect(self._jump)
+        self.truth.changed.connect(desk.session.status_changed)
+        self.truth.compared.connect(desk.session.status_changed)
+
+    def entries(self) -> Sequence[Entry]:
+        """Load, forget, look at the worst."""
+        return (
+            Entry(
+                name="load_truth",
+                menu="Contours",
+                text=tr("Compare with &truth…"),
+                do=self._load,
+                shortcuts=("Ctrl+Shift+T",),
+                tip=tr("Load a mask or contours known to be right, and see how far the contours are from them."),
+                gap=True,
+                when=has_image,
+            ),
+            Entry(
+                name="worst_place",
+                menu="Contours",
+                text=tr("Look at the &worst place"),
+                do=self.panel.jump_to_worst,
+                tip=tr("Show where contours and truth are farthest from each other."),
+                when=self._differs,
+            ),
+            Entry(
+                name="next_place",
+                menu="Contours",
+                text=tr("Look at the next pla&ce"),
+                do=self.panel.jump_to_next,
+                shortcuts=("Shift+W",),
+                tip=tr("Show the next place where they differ."),
+                when=self._differs,
+            ),
+            Entry(
+                name="forget_truth",
+                menu="Contours",
+                text=tr("Compare no &longer"),
+                do=self.truth.forget,
+                tip=tr("Forget the truth."),
+                when=lambda situation: self.truth.truth is not None,
+            ),
+        )
+
+    def panels(self) -> Sequence[Panel]:
+        """The figures."""
+        return (
+            Panel(
+                name="truth", title=tr("Ground truth"), widget=self.panel, tab="settings", shown=False, shortcut="F12"
+            ),
+        )
+
+    def close(self) -> bool:
+        """End the thread."""
+        self.truth.close()
+        return True
+
+    def _differs(self, situation: Situation) -> bool:
+        return self.truth.verified is not None and bool(self.truth.verified.differences)
+
+    def _load(self) -> None:
+        self.desk.reveal("truth")
+        patterns = " ".join(f"*{suffix}" for suffix in dict.fromkeys((*READABLE, *CONTOURS_READABLE)))
+        filters = tr("Masks and contours ({patterns});;All files (*)").format(patterns=patterns)
+        chosen, _ = QFileDialog.getOpenFileName(self.desk.window, tr("Compare with truth"), self._folder, filters)
+        if chosen:
+            self._folder = str(Path(chosen).parent)
+            self.truth.load(chosen)
+
+    def _jump(self, difference: Difference) -> None:
+        low, high = difference.points.min(axis=0), difference.points.max(axis=0)
+        span = max(_SPAN, 1.4 * float((high - low).max()))
+        row, col = (0.5 * (low + high)).tolist()
+        self.desk.stage.canvas.look_at((row, col), span)

@@ -1,0 +1,1 @@
+"""Menu Edit: what is drawn, modes, undo."""

@@ -1,0 +1,98 @@
+"""The tools, and the starts that need no drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from app.model.document import edits
+from app.model.document.naming import describe
+from app.model.state.situation import Condition, has_image
+from app.model.text.language import tr
+from app.views.canvas.stage import FIRST_TOOL
+from app.views.canvas.tools import TOOLS
+from app.views.widgets.entry import STATE, Entry
+from app.views.window.part import Part
+from cpm_core.shapes import Everywhere, Kind
+
+_STARTS: tuple[tuple[Kind, str, str, str], ...] = (
+    ("grid", tr("Start everywhere (&grid)"), "Ctrl+G", tr("Start evenly all over the image, or no longer.")),
+    ("edges", tr("Start on strong &edges"), "Ctrl+Shift+G", tr("Start where the image changes most, or no longer.")),
+    (
+        "centers",
+        tr("Start at ce&ntres"),
+        "Ctrl+Shift+C",
+        tr("Start in the middle of what edges enclose, or no longer."),
+    ),
+)
+
+
+class DrawingPart(Part):
+    """What the initialization and its limits are drawn with."""
+
+    def entries(self) -> Sequence[Entry]:
+        """Tools, starts everywhere, and a circle for those who have no pointer."""
+        tools = [
+            Entry(
+                name=tool.name,
+                menu="Draw",
+                text=tool.text,
+                do=partial(self.desk.stage.use_tool, tool.name),
+                shortcuts=(tool.shortcut,) if tool.shortcut else (),
+                tip=tool.tip,
+                icon=tool.name,
+                group="tool",
+                checked=tool.name == FIRST_TOOL,
+                gap=index > 0 and tool.group != TOOLS[index - 1].group,
+                when=has_image,
+            )
+            for index, tool in enumerate(TOOLS)
+        ]
+        starts = [
+            Entry(
+                name=f"start_{kind}",
+                menu="Draw",
+                text=text,
+                do=partial(self._toggle, Everywhere(kind)),
+                shortcuts=(keys,),
+                tip=tip,
+                icon=kind,
+                group=STATE,
+                gap=index == 0,
+                when=has_image,
+                holds=_starts_with(Everywhere(kind)),
+            )
+            for index, (kind, text, keys, tip) in enumerate(_STARTS)
+        ]
+        middle = Entry(
+            name="add_circle",
+            menu="Draw",
+            text=tr("Add circle in the &middle"),
+            do=self.desk.stage.add_circle,
+            shortcuts=("Ctrl+K",),
+            tip=tr("Add a circle in the middle of what is seen."),
+            gap=True,
+            when=has_image,
+        )
+        keyed = Entry(
+            name="cross_hair",
+            menu="Draw",
+            text=tr("Draw by &keys"),
+            do=self.desk.stage.crosshair.toggle,
+            tip=tr("Show a cross-hair that arrow keys move, for the tool in use; Enter on the image does the same."),
+            when=has_image,
+        )
+        return (*tools, *starts, middle, keyed)
+
+    def _toggle(self, start: Everywhere) -> None:
+        session = self.desk.session
+        name = describe(start)
+        if start in session.document.shapes:
+            name = tr("end {start}").format(start=name)
+        session.edit(name, lambda document: edits.toggle_everywhere(document, start.kind))
+        # Whether or not the document has changed, the action shows what is.
+        session.status_changed.emit()
+
+
+def _starts_with(start: Everywhere) -> Condition:
+    return lambda situation: start in situation.document.shapes

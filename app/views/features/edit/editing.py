@@ -1,0 +1,83 @@
+"""Undo and redo, and what is done to shapes by keys."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from app.model.document import edits
+from app.model.state.resolve import resolve
+from app.model.state.situation import can_redo, can_undo, has_selection, has_shapes
+from app.model.text.language import tr
+from app.views.widgets.entry import Entry
+from app.views.window.part import Part
+
+
+class EditingPart(Part):
+    """What changes the document without the pointer."""
+
+    def entries(self) -> Sequence[Entry]:
+        """Undo, redo, selection, deletion."""
+        session = self.desk.session
+        return (
+            Entry(
+                name="undo",
+                menu="Edit",
+                text=tr("Undo"),
+                short=tr("Undo"),
+                do=session.undo,
+                shortcuts=("Ctrl+Z",),
+                tip=tr("Take back the last change."),
+                icon="undo",
+                when=can_undo,
+                worded=lambda situation: resolve(situation).undo_text,
+            ),
+            Entry(
+                name="redo",
+                menu="Edit",
+                text=tr("Redo"),
+                short=tr("Redo"),
+                do=session.redo,
+                shortcuts=("Ctrl+Shift+Z", "Ctrl+Y"),
+                tip=tr("Do again what was undone."),
+                icon="redo",
+                when=can_redo,
+                worded=lambda situation: resolve(situation).redo_text,
+            ),
+            Entry(
+                name="select_next",
+                menu="Edit",
+                text=tr("Select &next shape"),
+                do=session.select_next,
+                shortcuts=("N",),
+                tip=tr("Select one shape after the other."),
+                gap=True,
+                when=has_shapes,
+            ),
+            Entry(
+                name="escape",
+                menu="Edit",
+                text=tr("Gi&ve up"),
+                do=self.desk.stage.escape,
+                shortcuts=("Escape",),
+                tip=tr("Give up what is being drawn, else select nothing and hide messages."),
+            ),
+            Entry(
+                name="delete",
+                menu="Edit",
+                text=tr("&Delete"),
+                do=session.delete_selected,
+                shortcuts=("Delete", "Backspace"),
+                tip=tr("Remove the selected shape."),
+                gap=True,
+                when=has_selection,
+            ),
+            Entry(
+                name="clear",
+                menu="Edit",
+                text=tr("Delete &all shapes"),
+                do=lambda: session.edit(tr("delete all shapes"), edits.clear_shapes),
+                shortcuts=("Ctrl+Shift+Backspace",),
+                tip=tr("Remove everything that is drawn."),
+                when=has_shapes,
+            ),
+        )

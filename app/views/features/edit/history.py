@@ -1,0 +1,30 @@
+"""The history: all changes by name, and the way to any of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from app.model.text.language import tr
+from app.views.panels.history import HistoryPanel
+from app.views.theme.theme import Theme
+from app.views.window.part import Desk, Panel, Part
+
+
+class HistoryPart(Part):
+    """What has been done and undone."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        session = desk.session
+        self.panel = HistoryPanel(session.go_to)
+        session.document_changed.connect(lambda _: self.panel.show_changes(*session.changes))
+        self.panel.show_changes(*session.changes)
+
+    def panels(self) -> Sequence[Panel]:
+        """The changes."""
+        title = tr("History")
+        return (Panel(name="history", title=title, widget=self.panel, tab="settings", shown=False, shortcut="Ctrl+H"),)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Grey is another grey now."""
+        self.panel.mark()

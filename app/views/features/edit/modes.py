@@ -1,0 +1,70 @@
+"""The modes: shape recovery, automatic segmentation, skeleton."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+from app.model.document.document import Mode
+from app.model.document.modes import MODES, use_mode
+from app.model.state.situation import Condition
+from app.model.text.language import tr
+from app.views.widgets.entry import STATE, Entry
+from app.views.window.dialogs import ask_for_export
+from app.views.window.part import Part
+
+_KEYS = {"shape": "Alt+1", "automatic": "Alt+2", "skeleton": "Alt+3"}
+
+
+class ModesPart(Part):
+    """What a person is after, and the skeleton."""
+
+    def entries(self) -> Sequence[Entry]:
+        """One mode each, and the export of the skeleton."""
+        modes = [
+            Entry(
+                name=f"mode_{name}",
+                menu="Run",
+                text=info.title,
+                do=partial(self._use, name),
+                shortcuts=(_KEYS[name],),
+                tip=info.about,
+                icon=f"mode_{name}",
+                group=STATE,
+                holds=_is(name),
+                gap=index == 0,
+                short=info.short,
+            )
+            for index, (name, info) in enumerate(MODES.items())
+        ]
+        export = Entry(
+            name="export_skeleton",
+            menu="File",
+            text=tr("Export s&keleton…"),
+            do=self._export,
+            shortcuts=("Ctrl+Shift+K",),
+            tip=tr("Write the branches of the skeleton and their radii to a file."),
+            icon="mode_skeleton",
+            when=lambda situation: situation.has_skeleton,
+        )
+        return (*modes, export)
+
+    def _use(self, mode: Mode) -> None:
+        session = self.desk.session
+        if session.document.mode != mode:
+            name = tr("mode “{mode}”").format(mode=MODES[mode].title.replace("&", ""))
+            session.edit(name, lambda document: use_mode(document, mode))
+        # Whether or not the document has changed, the action shows what is.
+        session.status_changed.emit()
+
+    def _export(self) -> None:
+        image = self.desk.session.document.image
+        stem = Path(image.name).stem if image else "image"
+        chosen = ask_for_export(self.desk.window, f"{stem}_skeleton.svg")
+        if chosen:
+            self.desk.session.skeletons.export(chosen)
+
+
+def _is(mode: Mode) -> Condition:
+    return lambda situation: situation.document.mode == mode

@@ -1,0 +1,1 @@
+"""Menu File: open, save, export, clipboard, preferences, recovery."""

@@ -1,0 +1,70 @@
+"""Copying contours and the view."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from PySide6.QtCore import QMimeData
+from PySide6.QtWidgets import QApplication
+
+from app.model.state.situation import has_contours, has_image
+from app.model.text.language import tr
+from app.session.exchange.messages import Report
+from app.session.features.copy_contours import Copied, copy_contours
+from app.views.widgets.entry import Entry
+from app.views.window.part import Desk, Part
+
+_KINDS = (
+    ("copy_svg", tr("Copy contours as &SVG"), ".svg", ("Ctrl+C",)),
+    ("copy_csv", tr("Copy contours as &CSV"), ".csv", ()),
+    ("copy_geojson", tr("Copy contours as &GeoJSON"), ".geojson", ()),
+)
+
+_MIME = {".svg": "image/svg+xml", ".csv": "text/csv", ".geojson": "application/geo+json"}
+
+
+class ClipboardPart(Part):
+    """What other programs are given without a file."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        desk.session.reported.connect(self._hear)
+
+    def entries(self) -> Sequence[Entry]:
+        """Contours in several formats, and the view."""
+        contours = [
+            Entry(
+                name=name,
+                menu="Edit",
+                text=text,
+                do=partial(copy_contours, self.desk.session, suffix),
+                shortcuts=shortcuts,
+                tip=tr("Put the contours on the clipboard, for another program."),
+                gap=suffix == ".svg",
+                when=has_contours,
+            )
+            for name, text, suffix, shortcuts in _KINDS
+        ]
+        view = Entry(
+            name="copy_view",
+            menu="Edit",
+            text=tr("Copy &view as picture"),
+            do=self._copy_view,
+            shortcuts=("Ctrl+Shift+P",),
+            tip=tr("Put what is seen of the image and what lies over it on the clipboard."),
+            when=has_image,
+        )
+        return (*contours, view)
+
+    def _copy_view(self) -> None:
+        QApplication.clipboard().setImage(self.desk.stage.canvas.grab().toImage())
+        self.desk.session.say(tr("The view is on the clipboard."))
+
+    def _hear(self, report: Report) -> None:
+        if isinstance(report, Copied):
+            data = QMimeData()
+            data.setText(report.content.decode())  # most programs take text only
+            data.setData(_MIME[report.suffix], report.content)
+            QApplication.clipboard().setMimeData(data)
+            self.desk.session.say(tr("The contours are on the clipboard."))

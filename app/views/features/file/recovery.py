@@ -1,0 +1,97 @@
+"""Autosave, and the offer to restore what was open when the program ended without having been closed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QDateTime, QLocale
+from PySide6.QtWidgets import QMessageBox
+
+from app.model.text.language import tr
+from app.session.storage.autosave import Journal, folder_of_journals
+from app.session.storage.recovery import Leftover, left_behind
+from app.session.storage.session_file import Keeper
+from app.views.window.part import Desk, Part
+
+
+class RecoveryPart(Part):
+    """Nothing is lost when the program ends without being asked to."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self._folder = folder_of_journals()
+        self.journal: Journal | None = None
+        self.box: QMessageBox | None = None
+        self._waiting: list[Leftover] = []
+        self._restoring: Leftover | None = None
+
+    def keep(self, keeper: Keeper) -> None:
+        """Keep a journal of what is open."""
+        self.journal = Journal(keeper, self._folder)
+        keeper.restored.connect(lambda _: self._restored())
+
+    def offer(self) -> None:
+        """Ask what is to become of what earlier windows have left behind."""
+        self._waiting = list(left_behind(self._folder))
+        self._ask()
+
+    def close(self) -> bool:
+        """The window ends well: its journal goes, what was not asked about stays."""
+        for leftover in self._waiting:
+            leftover.keep()
+        if self._restoring is not None:
+            self._restoring.keep()
+        self._waiting, self._restoring = [], None
+        if self.box is not None:
+            self.box.close()
+        if self.journal is not None:
+            self.journal.close()
+        return True
+
+    def _ask(self) -> None:
+        if not self._waiting:
+            return
+        leftover = self._waiting[0]
+        self.box = box = QMessageBox(self.desk.window)
+        box.setIcon(QMessageBox.Icon.Question)
+        box.setWindowTitle(tr("Restore unsaved work"))
+        box.setText(tr("CPM did not end properly: restore “{name}”?").format(name=leftover.name))
+        box.setInformativeText("\n".join(_details(leftover)))
+        restore = box.addButton(tr("&Restore"), QMessageBox.ButtonRole.AcceptRole)
+        discard = box.addButton(tr("&Discard"), QMessageBox.ButtonRole.DestructiveRole)
+        later = box.addButton(tr("Ask me &later"), QMessageBox.ButtonRole.RejectRole)
+        box.setDefaultButton(restore)
+        box.setEscapeButton(later)
+        box.buttonClicked.connect(
+            lambda button: self._restore() if button is restore else self._discard() if button is discard else None
+        )
+        box.open()
+
+    def _restore(self) -> None:
+        self._restoring = self._waiting.pop(0)
+        self.desk.session.begin(self._restoring.wanted)
+
+    def _discard(self) -> None:
+        self._waiting.pop(0).discard()
+        self._ask()
+
+    def _restored(self) -> None:
+        """What was restored is in a journal of its own before the old one goes."""
+        if self._restoring is not None and self.journal is not None:
+            self.journal.write()
+            self.journal.flush()
+            self._restoring.discard()
+            self._restoring = None
+
+
+def _details(leftover: Leftover) -> Sequence[str]:
+    when = QLocale().toString(
+        QDateTime.fromSecsSinceEpoch(int(leftover.when.timestamp())), QLocale.FormatType.ShortFormat
+    )
+    image, shapes = leftover.file.image, len(leftover.file.shapes)
+    return (
+        tr("Last changed: {when}").format(when=when),
+        tr("Image: {path}").format(path=image.path if image else "–"),
+        tr("Session file: {path}").format(path=leftover.path or tr("never saved")),
+        tr("Shapes drawn: {count}").format(count=shapes),
+    )

@@ -1,0 +1,1 @@
+"""Menu Help: tour, guide and keys."""

@@ -1,0 +1,99 @@
+"""Help: the guide, the tour, and what this is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from app.model.document.samples import sample_called
+from app.model.text.language import tr
+from app.views.help.guide import Guide
+from app.views.help.help import show_about
+from app.views.help.tour import Tour
+from app.views.help.tour_stops import stops
+from app.views.widgets.entry import Entry
+from app.views.window.part import Desk, Part
+
+SEEN = "tour/seen"
+"""Preference: whether the tour has been shown."""
+
+
+class HelpingPart(Part):
+    """What explains the program."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self.guide: Guide | None = None
+        self.tour: Tour | None = None
+
+    def entries(self) -> Sequence[Entry]:
+        """Guide, keys, tour and about."""
+        window = self.desk.window
+        return (
+            Entry(
+                name="guide",
+                menu="Help",
+                text=tr("&Guide"),
+                do=self.show_guide,
+                shortcuts=("F1",),
+                tip=tr("First steps, three tasks step by step, and what works on the canvas."),
+                icon="guide",
+            ),
+            Entry(
+                name="tour",
+                menu="Help",
+                text=tr("&Tour of the window"),
+                do=self.begin_tour,
+                tip=tr("Five bubbles show how one works."),
+            ),
+            Entry(
+                name="about",
+                menu="Help",
+                text=tr("&About CPM"),
+                do=lambda: show_about(window),
+                tip=tr("What this is."),
+                gap=True,
+            ),
+        )
+
+    def welcome(self) -> None:
+        """Begin the tour for somebody who has not seen it."""
+        if not self.desk.preferences.get(SEEN, False):
+            self.begin_tour()
+
+    def begin_tour(self) -> None:
+        """Begin the tour."""
+        if self.tour is None:
+            self.tour = Tour(self.desk.window, stops(self.desk.window, self.desk.reveal))
+            self.tour.ended.connect(self._end_tour)
+        self.tour.begin()
+
+    def show_guide(self, page: str = "") -> None:
+        """Open the guide, at a page if one is named, or bring it to the front."""
+        if self.guide is None:
+            self.guide = Guide(self.desk.window, self.desk.entries(), self._open_sample)
+            self.guide.destroyed.connect(self._forget_guide)
+        if page:
+            self.guide.turn_to(page)
+        self.guide.show()
+        self.guide.raise_()
+        self.guide.activateWindow()
+
+    def close(self) -> bool:
+        """Take the guide away."""
+        if self.guide is not None:
+            self.guide.close()
+        return True
+
+    def _open_sample(self, file: str) -> None:
+        sample = sample_called(file)
+        if sample is not None:
+            self.desk.stage.messages.hide()
+            self.desk.session.open(sample.path)
+
+    def _forget_guide(self) -> None:
+        self.guide = None
+
+    def _end_tour(self) -> None:
+        self.tour = None
+        self.desk.preferences.put(SEEN, True)
+        self.desk.stage.canvas.setFocus()

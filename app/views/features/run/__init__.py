@@ -1,0 +1,1 @@
+"""Menu Run: run and pause, parameters, timeline, tasks."""

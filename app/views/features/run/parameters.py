@@ -1,0 +1,118 @@
+"""The parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from PySide6.QtWidgets import QCheckBox
+
+from app.model.state.situation import Situation
+from app.model.text.language import tr
+from app.model.text.wording import FIRST_WORDING, Wording, wording_called
+from app.session.storage.preferences import Value
+from app.session.storage.presets import PresetStore
+from app.views.panels.parameters.parameters import ParametersPanel
+from app.views.presets.preset_keeper import PresetKeeper
+from app.views.theme.theme import Theme
+from app.views.widgets.choice import choice
+from app.views.widgets.entry import STATE, Entry, Submenu
+from app.views.widgets.preference_row import PreferenceRow
+from app.views.window.part import Desk, Panel, Part
+
+WORDING, MOTION = "parameters/wording", "motion"
+"""Preferences: how parameters are called, and whether drawings move."""
+
+_WORDINGS: tuple[tuple[Wording, str, str], ...] = (
+    ("intuitive", tr("Parameters in plain &words"), tr("Call parameters by what they do.")),
+    ("formula", tr("Parameters as in the for&mulas"), tr("Call parameters by their symbols and names.")),
+)
+
+
+class ParametersPart(Part):
+    """What the particles obey."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self.keeper = PresetKeeper(desk, PresetStore(parent=desk.window))
+        self.panel = ParametersPanel(desk.session, self.keeper.gallery)
+        desk.preferences.changed.connect(self._follow)
+        self._follow(WORDING)
+        self._follow(MOTION)
+
+    def entries(self) -> Sequence[Entry | Submenu]:
+        """Presets, and how parameters are called."""
+        presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.keeper.fill, gap=True)
+        motion = Entry(
+            name="motion",
+            menu="View",
+            text=tr("Drawings that mo&ve"),
+            do=lambda: self._prefer(MOTION, not self._moves),
+            tip=tr("Let the small drawings of the parameters move, or stand still."),
+            group=STATE,
+            checked=self._moves,
+            holds=lambda _: self._moves,
+        )
+        return (presets, *self._wordings(), motion)
+
+    def preferences(self) -> Sequence[PreferenceRow]:
+        """How parameters are called, and whether drawings move."""
+        section, entries = tr("Parameters"), self._wordings()
+        return (
+            PreferenceRow(
+                section=section, label=tr("Wording"), make=lambda: choice(entries, f"wording_{self._wording}")
+            ),
+            PreferenceRow(section=section, label=tr("Drawings"), make=self._make_motion),
+        )
+
+    def panels(self) -> Sequence[Panel]:
+        """The sliders."""
+        return (Panel(name="parameters", title=tr("Parameters"), widget=self.panel, tab="settings", shortcut="F7"),)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the buttons."""
+        self.panel.use_theme(theme)
+
+    @property
+    def _wording(self) -> Wording:
+        return wording_called(self.desk.preferences.get(WORDING, FIRST_WORDING))
+
+    @property
+    def _moves(self) -> bool:
+        return self.desk.preferences.get(MOTION, True)
+
+    def _wordings(self) -> list[Entry]:
+        return [
+            Entry(
+                name=f"wording_{name}",
+                menu="View",
+                text=text,
+                do=partial(self._prefer, WORDING, name),
+                tip=tip,
+                group=STATE,
+                checked=name == self._wording,
+                holds=partial(self._holds, name),
+                gap=index == 0,
+            )
+            for index, (name, text, tip) in enumerate(_WORDINGS)
+        ]
+
+    def _make_motion(self) -> QCheckBox:
+        box = QCheckBox(tr("Let the small drawings move"))
+        box.setChecked(self._moves)
+        box.toggled.connect(partial(self._prefer, MOTION))
+        return box
+
+    def _holds(self, name: Wording, situation: Situation) -> bool:
+        return name == self._wording
+
+    def _prefer(self, key: str, value: Value) -> None:
+        self.desk.preferences.put(key, value)
+        # The actions show what is preferred now.
+        self.desk.session.status_changed.emit()
+
+    def _follow(self, key: str) -> None:
+        if key == WORDING:
+            self.panel.use_wording(self._wording)
+        elif key == MOTION:
+            self.panel.explanation.drawing.set_motion(self._moves)

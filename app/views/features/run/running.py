@@ -1,0 +1,136 @@
+"""Running, pausing, stepping; and how the run stands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QTimer
+
+from app.model.state.resolve import resolve
+from app.model.state.situation import can_step, has_image, is_running, is_started
+from app.model.text.language import tr
+from app.session.exchange.messages import Snapshot
+from app.session.worker.commands.energy import WatchEnergy
+from app.views.panels.run.run_panel import RunPanel
+from app.views.widgets.entry import Entry
+from app.views.widgets.speed import SpeedControl
+from app.views.window.part import Desk, Panel, Part
+
+_FIGURES_EVERY = 250
+"""Time between two looks at the frame counter [ms]."""
+
+
+_PLOTS = "run/plots"
+"""Preference that keeps which plots are shown."""
+
+
+class RunningPart(Part):
+    """What drives a run and tells of it."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self.speed = SpeedControl(desk.session)
+        self.panel = RunPanel()
+        self._snapshot: Snapshot | None = None
+        self._watched = False
+        chosen = desk.preferences.get(_PLOTS, list(self.panel.plot.shown))
+        self.panel.plot.show_plots(chosen)
+        self.panel.plot.chosen.connect(self._choose_plots)
+        self._choose_plots()
+        self._figures = QTimer(self.panel)
+        self._figures.setInterval(_FIGURES_EVERY)
+        self._figures.timeout.connect(self._show_figures)
+        desk.session.status_changed.connect(self._show)
+        desk.session.snapshot_changed.connect(self._keep)
+
+    def entries(self) -> Sequence[Entry]:
+        """Run, step, reset, speed."""
+        session = self.desk.session
+        return (
+            Entry(
+                name="run",
+                menu="Run",
+                text=tr("Run"),
+                do=session.toggle,
+                shortcuts=("Space",),
+                tip=tr("Let the particles move, or hold them."),
+                icon="run",
+                when=has_image,
+                worded=lambda situation: resolve(situation).run_text,
+                pictured=lambda situation: "pause" if is_running(situation) else "run",
+            ),
+            Entry(
+                name="step",
+                menu="Run",
+                text=tr("&Step"),
+                short=tr("Step"),
+                do=session.step,
+                shortcuts=(".",),
+                tip=tr("Take a single step."),
+                icon="step",
+                when=can_step,
+            ),
+            Entry(
+                name="reset",
+                menu="Run",
+                text=tr("&Reset"),
+                short=tr("Reset"),
+                do=session.reset,
+                shortcuts=("R",),
+                tip=tr("Forget the particles and go back to the drawing."),
+                icon="reset",
+                when=is_started,
+            ),
+            Entry(
+                name="faster",
+                menu="Run",
+                text=tr("&Faster"),
+                do=self.speed.faster,
+                shortcuts=("]",),
+                tip=tr("Allow more steps a second."),
+                gap=True,
+            ),
+            Entry(
+                name="slower",
+                menu="Run",
+                text=tr("S&lower"),
+                do=self.speed.slower,
+                shortcuts=("[",),
+                tip=tr("Allow fewer steps a second."),
+            ),
+        )
+
+    def panels(self) -> Sequence[Panel]:
+        """How the run stands."""
+        return (Panel(name="run", title=tr("Run"), widget=self.panel, shortcut="F6"),)
+
+    def close(self) -> bool:
+        """Look no more."""
+        self._figures.stop()
+        return True
+
+    def _choose_plots(self) -> None:
+        shown = self.panel.plot.shown
+        self.desk.preferences.put(_PLOTS, list(shown))
+        watched = "potential" in shown
+        if watched != self._watched:
+            self._watched = watched
+            self.desk.session.post(WatchEnergy(watched))
+
+    def _show(self) -> None:
+        running = is_running(self.desk.session.situation)
+        if running != self._figures.isActive():
+            (self._figures.start if running else self._figures.stop)()
+        if not running:
+            self._show_figures()
+
+    def _show_figures(self) -> None:
+        session = self.desk.session
+        resolved = session.resolved
+        frames = f"{session.frames_per_second:.0f}" if resolved.running else "–"
+        self.panel.status.show_resolved(resolved, frames)
+        self.panel.plot.show_trace(self._snapshot.trace if self._snapshot else None)
+
+    def _keep(self, snapshot: Snapshot | None) -> None:
+        # The plot is read, not watched: it follows at the slower pace of the figures.
+        self._snapshot = snapshot

@@ -1,0 +1,1 @@
+"""Menu View: layers, looks, mosaic, animations."""

@@ -1,0 +1,255 @@
+"""Export of a run as an animation, and of some of its steps as a strip."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QRectF
+from PySide6.QtWidgets import QFileDialog
+
+from app.model.state.situation import has_particles
+from app.model.text.language import tr
+from app.session.exchange.messages import Exported, Report
+from app.session.features.timeline_navigation import travel_of
+from app.session.tasks.tasks import Task
+from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
+from app.views.film.filming import Filming
+from app.views.film.frame_renderer import Frame, FrameRenderer, frame_size, seen_part
+from app.views.film.strip_dialog import StripDialog, StripPlan
+from app.views.film.understudy import Told
+from app.views.widgets.entry import Entry
+from app.views.window.part import Desk, Part
+from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
+from cpm_core.formats.animations.snapshot_strip import strip, write_picture
+
+_AHEAD = 4
+"""Frames that may wait for being written."""
+
+_PATIENCE = 0.05
+"""Time between two looks whether the film has been given up [s]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StripReady(Report):
+    """A strip has been composed."""
+
+    task: Task
+    pixels: Frame
+
+
+class AnimationPart(Part):
+    """Films a run."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self._travel = travel_of(desk.session)
+        self._told = Told(desk.session)
+        self._folder = ""
+        self._filming: list[Filming] = []
+        self._strip_task: Task | None = None
+        self._strip_dialog: StripDialog | None = None
+        desk.session.reported.connect(self._hear)
+
+    def entries(self) -> Sequence[Entry]:
+        """Both exports."""
+        return (
+            Entry(
+                name="export_animation",
+                menu="File",
+                text=tr("Export a&nimation…"),
+                do=self.ask_for_animation,
+                shortcuts=("Ctrl+Shift+A",),
+                tip=tr("Write the steps of the run as a GIF, an APNG or a film."),
+                when=has_particles,
+            ),
+            Entry(
+                name="export_strip",
+                menu="File",
+                text=tr("Export snapshot s&trip…"),
+                do=self.ask_for_strip,
+                tip=tr("Write some steps of the run side by side as one picture."),
+                when=has_particles,
+            ),
+        )
+
+    def close(self) -> bool:
+        """End what is being drawn."""
+        for filming in self._filming:
+            filming.stop()
+        return True
+
+    # Animation
+
+    def ask_for_animation(self) -> AnimationDialog:
+        """Ask how the animation is to be, then where to, then write it."""
+        branch = self._travel.place[0]
+        dialog = AnimationDialog(
+            self.desk.window, self.desk.preferences, self._travel.first, self._travel.last(branch), self._part
+        )
+        dialog.accepted.connect(lambda: self._ask_for_place(branch, dialog.plan))
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
+
+    def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
+        """Write an animation; None where it cannot be, which is told."""
+        session = self.desk.session
+        try:
+            check_animation(path)
+        except ValueError as error:
+            session.say(str(error), True)
+            return None
+        frames: queue.Queue[Frame | None] = queue.Queue()
+        task = session.tasks.start(
+            tr("Writing {name}…").format(name=path.name),
+            partial(_encode, frames, len(plan.steps), path, plan.frames_per_second),
+            f"writing {path.name}",
+        )
+        self._film(
+            task,
+            FrameRenderer(session, self.desk.stage.canvas, self._told, self._part(plan.zoomed), plan.size),
+            [(branch, step) for step in plan.steps],
+            frames,
+        )
+        return task
+
+    def _film(
+        self,
+        task: Task,
+        renderer: FrameRenderer,
+        places: Sequence[tuple[int, int]],
+        frames: queue.Queue[Frame | None],
+    ) -> None:
+        layers = self.desk.stage.canvas.layers
+        filming = Filming(
+            self.desk.session,
+            renderer,
+            task,
+            places,
+            contours=layers["contours"].shown or layers["ghost"].shown,
+            compared=self._travel.comparing if layers["ghost"].shown else None,
+            take=frames.put,
+            end=lambda: frames.put(None),
+            has_room=lambda: frames.qsize() < _AHEAD,
+        )
+        self._filming = [*(other for other in self._filming if not other.over), filming]
+
+    def _ask_for_place(self, branch: int, plan: AnimationPlan) -> None:
+        filters = {f"{text} (*{suffix})": suffix for suffix, text in ANIMATED.items()}
+        chosen_filter = next(text for text, suffix in filters.items() if suffix == plan.suffix)
+        suggestion = self._suggestion("run", plan.suffix)
+        chosen, _ = QFileDialog.getSaveFileName(
+            self.desk.window, tr("Export animation"), suggestion, ";;".join(filters), chosen_filter
+        )
+        if chosen:
+            path = Path(chosen)
+            path = path if path.suffix else path.with_suffix(plan.suffix)
+            self._folder = str(path.parent)
+            self.write(branch, plan, path)
+
+    # Strip
+
+    def ask_for_strip(self) -> StripDialog:
+        """Show a strip of evenly spaced steps, and save it when asked to."""
+        branch = self._travel.place[0]
+        dialog = StripDialog(
+            self.desk.window,
+            self._travel.first,
+            self._travel.last(branch),
+            partial(self._draw_strip, branch),
+            self._ask_to_save_strip,
+        )
+        dialog.finished.connect(self._end_strip)
+        dialog.finished.connect(dialog.deleteLater)
+        self._strip_dialog = dialog
+        dialog.open()
+        return dialog
+
+    def _draw_strip(self, branch: int, plan: StripPlan) -> None:
+        if self._strip_task is not None:
+            self._strip_task.cancel()
+        session, part = self.desk.session, self._part(False)
+        frames: queue.Queue[Frame | None] = queue.Queue()
+        captions = [tr("step {step}").format(step=step) for step in plan.steps]
+
+        def compose(task: Task) -> Report:
+            taken = list(_taken(frames, task))
+            return StripReady(task, strip(taken, captions, columns=plan.columns))
+
+        task = self._strip_task = session.tasks.start(tr("Drawing the strip…"), compose, "drawing the strip")
+        renderer = FrameRenderer(session, self.desk.stage.canvas, self._told, part, frame_size(part, plan.width))
+        self._film(task, renderer, [(branch, step) for step in plan.steps], frames)
+
+    def _hear(self, report: Report) -> None:
+        if isinstance(report, StripReady) and report.task is self._strip_task and self._strip_dialog is not None:
+            self._strip_dialog.show_strip(report.pixels)
+
+    def _end_strip(self) -> None:
+        if self._strip_task is not None:
+            self._strip_task.cancel()
+        self._strip_dialog = self._strip_task = None
+
+    def _ask_to_save_strip(self, pixels: Frame) -> None:
+        chosen, _ = QFileDialog.getSaveFileName(
+            self._strip_dialog or self.desk.window,
+            tr("Export snapshot strip"),
+            self._suggestion("strip", ".png"),
+            tr("Picture (*.png)"),
+        )
+        if chosen:
+            path = Path(chosen)
+            path = path if path.suffix else path.with_suffix(".png")
+            self._folder = str(path.parent)
+            self.save_strip(pixels, path)
+
+    def save_strip(self, pixels: Frame, path: Path) -> Task:
+        """Write a strip."""
+
+        def work(task: Task) -> Report:
+            write_picture(pixels, path)
+            return Exported(path)
+
+        name = tr("Writing {name}…").format(name=path.name)
+        return self.desk.session.tasks.start(name, work, f"writing {path.name}", cancellable=False)
+
+    # Both
+
+    def _part(self, zoomed: bool) -> QRectF:
+        image = self.desk.session.document.image
+        return seen_part(self.desk.stage.canvas, image.shape if image is not None else (1, 1), zoomed)
+
+    def _suggestion(self, what: str, suffix: str) -> str:
+        image = self.desk.session.document.image
+        stem = Path(image.name).stem if image is not None else "cpm"
+        return str(Path(self._folder) / f"{stem}_{what}{suffix}")
+
+
+def _taken(frames: queue.Queue[Frame | None], task: Task) -> Iterator[Frame]:
+    """Frames as they come, until there are no more; raises when nobody wants them any more."""
+    while True:
+        task.go_on()
+        try:
+            frame = frames.get(timeout=_PATIENCE)
+        except queue.Empty:
+            continue
+        if frame is None:
+            return
+        yield frame
+
+
+def _encode(
+    frames: queue.Queue[Frame | None], count: int, path: Path, frames_per_second: float, task: Task
+) -> Report | None:
+    """Write frames as they come; runs on a thread of its own."""
+    done = write_animation(
+        _taken(frames, task),
+        path,
+        frames_per_second,
+        progress=lambda written: task.advance(written / count),
+        cancelled=lambda: task.cancelled,
+    )
+    return Exported(path) if done else None

@@ -1,0 +1,83 @@
+"""Light or dark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from PySide6.QtGui import QGuiApplication
+
+from app.model.state.situation import Situation
+from app.model.text.language import tr
+from app.views.theme import theme
+from app.views.widgets.choice import choice
+from app.views.widgets.entry import STATE, Entry
+from app.views.widgets.preference_row import PreferenceRow
+from app.views.window.part import Desk, Part
+
+_CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
+    ("system", tr("Colours of the &desktop"), tr("Light or dark as the desktop is."), None),
+    ("light", tr("&Light colours"), tr("Light window."), theme.LIGHT),
+    ("dark", tr("Dar&k colours"), tr("Dark window."), theme.DARK),
+)
+_KEY = "theme"
+
+
+class LooksPart(Part):
+    """The colours of the window."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self._chosen = desk.preferences.get(_KEY, "system")
+        self._following = True
+        QGuiApplication.styleHints().colorSchemeChanged.connect(self._follow_desktop)
+
+    def entries(self) -> Sequence[Entry]:
+        """The choices."""
+        return [
+            Entry(
+                name=f"theme_{name}",
+                menu="View",
+                text=text,
+                do=partial(self._choose, name),
+                tip=tip,
+                group=STATE,
+                checked=name == self._chosen,
+                holds=partial(self._holds, name),
+                gap=index == 0,
+            )
+            for index, (name, text, tip, _) in enumerate(_CHOICES)
+        ]
+
+    def preferences(self) -> Sequence[PreferenceRow]:
+        """Light or dark."""
+        section, entries = tr("Looks"), self.entries()
+        return (
+            PreferenceRow(section=section, label=tr("Colours"), make=lambda: choice(entries, f"theme_{self._chosen}")),
+        )
+
+    def theme(self) -> theme.Theme:
+        """The theme that is chosen, or the desktop's."""
+        chosen = {name: made for name, _, _, made in _CHOICES}.get(self._chosen)
+        return chosen or theme.system_theme()
+
+    def close(self) -> bool:
+        """Follow the desktop no longer."""
+        if self._following:
+            self._following = False
+            QGuiApplication.styleHints().colorSchemeChanged.disconnect(self._follow_desktop)
+        return True
+
+    def _choose(self, name: str) -> None:
+        self._chosen = name
+        self.desk.preferences.put(_KEY, name)
+        self.desk.use_theme(self.theme())
+        # The actions show what is chosen now.
+        self.desk.session.status_changed.emit()
+
+    def _holds(self, name: str, situation: Situation) -> bool:
+        return name == self._chosen
+
+    def _follow_desktop(self) -> None:
+        if self._chosen == "system":
+            self.desk.use_theme(self.theme())

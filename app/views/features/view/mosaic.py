@@ -1,0 +1,75 @@
+"""The mosaic."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QRectF
+
+from app.model.display.shades import Shades
+from app.model.state.situation import has_image
+from app.model.text.language import tr
+from app.session.features.parameter_sweep import Sweep
+from app.views.canvas.coordinates import image_rectangle
+from app.views.mosaic import MosaicDialog
+from app.views.widgets.entry import Entry
+from app.views.window.part import Desk, Part
+
+_LEAST_SEEN = 0.02
+"""Part of the image that must be in sight for the tiles to show no more than is in sight."""
+
+
+class MosaicPart(Part):
+    """A small sweep of two parameters."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self.sweep = Sweep(desk.session)
+        self.dialog: MosaicDialog | None = None
+        self._shades: Shades | None = None
+        desk.session.image_changed.connect(self._keep)
+
+    def entries(self) -> Sequence[Entry]:
+        """Open it."""
+        return (
+            Entry(
+                name="mosaic",
+                menu="Run",
+                text=tr("&Mosaic of two parameters…"),
+                do=self.open,
+                shortcuts=("Ctrl+M",),
+                tip=tr("Run the image with some values of two parameters side by side, and take the best."),
+                gap=True,
+                when=has_image,
+            ),
+        )
+
+    def open(self) -> None:
+        """Open the dialog, or bring it to the front; tiles show the part of the image that is in sight."""
+        if self.dialog is None and self._shades is not None:
+            self.dialog = MosaicDialog(self.desk.window, self.desk.session, self.sweep, self._shades, self._crop())
+            self.dialog.finished.connect(self._forget)
+        if self.dialog is not None:
+            self.dialog.show()
+            self.dialog.raise_()
+            self.dialog.activateWindow()
+
+    def close(self) -> bool:
+        """Close the dialog and give up its runs."""
+        if self.dialog is not None:
+            self.dialog.close()
+        self.sweep.cancel()
+        return True
+
+    def _crop(self) -> QRectF:
+        assert self._shades is not None
+        whole = image_rectangle(self._shades.shape[:2])
+        seen = self.desk.stage.canvas.view.viewRect().intersected(whole)
+        enough = seen.width() * seen.height() > _LEAST_SEEN * whole.width() * whole.height()
+        return seen if enough else whole
+
+    def _keep(self, _: object, shades: Shades) -> None:
+        self._shades = shades
+
+    def _forget(self, _: int) -> None:
+        self.dialog = None

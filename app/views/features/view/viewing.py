@@ -1,0 +1,130 @@
+"""Zoom and layers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+from app.model.display.colouring import QUANTITIES
+from app.model.state.situation import has_image
+from app.model.text.language import tr
+from app.session.storage.preferences import Preferences
+from app.views.canvas.canvas import ZOOM
+from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.particles.particles import ParticleLayer
+from app.views.panels.layer_list.layers_panel import LayersPanel
+from app.views.widgets.entry import STATE, Entry
+from app.views.window.part import Desk, Panel, Part
+
+_KEY = "layers/{layer}"
+"""Preference that keeps what has been chosen about a layer."""
+
+
+class ViewingPart(Part):
+    """What is seen of the image and of what lies over it."""
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        layers = desk.stage.canvas.layers
+        self._told: tuple[object, ...] = ()
+        self._panel = LayersPanel(layers)
+        desk.stage.canvas.pointed.connect(layers.forces.point_at)
+        for layer in layers:
+            layer.changed.connect(self._follow)
+            layer.use_view_state(_kept(desk.preferences, layer))
+
+    def _follow(self) -> None:
+        """Let the menu be right; what it does not show, as while levels are dragged, is none of its business."""
+        layers = self.desk.stage.canvas.layers
+        told = (*(layer.shown for layer in layers), layers.particles.word("colour"))
+        if told != self._told:
+            self._told = told
+            self.desk.session.status_changed.emit()
+
+    def entries(self) -> Sequence[Entry]:
+        """Zoom, and one toggle a layer."""
+        canvas = self.desk.stage.canvas
+        zoom = (
+            Entry(
+                name="fit",
+                menu="View",
+                text=tr("&Fit to window"),
+                short=tr("Fit"),
+                do=canvas.fit,
+                shortcuts=("F",),
+                tip=tr("Show the whole image."),
+                icon="fit",
+                when=has_image,
+            ),
+            Entry(
+                name="zoom_in",
+                menu="View",
+                text=tr("Zoom &in"),
+                do=lambda: canvas.zoom(ZOOM),
+                shortcuts=("+", "=", "Ctrl++"),
+                tip=tr("Enlarge."),
+            ),
+            Entry(
+                name="zoom_out",
+                menu="View",
+                text=tr("Zoom &out"),
+                do=lambda: canvas.zoom(1.0 / ZOOM),
+                shortcuts=("-", "Ctrl+-"),
+                tip=tr("Make smaller."),
+            ),
+        )
+        toggles = [_toggle(layer, index == 0) for index, layer in enumerate(canvas.layers)]
+        return (*zoom, *toggles, *_colourings(canvas.layers.particles))
+
+    def panels(self) -> Sequence[Panel]:
+        """The layers."""
+        return (Panel(name="layers", title=tr("Layers"), widget=self._panel, tab="settings", shortcut="F8"),)
+
+    def close(self) -> bool:
+        """Keep what has been chosen about the layers for the next start; which are shown is begun with anew."""
+        for layer in self.desk.stage.canvas.layers:
+            chosen = {name: value for name, value in layer.chosen.items() if value != "hand"}
+            if layer.options:
+                self.desk.preferences.put(_KEY.format(layer=layer.name), json.dumps(chosen))
+        return True
+
+
+def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
+    """What has been chosen about a layer before; nothing where it cannot be read."""
+    try:
+        kept = json.loads(preferences.get(_KEY.format(layer=layer.name), "{}"))
+    except json.JSONDecodeError:
+        return {}
+    return {name: kept[name] for name in layer.chosen if name in kept} if isinstance(kept, dict) else {}
+
+
+def _colourings(layer: ParticleLayer) -> list[Entry]:
+    """One entry for everything that particles can be coloured by."""
+
+    def entry(way: str, title: str) -> Entry:
+        return Entry(
+            name=f"colour_{way}",
+            menu="View>" + tr("Colour particles by"),
+            text=title,
+            do=lambda: layer.choose("colour", way),
+            tip=QUANTITIES[way].tip if way in QUANTITIES else layer.tip,
+            group=STATE,
+            holds=lambda situation: layer.word("colour") == way,
+        )
+
+    return [entry(way, title) for way, title in layer.ways.items()]
+
+
+def _toggle(layer: Layer, first: bool) -> Entry:
+    return Entry(
+        name=f"layer_{layer.name}",
+        menu="View",
+        text=layer.title,
+        do=lambda: layer.set_shown(not layer.shown),
+        shortcuts=(layer.shortcut,) if layer.shortcut else (),
+        tip=tr("Show or hide: {layer}").format(layer=layer.tip),
+        group=STATE,
+        checked=layer.shown,
+        gap=first,
+        holds=lambda situation: layer.shown,
+    )

@@ -1,0 +1,1 @@
+"""Animations and strips of snapshots, drawn off screen."""

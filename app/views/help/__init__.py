@@ -1,0 +1,1 @@
+"""Tour, guide and cheat sheet."""

@@ -1,0 +1,188 @@
+"""The cheat sheet: all keys at a glance, gathered from the entries of the menus, the panels and the canvas."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QKeyEvent, QKeySequence
+from PySide6.QtWidgets import (
+    QDialog,
+    QDockWidget,
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QMainWindow,
+    QScrollArea,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.model.text.language import tr
+from app.views.widgets.entry import Entry
+from app.views.window.menus import MENUS
+
+Lines = Sequence[tuple[tuple[str, ...], str]]
+"""Keys that do the same, and what they do."""
+
+_POINTER: Lines = (
+    ((tr("left"),), tr("the tool in use")),
+    ((tr("right, middle"),), tr("move the image")),
+    ((tr("wheel"),), tr("zoom")),
+    (("Shift",), tr("round; eight directions")),
+    (("Ctrl",), tr("ellipse from its centre")),
+)
+_IMAGE: Lines = (
+    (("Enter",), tr("show the cross-hair")),
+    (("←↑↓→",), tr("move the cross-hair, the selected shape or the image")),
+    (("Shift+←↑↓→",), tr("the same by 10 px")),
+    (("Enter",), tr("press and let go at the cross-hair")),
+    (("Enter", "Enter"), tr("end a path")),
+    (("Backspace",), tr("take back a corner")),
+    (("Esc",), tr("give up")),
+    (("<", ">"), tr("size of shape or ring, strength, spacing")),
+)
+_COLUMNS, _WIDTH, _KEYS = 4, 296, 100
+"""Columns where there is room, the width of each, and that of the keys in it [px]."""
+
+_TOOLS = "tools"
+_LINE = 24
+"""Letters of a meaning that stand in one line."""
+
+_BAR = 16
+"""Room for a bar to scroll by [px]."""
+
+_MARGIN = 48
+"""Room that is left around it in the window [px]."""
+
+
+class CheatSheet(QDialog):
+    """All keys in groups; the same key that opens it, or Esc, closes it.
+
+    Parameters
+    ----------
+    window : QMainWindow
+        Over which it lies.
+    entries : iterable of Entry
+        All actions there are.
+    """
+
+    def __init__(self, window: QMainWindow, entries: Iterable[Entry]) -> None:
+        super().__init__(window)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle(tr("Keys"))
+        self.setObjectName("cheat_sheet")
+        inside = QWidget()
+        inside.setObjectName("scrolled")
+        columns = QHBoxLayout(inside)
+        columns.setSpacing(20)
+        room = window.size() - QSize(_MARGIN, _MARGIN)
+        many = min(max(room.width() // _WIDTH, 1), _COLUMNS)
+        for blocks in _balanced(groups(window, entries), many):
+            column = QVBoxLayout()
+            column.setSpacing(14)
+            for title, lines in blocks:
+                column.addWidget(_block(title, lines))
+            column.addStretch(1)
+            columns.addLayout(column, 1)
+        area = QScrollArea()
+        area.setWidgetResizable(True)
+        area.setFrameShape(QFrame.Shape.NoFrame)
+        area.setWidget(inside)
+        foot = QLabel(tr("? or Esc closes this sheet."))
+        foot.setObjectName("dim")
+        layout = QVBoxLayout(self)
+        layout.addWidget(area)
+        layout.addWidget(foot)
+        width = min(many * _WIDTH, room.width())
+        height = inside.heightForWidth(width) + layout.sizeHint().height() - area.sizeHint().height()
+        self.resize(QSize(width + _BAR, height + _BAR).boundedTo(room))
+        self.move(window.geometry().center() - self.rect().center())
+
+    def text(self) -> str:
+        """All that stands in it."""
+        return "\n".join(label.text() for label in self.findChildren(QLabel))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Close by the key that has opened it as well."""
+        if event.key() == Qt.Key.Key_Question:
+            self.close()
+        else:
+            super().keyPressEvent(event)
+
+
+def groups(window: QMainWindow, entries: Iterable[Entry]) -> list[tuple[str, Lines]]:
+    """All keys by what they are for: those of each menu, of the panels, and of the canvas."""
+    titles = {_TOOLS: tr("Tools"), **{name: _plain(title) for name, title in MENUS.items()}}
+    found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in titles}
+    for entry in entries:
+        if entry.shortcuts:
+            keys = tuple(_shown(key) for key in entry.shortcuts[:2])
+            group = _TOOLS if entry.group == "tool" else entry.menu.partition(">")[0]
+            found[group].append((keys, _plain(entry.text)))
+    panels = sorted(
+        ((_shown(dock.toggleViewAction().shortcut().toString()),), dock.windowTitle())
+        for dock in window.findChildren(QDockWidget)
+        if not dock.toggleViewAction().shortcut().isEmpty()
+    )
+    menus = [(titles[name], lines) for name, lines in found.items() if lines]
+    return [
+        *menus,
+        *([(tr("Panels"), panels)] if panels else []),
+        (tr("Keys on the image"), _IMAGE),
+        (tr("Mouse on the image"), _POINTER),
+    ]
+
+
+def _balanced(blocks: Sequence[tuple[str, Lines]], many: int) -> list[list[tuple[str, Lines]]]:
+    """The same blocks in so many columns at most, in order, as low as that allows."""
+    heights = [2 + sum(-(-max(len(what), 1) // _LINE) for _, what in lines) for _, lines in blocks]
+    for most in range(max(heights), sum(heights) + 1):
+        columns: list[list[tuple[str, Lines]]] = [[]]
+        room = most
+        for block, height in zip(blocks, heights, strict=True):
+            if height > room:
+                columns.append([])
+                room = most
+            columns[-1].append(block)
+            room -= height
+        if len(columns) <= many:
+            return columns
+    return [list(blocks)]
+
+
+def _block(title: str, lines: Lines) -> QWidget:
+    block = QWidget()
+    grid = QGridLayout(block)
+    grid.setContentsMargins(0, 0, 0, 0)
+    grid.setHorizontalSpacing(12)
+    grid.setVerticalSpacing(3)
+    heading = QLabel(title)
+    heading.setObjectName("heading")
+    grid.addWidget(heading, 0, 0, 1, 2)
+    for row, (keys, what) in enumerate(lines, start=1):
+        caps = QLabel(" &nbsp;".join(f"<b>{_escaped(key)}</b>" for key in keys))
+        caps.setTextFormat(Qt.TextFormat.RichText)
+        meaning = QLabel(what)
+        meaning.setWordWrap(True)
+        meaning.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        grid.addWidget(caps, row, 0, Qt.AlignmentFlag.AlignTop)
+        grid.addWidget(meaning, row, 1)
+    grid.setColumnMinimumWidth(0, _KEYS)
+    grid.setColumnStretch(1, 1)
+    return block
+
+
+def _shown(key: str) -> str:
+    """A key as this system writes it."""
+    return QKeySequence(key).toString(QKeySequence.SequenceFormat.NativeText)
+
+
+def _plain(text: str) -> str:
+    return text.replace("&", "").rstrip("…")
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

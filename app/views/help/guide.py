@@ -1,0 +1,117 @@
+"""The guide: pages that lead through real tasks, beside the window, so that one can do what one reads."""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Callable, Iterable
+
+from PySide6.QtCore import QSize, Qt, QUrl
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QListWidget, QTextBrowser, QVBoxLayout, QWidget
+
+from app.model.text.assets import asset
+from app.model.text.language import tr
+from app.views.help.guide_pages import PAGES, Page
+from app.views.widgets.entry import Entry
+
+_SIZE = QSize(780, 640)
+_PICTURE = 300
+"""Width of a picture [px]."""
+
+KEYS = "keys"
+"""Name of the page that lists all keys."""
+
+
+class Guide(QDialog):
+    """Shows the pages; links open samples and other pages.
+
+    Parameters
+    ----------
+    parent : QWidget
+        Window beside which it lies.
+    entries : iterable of Entry
+        All actions, whose names and keys the pages tell.
+    open_sample : callable
+        Opens the sample of a file.
+    """
+
+    def __init__(self, parent: QWidget, entries: Iterable[Entry], open_sample: Callable[[str], None]) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle(tr("Guide"))
+        self._entries = {entry.name: entry for entry in entries}
+        self._open_sample = open_sample
+        self.contents = QListWidget()
+        self.contents.setObjectName("contents")
+        self.contents.setAccessibleName(tr("Pages"))
+        self._names = [*(page.name for page in PAGES), KEYS]
+        self.contents.addItems([*(page.title for page in PAGES), tr("All keys")])
+        self.contents.setFixedWidth(self.contents.sizeHintForColumn(0) + 28)
+        self.text = QTextBrowser()
+        self.text.setOpenLinks(False)
+        self.text.document().setDocumentMargin(14)
+        self.text.anchorClicked.connect(self._follow)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        buttons.rejected.connect(self.close)
+        beside = QHBoxLayout()
+        beside.addWidget(self.contents)
+        beside.addWidget(self.text, 1)
+        layout = QVBoxLayout(self)
+        layout.addLayout(beside, 1)
+        layout.addWidget(buttons)
+        self.contents.currentRowChanged.connect(self._turn)
+        self.resize(_SIZE.boundedTo(self.screen().availableSize()))
+        self.turn_to(self._names[0])
+
+    @property
+    def page(self) -> str:
+        """Name of the page that is open."""
+        return self._names[self.contents.currentRow()]
+
+    def turn_to(self, name: str) -> None:
+        """Open a page by its name."""
+        self.contents.setCurrentRow(self._names.index(name))
+
+    def _turn(self, row: int) -> None:
+        name = self._names[row]
+        page = next((page for page in PAGES if page.name == name), None)
+        self.text.setHtml(self._keys() if page is None else self._written(page))
+
+    def _follow(self, link: QUrl) -> None:
+        if link.scheme() == "page":
+            self.turn_to(link.path())
+        elif link.scheme() == "sample":
+            self._open_sample(link.path())
+
+    def _written(self, page: Page) -> str:
+        steps = "".join(f"<li>{self._named(step.text)}{_picture(step.picture)}</li>" for step in page.steps)
+        remarks = "".join(f"<p>{self._named(remark)}</p>" for remark in page.remarks)
+        numbered = f"<ol>{steps}</ol>" if steps else ""
+        return f"<h2>{page.title}</h2><p>{self._named(page.opening)}</p>{numbered}{remarks}"
+
+    def _named(self, text: str) -> str:
+        """A text with the names and keys of the actions that it names in braces."""
+        return re.sub(r"\{(\w+)\}", lambda found: self._action(found.group(1)), text)
+
+    def _action(self, name: str) -> str:
+        entry = self._entries[name]
+        words = html.escape(entry.text.replace("&", "").rstrip("…"))
+        keys = f" ({html.escape(entry.shortcuts[0])})" if entry.shortcuts else ""
+        return f"<b>{words}</b>{keys}"
+
+    def _keys(self) -> str:
+        cell = "<td style='padding: 2px 14px 2px 0'>"
+        rows = [
+            f"<tr>{cell}<b>{html.escape(tr(' or ').join(entry.shortcuts[:2]))}</b></td>{cell}{html.escape(entry.tip)}"
+            "</td></tr>"
+            for entry in self._entries.values()
+            if entry.shortcuts
+        ]
+        return f"<h2>{tr('All keys')}</h2><table>{''.join(rows)}</table>"
+
+
+def _picture(file: str) -> str:
+    if not file:
+        return ""
+    address = QUrl.fromLocalFile(str(asset(f"guide/{file}"))).toString()
+    return f"<br><img src='{address}' width='{_PICTURE}'><br>"

@@ -1,0 +1,214 @@
+"""The panel of the ground truth: how well the contours agree with it."""
+
+from __future__ import annotations
+
+import math
+
+from PySide6.QtCore import QSize, Signal
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.model.display.differences import Difference
+from app.model.text.language import tr
+from app.session.features.truth_comparison import GroundTruth
+from app.views.theme import theme
+from app.views.theme.icons import swatch
+from app.views.widgets.marked_slider import MarkedSlider
+from cpm_core.contours.agreement import TOLERANCE, Comparison
+
+_FIGURES: tuple[tuple[str, str, str], ...] = (
+    ("dice", tr("Dice"), tr("Overlap of the areas: 1 when they are the same, 0 when they have nothing in common.")),
+    ("jaccard", tr("Jaccard"), tr("Common area as a fraction of the area of both together.")),
+    ("hausdorff", tr("Hausdorff"), tr("Largest distance of a place on one boundary from the other.")),
+    ("hausdorff95", tr("95 % Hausdorff"), tr("The same without the worst twentieth.")),
+    ("mean_boundary_distance", tr("Mean distance"), tr("Mean distance of the boundaries from each other.")),
+    ("recall", tr("Recall"), tr("Part of the true boundary that has a contour within the tolerance.")),
+    ("precision", tr("Precision"), tr("Part of the contours that has a true boundary within the tolerance.")),
+    ("f", tr("F"), tr("Harmonic mean of recall and precision.")),
+)
+_IN_PX = ("hausdorff", "hausdorff95", "mean_boundary_distance")
+
+
+class TruthPanel(QWidget):
+    """Shows the figures of a comparison.
+
+    Parameters
+    ----------
+    truth : GroundTruth
+        What it shows and sets.
+    """
+
+    load_wanted = Signal()
+    """The user wants to choose a file."""
+    jump_wanted = Signal(object)
+    """The user wants to look at a place: Difference."""
+
+    def __init__(self, truth: GroundTruth) -> None:
+        super().__init__()
+        self._truth = truth
+        self._next = 0
+        self.source = QLabel()
+        self.source.setWordWrap(True)
+        self.pieces = QLabel()
+        self.pieces.setWordWrap(True)
+        self.pieces.setObjectName("dim")
+        self.figures: dict[str, QLabel] = {}
+        self.load_button = QPushButton(tr("Load…"))
+        self.forget_button = QPushButton(tr("Forget"))
+        self.worst_button = QPushButton(tr("Worst place"))
+        self.next_button = QPushButton(tr("Next place"))
+        self.holes = QCheckBox(tr("Contours inside contours are holes"))
+        self.holes.setToolTip(tr("Otherwise all that lies inside a contour is object."))
+        self.tolerance = MarkedSlider(0.25, 10.0, 0.25, TOLERANCE)
+        self.tolerance.setAccessibleName(tr("Tolerance"))
+        self._tolerance_label = QLabel()
+        self._lay_out()
+        self.load_button.clicked.connect(self.load_wanted)
+        self.forget_button.clicked.connect(truth.forget)
+        self.worst_button.clicked.connect(self.jump_to_worst)
+        self.next_button.clicked.connect(self.jump_to_next)
+        self.holes.toggled.connect(truth.set_holes)
+        self.tolerance.moved_to.connect(self._set_tolerance)
+        self.tolerance.restored.connect(lambda: self.tolerance.setValue(round((TOLERANCE - 0.25) / 0.25)))
+        truth.changed.connect(self._show)
+        truth.compared.connect(self._show)
+        self._show()
+
+    def sizeHint(self) -> QSize:
+        """As wide as the other panels."""
+        return QSize(320, 380)
+
+    def jump_to_worst(self) -> None:
+        """Look at the place where boundaries are farthest from each other."""
+        self._next = 0
+        self.jump_to_next()
+
+    def jump_to_next(self) -> None:
+        """Look at the next one, the worst after the last."""
+        found = self._differences
+        if found:
+            self.jump_wanted.emit(found[self._next % len(found)])
+            self._next += 1
+
+    @property
+    def _differences(self) -> tuple[Difference, ...]:
+        return self._truth.verified.differences if self._truth.verified else ()
+
+    def _lay_out(self) -> None:
+        inner = QWidget()
+        inner.setObjectName("scrolled")
+        column = QVBoxLayout(inner)
+        column.setContentsMargins(12, 8, 12, 8)
+        column.setSpacing(7)
+        column.addWidget(self.source)
+        column.addLayout(_row(self.load_button, self.forget_button))
+        column.addWidget(self.holes)
+        grid = QGridLayout()
+        grid.setHorizontalSpacing(10)
+        grid.setVerticalSpacing(3)
+        for index, (name, title, tip) in enumerate(_FIGURES):
+            label, figure = QLabel(title), QLabel("–")
+            label.setObjectName("dim")
+            for widget in (label, figure):
+                widget.setToolTip(tip)
+            self.figures[name] = figure
+            grid.addWidget(label, index // 2, 2 * (index % 2))
+            grid.addWidget(figure, index // 2, 2 * (index % 2) + 1)
+        grid.setColumnStretch(1, 1)
+        grid.setColumnStretch(3, 1)
+        column.addLayout(grid)
+        heading = QHBoxLayout()
+        heading.addWidget(QLabel(tr("Tolerance")))
+        heading.addStretch(1)
+        heading.addWidget(self._tolerance_label)
+        column.addLayout(heading)
+        column.addWidget(self.tolerance)
+        column.addWidget(self.pieces)
+        column.addLayout(_row(self.worst_button, self.next_button))
+        column.addLayout(_legend())
+        column.addStretch(1)
+        area = QScrollArea()
+        area.setWidgetResizable(True)
+        area.setWidget(inner)
+        outer = QVBoxLayout(self)
+        outer.setContentsMargins(0, 0, 0, 0)
+        outer.addWidget(area)
+
+    def _set_tolerance(self, tolerance: float) -> None:
+        self._truth.set_tolerance(tolerance)
+        self._tolerance_label.setText(tr("{tolerance:g} px").format(tolerance=tolerance))
+
+    def _show(self) -> None:
+        truth, verified = self._truth.truth, self._truth.verified
+        if truth is None:
+            self.source.setText(tr("Load a mask or contours to compare with."))
+        else:
+            self.source.setText(tr("Compared with {name}").format(name=truth.source))
+        for name, figure in self.figures.items():
+            figure.setText(_figure(verified.comparison, name) if verified else "–")
+        self.pieces.setText(self._words())
+        self.tolerance.show_value(self._truth.tolerance)
+        self._tolerance_label.setText(tr("{tolerance:g} px").format(tolerance=self._truth.tolerance))
+        self.holes.blockSignals(True)
+        self.holes.setChecked(self._truth.holes)
+        self.holes.blockSignals(False)
+        self.forget_button.setEnabled(truth is not None)
+        self.worst_button.setEnabled(bool(self._differences))
+        self.next_button.setEnabled(len(self._differences) > 1)
+
+    def _words(self) -> str:
+        if self._truth.truth is None:
+            return ""
+        if self._truth.verified is None:
+            return tr("No contours yet: let the particles run.")
+        found = self._differences
+        if not found:
+            return tr("Everywhere within the tolerance.")
+        missing = sum(difference.kind == "missing" for difference in found)
+        told = tr("{missing} missing and {wrong} wrong pieces; the worst is {farthest} off.")
+        farthest = tr("{distance:.1f} px").format(distance=found[0].farthest)
+        if math.isinf(found[0].farthest):
+            farthest = tr("infinitely far")
+        return told.format(missing=missing, wrong=len(found) - missing, farthest=farthest)
+
+
+def _figure(comparison: Comparison, name: str) -> str:
+    value = getattr(comparison, name)
+    if not math.isfinite(value):
+        return "–"
+    return tr("{distance:.2f} px").format(distance=value) if name in _IN_PX else f"{value:.4f}"
+
+
+def _row(*widgets: QWidget) -> QHBoxLayout:
+    row = QHBoxLayout()
+    row.setSpacing(6)
+    for widget in widgets:
+        row.addWidget(widget, 1)
+    return row
+
+
+def _legend() -> QHBoxLayout:
+    row = QHBoxLayout()
+    row.setSpacing(5)
+    for colour, text, tip in (
+        (theme.TRUTH, tr("true"), tr("The true boundary, thin.")),
+        (theme.MISSING, tr("missing"), tr("True boundary without a contour, dashed.")),
+        (theme.WRONG, tr("wrong"), tr("Contour without a true boundary, broad.")),
+    ):
+        picture, words = QLabel(), QLabel(text)
+        picture.setPixmap(swatch(colour).pixmap(QSize(16, 14)))
+        words.setObjectName("dim")
+        words.setToolTip(tip)
+        row.addWidget(picture)
+        row.addWidget(words)
+        row.addSpacing(8)
+    row.addStretch(1)
+    return row

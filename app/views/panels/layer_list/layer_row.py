@@ -1,0 +1,99 @@
+"""One layer in the panel: whether it is seen, how strongly, and what can be chosen about it, folded away."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QToolButton, QVBoxLayout, QWidget
+
+from app.model.text.language import tr
+from app.views.canvas.layers.layer import Layer
+from app.views.theme.icons import swatch
+from app.views.widgets.marked_slider import MarkedSlider
+from app.views.widgets.space_key import own_space
+
+_FOLD, _OPACITY = 18, 84
+"""Widths [px]."""
+
+_FAINTEST, _FINE = 0.05, 0.05
+
+
+class LayerRow(QWidget):
+    """Check box, opacity, and the settings below.
+
+    Parameters
+    ----------
+    layer : Layer
+        What it switches.
+    """
+
+    unfolded = Signal()
+    """The settings are seen now."""
+
+    def __init__(self, layer: Layer) -> None:
+        super().__init__()
+        self.layer = layer
+        self.box = self._make_box()
+        self.fold = self._make_fold()
+        own_space(self.box, self.fold)
+        self.opacity = MarkedSlider(_FAINTEST, 1.0, _FINE, None)
+        self.opacity.setFixedWidth(_OPACITY)
+        self.opacity.setAccessibleName(tr("Opacity: {layer}").format(layer=layer.title))
+        self.opacity.setToolTip(tr("Opacity. A double click brings it back."))
+        self.settings: QWidget | None = None
+        head = QHBoxLayout()
+        head.setContentsMargins(0, 0, 0, 0)
+        head.setSpacing(2)
+        head.addWidget(self.fold)
+        head.addWidget(self.box, 1)
+        head.addWidget(self.opacity)
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(0, 0, 0, 0)
+        self._column.setSpacing(2)
+        self._column.addLayout(head)
+        self.fold.toggled.connect(self._unfold)
+        self.box.toggled.connect(layer.set_shown)
+        self.opacity.moved_to.connect(layer.set_opacity)
+        self.opacity.restored.connect(lambda: layer.set_opacity(1.0))
+        layer.changed.connect(self._show)
+        self._show()
+
+    def _make_box(self) -> QCheckBox:
+        layer = self.layer
+        box = QCheckBox(layer.title)
+        if layer.colours:
+            box.setIcon(swatch(*layer.colours))
+            box.setIconSize(QSize(16 * len(layer.colours), 14))
+        box.setToolTip(f"{layer.tip} ({layer.shortcut})" if layer.shortcut else layer.tip)
+        box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        return box
+
+    def _make_fold(self) -> QToolButton:
+        fold = QToolButton()
+        fold.setObjectName("fold")
+        fold.setCheckable(True)
+        fold.setFixedWidth(_FOLD)
+        fold.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        fold.setArrowType(Qt.ArrowType.RightArrow)
+        fold.setAccessibleName(tr("Settings: {layer}").format(layer=self.layer.title))
+        fold.setToolTip(tr("What can be chosen about this layer."))
+        kept = fold.sizePolicy()
+        kept.setRetainSizeWhenHidden(True)
+        fold.setSizePolicy(kept)
+        fold.setVisible(self.layer.settable)
+        return fold
+
+    def _show(self) -> None:
+        self.box.setChecked(self.layer.shown)
+        self.opacity.show_value(self.layer.opacity)
+
+    def _unfold(self, unfolded: bool) -> None:
+        self.fold.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
+        if unfolded and self.settings is None:
+            self.settings = self.layer.settings()
+            if self.settings is not None:
+                self.settings.setContentsMargins(_FOLD + 4, 0, 0, 8)
+                self._column.addWidget(self.settings)
+        if self.settings is not None:
+            self.settings.setVisible(unfolded)
+        if unfolded:
+            self.unfolded.emit()

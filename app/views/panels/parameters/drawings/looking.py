@@ -1,0 +1,90 @@
+"""Drawings of what is taken from the image: smoothing, scales, the floor of edges, the frame."""
+
+from __future__ import annotations
+
+import math
+
+from app.views.panels.parameters.drawings.sketch import CONTOUR, EDGE, LOST, MARK, PARTICLE, WIDTH, Sketch, ease
+
+_ROUGH = (3, -5, 4, 1, -6, 5, -2, 6, -4, 2, -3, 5, -6, 3, -1, 4, -5, 2, 6, -3, -4, 5, 1, -6, 4, -2, 3, -5, 6, -1)
+"""Noise of the profile that is smoothed."""
+
+
+def smoothing(sketch: Sketch, value: float, t: float) -> None:
+    """A noisy profile across an object, and what a Gaussian of this width makes of it."""
+    step = (WIDTH - 12.0) / (2 * len(_ROUGH) - 1)
+    count = 2 * len(_ROUGH)
+    heights = [(20.0 if 20 <= n < 40 else 52.0) + 1.3 * _ROUGH[(7 * n) % len(_ROUGH)] for n in range(count)]
+    sketch.line([(6 + step * n, y) for n, y in enumerate(heights)], LOST, 1.1)
+    sigma = max(1e-3, 0.9 * value * ease(t, 0.05, 0.7))
+    reach = int(3 * sigma) + 1
+    weights = [math.exp(-0.5 * (k / sigma) ** 2) for k in range(-reach, reach + 1)]
+    total = sum(weights)
+    smooth = [
+        sum(w * heights[min(max(n + k, 0), count - 1)] for k, w in zip(range(-reach, reach + 1), weights, strict=True))
+        / total
+        for n in range(count)
+    ]
+    sketch.line([(6 + step * n, y) for n, y in enumerate(smooth)], PARTICLE, 2.0)
+
+
+def scales(sketch: Sketch, value: float, t: float) -> None:
+    """The image at half, a quarter, an eighth of its size; the run goes from the smallest to the whole."""
+    count = max(1, round(value))
+    size, x = 56.0, 5.0
+    now = count - 1 - min(int(t * count), count - 1)
+    for level in range(count):
+        bright = level == now
+        sketch.block(x, 64.0 - size, size, size, 0.2 if bright else 0.11, CONTOUR if bright else LOST)
+        ink = 1.0 if bright else 0.45
+        middle_x, middle_y, radius = x + size / 2, 64.0 - size / 2, 0.32 * size
+        sketch.ring(middle_x, middle_y, radius, radius, EDGE, 1.2, ink=ink)
+        if bright:
+            for n in range(max(3, int(radius * 0.9))):
+                angle = 2 * math.pi * n / max(3, int(radius * 0.9))
+                sketch.particle(
+                    middle_x + radius * math.cos(angle),
+                    middle_y + radius * math.sin(angle),
+                    PARTICLE,
+                    min(2.2, size / 9),
+                )
+        x += size + 4.0
+        size /= 2.0
+
+
+def edge_floor(sketch: Sketch, value: float, t: float) -> None:
+    """Edge strength along a line: peaks under the floor give no charges."""
+    peaks = ((20.0, 0.12), (40.0, 0.95), (60.0, 0.3), (80.0, 0.55), (100.0, 0.2), (114.0, 0.75))
+    floor = value * ease(t, 0.1, 0.6)
+
+    def height(x: float) -> float:
+        return 64.0 - 54.0 * sum(h * math.exp(-(((x - at) / 4.0) ** 2)) for at, h in peaks)
+
+    sketch.curve(height, LOST, 1.4)
+    for at, peak in peaks:
+        if peak >= floor:
+            sketch.curve(height, CONTOUR, 2.0, low=at - 6.0, high=at + 6.0)
+            sketch.particle(at, 64.0 - 54.0 * peak - 4.0, PARTICLE, 2.4)
+    level = 64.0 - 54.0 * floor
+    sketch.line([(4, level), (WIDTH - 4, level)], MARK, 1.2, dashed=True)
+
+
+def max_frame(sketch: Sketch, value: float, t: float) -> None:
+    """An image with a bright rim: one no wider than this gives no edge."""
+    rim = 5.0
+    sketch.block(30, 4, 68, 64, 0.75)
+    sketch.block(30 + rim, 4 + rim, 68 - 2 * rim, 64 - 2 * rim, 0.16)
+    sketch.ring(64, 36, 15, 14, CONTOUR)
+    searched = 64.0 * value * ease(t, 0.1, 0.7)
+    if searched < rim:
+        box = [
+            (30 + rim, 4 + rim),
+            (98 - rim, 4 + rim),
+            (98 - rim, 68 - rim),
+            (30 + rim, 68 - rim),
+            (30 + rim, 4 + rim),
+        ]
+        sketch.line(box, CONTOUR, 1.6)
+    if searched > 0.5:
+        inner = [(30 + searched, 4 + searched), (98 - searched, 4 + searched), (98 - searched, 68 - searched)]
+        sketch.line([*inner, (30 + searched, 68 - searched), inner[0]], MARK, 1.2, dashed=True)

@@ -1,0 +1,122 @@
+"""What is said and drawn of the parameter that a person looks at."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+
+from app.model.parameters.controls import Control
+from app.model.text.language import tr
+from app.model.text.wording import FIRST_WORDING, Wording
+from app.views.panels.parameters.parameter_drawing import ParameterDrawing
+
+_FULL_CONTRAST = 255.0
+
+
+class Explanation(QWidget):
+    """The small drawing with symbol, name and range beside it, and below what the parameter is and does.
+
+    Where there is little room only its name and what more of it does are said; the rest is in the tooltip of its row.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("explanation")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.drawing = ParameterDrawing()
+        self._control: Control | None = None
+        self._wording: Wording = FIRST_WORDING
+        self._brief = False
+        self.head, self.body = QLabel(), QLabel()
+        for label in (self.head, self.body):
+            label.setTextFormat(Qt.TextFormat.RichText)
+            label.setWordWrap(True)
+            label.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
+            label.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Expanding)
+        self.body.setObjectName("dim")
+        above = QHBoxLayout()
+        above.setSpacing(10)
+        above.addWidget(self.drawing, alignment=Qt.AlignmentFlag.AlignTop)
+        above.addWidget(self.head, 1)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 8, 0, 2)
+        layout.setSpacing(4)
+        layout.addLayout(above)
+        layout.addWidget(self.body, 1)
+        self._keep_height()
+
+    @property
+    def control(self) -> Control | None:
+        """The control that is explained."""
+        return self._control
+
+    def explain(self, control: Control, value: float | str, contrast: float) -> None:
+        """Explain a control, and draw it at its value.
+
+        Parameters
+        ----------
+        control : Control
+            What is explained.
+        value : float or str
+            Its value.
+        contrast : float
+            Contrast of the image, which values in grey levels mean something beside.
+        """
+        if control is not self._control:
+            self._control = control
+            self._write()
+        if control.in_grey_levels and not isinstance(value, str) and contrast > 0:
+            value = value * _FULL_CONTRAST / contrast
+        self.drawing.show_control(control.name, value)
+
+    def use_wording(self, wording: Wording) -> None:
+        """Begin with plain words, or with the symbol."""
+        self._wording = wording
+        self._write()
+
+    def set_brief(self, brief: bool) -> None:
+        """Say only what matters most, for there is little room."""
+        if brief != self._brief:
+            self._brief = brief
+            self._keep_height()
+            self._write()
+
+    def _keep_height(self) -> None:
+        """Room for the longest of all explanations, so that nothing jumps when another one is shown."""
+        line = self.fontMetrics().lineSpacing()
+        self.body.setVisible(not self._brief)
+        self.setFixedHeight(7 * line + 10 if self._brief else self.drawing.height() + 8 * line + 18)
+
+    def _write(self) -> None:
+        control = self._control
+        if control is None:
+            return
+        names = (f"<b>{control.intuitive}</b>", f"{control.rich_symbol} – {control.title}")
+        if self._wording == "formula":
+            names = (f"<b>{control.rich_symbol} – {control.title}</b>", control.intuitive)
+        if self._brief:
+            name = control.intuitive if self._wording == "intuitive" else control.title
+            self.head.setText(f"<b>{name}</b> {control.rich_symbol}<br><small>{control.more}</small>")
+            return
+        self.head.setText("<br>".join((*names, f"<small>{control.span}</small>")))
+        place = f" &nbsp;<small>({control.equation})</small>" if control.equation else ""
+        formula = f"<p style='margin: 4px 0'>{control.formula}{place}</p>"
+        self.body.setText(f"{control.meaning}{formula}{control.more} {control.acts}")
+
+    def sizeHint(self) -> QSize:
+        """As wide as there is room."""
+        return QSize(280, self.height())
+
+
+def tip(control: Control) -> str:
+    """All that is said of a control, as the tooltip of its row."""
+    place = f" ({control.equation})" if control.equation else ""
+    names = tr("{plain}: {title}").format(plain=control.intuitive, title=control.title)
+    lines = (
+        f"<b>{names}</b> {control.facts}",
+        control.meaning,
+        f"{control.formula}{place}",
+        control.more,
+        control.acts,
+    )
+    return "".join(f"<p>{line}</p>" for line in lines)

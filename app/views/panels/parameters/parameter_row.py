@@ -1,0 +1,177 @@
+"""One parameter: label, number, slider, and the way back to its default."""
+
+from __future__ import annotations
+
+import math
+
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtGui import QEnterEvent, QWheelEvent
+from PySide6.QtWidgets import QCheckBox, QDoubleSpinBox, QGridLayout, QLabel, QToolButton, QWidget
+
+from app.model.parameters.controls import Control, slider_range
+from app.model.text.language import tr
+from app.model.text.wording import FIRST_WORDING, Wording
+from app.views.panels.parameters.explanation import tip
+from app.views.theme.icons import icon
+from app.views.theme.theme import Theme
+from app.views.widgets.marked_slider import MarkedSlider
+
+_SAME = 1e-9
+
+
+class Number(QDoubleSpinBox):
+    """A number that is typed; the wheel turns it only once it has been chosen."""
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Leave the wheel to the column unless the number has the focus."""
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+
+class ParameterRow(QWidget):
+    """Shows one control and tells what the user does to it."""
+
+    changed = Signal(str, object)
+    """Name of the control and its new value."""
+    settled = Signal()
+    """The user has let go of it."""
+    explained = Signal(object)
+    """The user looks at this control."""
+
+    def __init__(self, control: Control) -> None:
+        super().__init__()
+        self.control = control
+        numeric = control.default if isinstance(control.default, float | int) else None
+        self._label = QLabel()
+        self.number = Number()
+        self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step, numeric)
+        self._automatic = QCheckBox(tr("auto")) if control.automatic else None
+        self._restore = QToolButton()
+        self._set_up()
+        self._lay_out()
+        self._connect()
+
+    def show_value(self, value: float | str, contrast: float) -> None:
+        """Show a value.
+
+        Parameters
+        ----------
+        value : float or str
+            Value, or ``"auto"``.
+        contrast : float
+            Contrast of the image, which the range of some sliders goes by.
+        """
+        low, high = slider_range(self.control, contrast)
+        grain = self.control.step * (high - low) / (self.control.slider_high - self.control.slider_low)
+        self.slider.set_range(low, high, grain)
+        by_hand = not isinstance(value, str)
+        if self._automatic is not None:
+            self._automatic.setChecked(not by_hand)
+        self.number.setEnabled(by_hand)
+        self.slider.setEnabled(by_hand)
+        if not isinstance(value, str):
+            self.slider.show_value(value)
+            if not math.isclose(self.number.value(), value, abs_tol=0.5 * 10.0 ** -self.number.decimals()):
+                self.number.blockSignals(True)
+                self.number.setValue(value)
+                self.number.blockSignals(False)
+        default = self.control.default
+        same = value == default if isinstance(value, str) or isinstance(default, str) else abs(value - default) < _SAME
+        self._restore.setEnabled(not same)
+
+    def use_wording(self, wording: Wording) -> None:
+        """Be labelled in plain words, or by symbol and name."""
+        self._label.setText(self.control.label(wording))
+        named = self.control.intuitive if wording == "intuitive" else self.control.title
+        for field in (self.number, self.slider):
+            field.setAccessibleName(named)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the button."""
+        self._restore.setIcon(icon("restore", theme.accent, faded=theme.line))
+
+    def enterEvent(self, event: QEnterEvent) -> None:
+        """Explain what the pointer is over."""
+        self.explained.emit(self.control)
+        super().enterEvent(event)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Explain what has the focus."""
+        if event.type() == QEvent.Type.FocusIn:
+            self.explained.emit(self.control)
+        elif event.type() == QEvent.Type.FocusOut:
+            self.settled.emit()
+        return super().eventFilter(watched, event)
+
+    def _set_up(self) -> None:
+        control = self.control
+        self.number.setRange(control.low, control.high)
+        self.number.setSingleStep(control.step)
+        self.number.setDecimals(0 if control.whole else max(2, -math.floor(math.log10(control.step))))
+        self.number.setKeyboardTracking(False)
+        self.number.setSuffix(f" {control.unit}" if control.unit else "")
+        self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.number.setFixedWidth(112)
+        self._restore.setObjectName("restore")
+        self._restore.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self._restore.setAccessibleName(tr("{parameter}: back to the default").format(parameter=control.title))
+        default = control.default if isinstance(control.default, str) else f"{control.default:.4g}"
+        back = tr("Back to the default, {default} (also by a double click on the slider).")
+        self._restore.setToolTip(back.format(default=default))
+        self._label.setBuddy(self.number)
+        for widget in (self._label, self.number, self.slider):
+            widget.setToolTip(tip(control))
+        self.use_wording(FIRST_WORDING)
+        for field in (self.number, self.slider):
+            field.setAccessibleDescription(f"{control.facts}. {control.meaning} {control.more}")
+            field.installEventFilter(self)
+        if self._automatic is not None:
+            self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            self._automatic.setToolTip(tr("Choose the smoothing from the noise of the image."))
+            self._automatic.installEventFilter(self)
+
+    def _lay_out(self) -> None:
+        low, high = QLabel(f"{self.control.slider_low:g}"), QLabel(f"{self.control.slider_high:g}")
+        for end in (low, high):
+            end.setObjectName("dim")
+        if self.control.in_grey_levels:
+            low.hide()
+            high.hide()
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 2, 0, 2)
+        grid.setVerticalSpacing(0)
+        grid.setHorizontalSpacing(6)
+        grid.addWidget(self._label, 0, 0, 1, 2)
+        if self._automatic is not None:
+            grid.addWidget(self._automatic, 0, 2, Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(self.number, 0, 3, 1, 2, Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(low, 1, 0)
+        grid.addWidget(self.slider, 1, 1, 1, 2)
+        grid.addWidget(high, 1, 3)
+        grid.addWidget(self._restore, 1, 4, Qt.AlignmentFlag.AlignRight)
+        grid.setColumnStretch(1, 1)
+
+    def _connect(self) -> None:
+        self.slider.moved_to.connect(self._tell)
+        self.slider.sliderReleased.connect(self.settled)
+        self.slider.restored.connect(self._to_default)
+        self.number.valueChanged.connect(self._tell)
+        self.number.editingFinished.connect(self.settled)
+        self._restore.clicked.connect(self._to_default)
+        if self._automatic is not None:
+            self._automatic.clicked.connect(self._automate)
+
+    def _tell(self, value: float) -> None:
+        self.changed.emit(self.control.name, int(value) if self.control.whole else value)
+
+    def _to_default(self) -> None:
+        self.settled.emit()
+        self.changed.emit(self.control.name, self.control.default)
+        self.settled.emit()
+
+    def _automate(self, automatic: bool) -> None:
+        self.settled.emit()
+        self.changed.emit(self.control.name, "auto" if automatic else self.number.value())
+        self.settled.emit()

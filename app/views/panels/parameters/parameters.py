@@ -1,0 +1,132 @@
+"""The panel of parameters: presets, the three live ones, the others tucked away, and what the one looked at does."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
+
+from app.model.document import edits
+from app.model.document.document import Document
+from app.model.parameters.controls import Control, controls, value_of
+from app.model.text.language import tr
+from app.model.text.wording import Wording
+from app.session.session import Session
+from app.views.panels.parameters.explanation import Explanation
+from app.views.panels.parameters.parameter_row import ParameterRow
+from app.views.presets.preset_gallery import PresetGallery
+from app.views.theme.theme import Theme
+from app.views.widgets.section import Section
+
+_ROOMY = 470
+"""Height from which everything is said of the parameter that is looked at [px]."""
+
+
+class ParametersPanel(QWidget):
+    """Shows the parameters of the document and edits them through the session.
+
+    Parameters
+    ----------
+    session : Session
+        Whose document it shows.
+    gallery : PresetGallery
+        The presets.
+    """
+
+    def __init__(self, session: Session, gallery: PresetGallery) -> None:
+        super().__init__()
+        self._session = session
+        self.rows = {control.name: ParameterRow(control) for control in controls()}
+        self.gallery = gallery
+        self.explanation = Explanation()
+        self.advanced = self._lay_out()
+        for row in self.rows.values():
+            row.changed.connect(self._change)
+            row.settled.connect(session.seal)
+            row.explained.connect(self._explain)
+        session.document_changed.connect(self.show_document)
+        self._explain(next(iter(self.rows.values())).control)
+        self.show_document(session.document)
+
+    def show_document(self, document: Document) -> None:
+        """Show the parameters of a document."""
+        contrast = document.image.contrast if document.image else 0.0
+        for name, row in self.rows.items():
+            row.show_value(value_of(document.parameters, name), contrast)
+        if self.explanation.control is not None:
+            self._explain(self.explanation.control)
+
+    def use_wording(self, wording: Wording) -> None:
+        """Label everything in plain words, or by symbol and name."""
+        for row in self.rows.values():
+            row.use_wording(wording)
+        self.explanation.use_wording(wording)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the buttons."""
+        for row in self.rows.values():
+            row.use_theme(theme)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Say as much as there is room for."""
+        super().resizeEvent(event)
+        self.explanation.set_brief(self.height() < _ROOMY)
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for the presets, one row and the explanation; the rest scrolls."""
+        return QSize(super().minimumSizeHint().width(), 190)
+
+    def _lay_out(self) -> Section:
+        advanced = QWidget()
+        rows = QVBoxLayout(advanced)
+        rows.setContentsMargins(0, 0, 0, 0)
+        scrolled = QWidget()
+        scrolled.setObjectName("scrolled")
+        column = QVBoxLayout(scrolled)
+        column.setContentsMargins(0, 0, 8, 0)
+        column.setSpacing(2)
+        for row in self.rows.values():
+            (rows if row.control.advanced else column).addWidget(row)
+        section = Section(tr("Advanced"), advanced, unfolded=False)
+        column.addWidget(section)
+        column.addStretch(1)
+        area = QScrollArea()
+        area.setWidget(scrolled)
+        area.setWidgetResizable(True)
+        area.viewport().setAutoFillBackground(False)
+        scrolled.setAutoFillBackground(False)
+        area.setFrameShape(QFrame.Shape.NoFrame)
+        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        # What has been unfolded is brought into sight once it has got its place.
+        section.fold.toggled.connect(
+            lambda unfolded: QTimer.singleShot(0, area, lambda: self._bring_into_sight(area, section, unfolded))
+        )
+        head = QHBoxLayout()
+        heading = QLabel(tr("Preset"))
+        heading.setObjectName("heading")
+        heading.setBuddy(self.gallery)
+        head.addWidget(heading)
+        head.addWidget(self.gallery, 1)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(12, 8, 6, 6)
+        layout.setSpacing(4)
+        layout.addLayout(head)
+        layout.addWidget(area, 1)
+        layout.addWidget(self.explanation)
+        return section
+
+    @staticmethod
+    def _bring_into_sight(area: QScrollArea, section: Section, unfolded: bool) -> None:
+        area.verticalScrollBar().setValue(section.y() if unfolded else 0)
+
+    def _change(self, name: str, value: float | str) -> None:
+        told = tr("change of {parameter}").format(parameter=self.rows[name].control.title.lower())
+        self._session.edit(told, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
+        # A value that was refused must not stay on show.
+        self.show_document(self._session.document)
+
+    def _explain(self, control: Control) -> None:
+        document = self._session.document
+        contrast = document.image.contrast if document.image else 0.0
+        self.explanation.explain(control, value_of(document.parameters, control.name), contrast)

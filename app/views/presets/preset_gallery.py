@@ -1,0 +1,176 @@
+"""The gallery of presets: a button that names the one in use and opens pictures of all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from PySide6.QtCore import QEvent, QPoint, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QIcon, QKeyEvent, QPixmap
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+)
+
+from app.model.parameters.presets import Preset
+from app.model.text.language import tr
+from app.views.presets.preset_picture import PICTURE, no_picture
+
+_COLUMNS, _CELL = 2, QSize(180, 124)
+_MOST_HEIGHT = 440
+_OPENING = (Qt.Key.Key_Space, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Down)
+
+
+class PresetGallery(QToolButton):
+    """Shows the name of the preset in use, and when pressed all presets with their pictures.
+
+    Parameters
+    ----------
+    deeds : iterable of QAction
+        What can be done with presets beside using them, as buttons below the pictures.
+    """
+
+    chosen = Signal(object)
+    """The user wants a preset: Preset."""
+
+    def __init__(self, deeds: Iterable[QAction]) -> None:
+        super().__init__()
+        self.setObjectName("preset")
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setAccessibleName(tr("Preset"))
+        self.setToolTip(tr("Settings that have proved good for a kind of task, and your own."))
+        self._presets: tuple[Preset, ...] = ()
+        self._current: Preset | None = None
+        self.pictures = _Pictures()
+        self.pictures.setViewMode(QListWidget.ViewMode.IconMode)
+        self.pictures.setMovement(QListWidget.Movement.Static)
+        self.pictures.setResizeMode(QListWidget.ResizeMode.Adjust)
+        self.pictures.setIconSize(PICTURE)
+        self.pictures.setGridSize(_CELL)
+        self.pictures.setUniformItemSizes(True)
+        self.pictures.setFrameShape(QFrame.Shape.NoFrame)
+        self.pictures.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.pictures.setAccessibleName(tr("Presets"))
+        self.popup = self._make_popup(deeds)
+        self.pictures.itemClicked.connect(self._take)
+        self.pictures.entered_upon.connect(self._take)
+        self.pictures.currentItemChanged.connect(lambda item, _: self._tell(item))
+        self.clicked.connect(self.open)
+
+    @property
+    def current(self) -> Preset | None:
+        """The preset that the parameters are those of."""
+        return self._current
+
+    def show_presets(self, presets: tuple[Preset, ...]) -> None:
+        """Offer these."""
+        self._presets = presets
+        self.pictures.clear()
+        for preset in presets:
+            item = QListWidgetItem(_picture(preset), preset.name)
+            item.setData(Qt.ItemDataRole.UserRole, preset)
+            item.setToolTip(preset.about or preset.name)
+            item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignBottom)
+            self.pictures.addItem(item)
+
+    def show_current(self, preset: Preset | None) -> None:
+        """Name the one in use; None where the parameters are nobody's."""
+        self._current = preset
+        name = preset.name if preset is not None else tr("Settings of this image")
+        room = 30
+        self.setText(f"{name if len(name) <= room else name[: room - 1] + '…'}  ▾")
+
+    def open(self) -> None:
+        """Show the pictures below the button."""
+        rows = -(-len(self._presets) // _COLUMNS)
+        self.pictures.setFixedHeight(min(rows * _CELL.height() + 6, _MOST_HEIGHT))
+        self.popup.adjustSize()
+        place = self.mapToGlobal(QPoint(self.width() - self.popup.width(), self.height() + 2))
+        screen = self.screen().availableGeometry()
+        lowest = screen.bottom() - self.popup.height()
+        self.popup.move(max(screen.left(), place.x()), max(screen.top(), min(place.y(), lowest)))
+        self.popup.show()
+        names = [preset.name for preset in self._presets]
+        self.pictures.setCurrentRow(names.index(self._current.name) if self._current else 0)
+        self.pictures.setFocus()
+
+    def event(self, event: QEvent) -> bool:
+        """Keep the keys that open it from being shortcuts of the window."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _OPENING:
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Open by the keys that open such things."""
+        if event.key() in _OPENING:
+            self.open()
+        else:
+            super().keyPressEvent(event)
+
+    def _make_popup(self, deeds: Iterable[QAction]) -> QFrame:
+        popup = QFrame(self, Qt.WindowType.Popup)
+        popup.setObjectName("popup")
+        self._about = QLabel()
+        self._about.setObjectName("dim")
+        self._about.setWordWrap(True)
+        self._about.setFixedHeight(2 * self._about.fontMetrics().lineSpacing() + 4)
+        self._about.setAlignment(Qt.AlignmentFlag.AlignTop)
+        buttons = QGridLayout()
+        buttons.setSpacing(4)
+        for index, action in enumerate(deeds):
+            button = QToolButton()
+            button.setDefaultAction(action)
+            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+            button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.clicked.connect(popup.hide)
+            buttons.addWidget(button, index // 3, index % 3)
+        layout = QVBoxLayout(popup)
+        layout.setContentsMargins(10, 10, 10, 10)
+        layout.addWidget(self.pictures)
+        layout.addWidget(self._about)
+        layout.addLayout(buttons)
+        self.pictures.setFixedWidth(_COLUMNS * _CELL.width() + 16)
+        return popup
+
+    def _tell(self, item: QListWidgetItem | None) -> None:
+        self._about.setText(item.data(Qt.ItemDataRole.UserRole).about if item is not None else "")
+
+    def _take(self, item: QListWidgetItem) -> None:
+        self.popup.hide()
+        self.chosen.emit(item.data(Qt.ItemDataRole.UserRole))
+
+
+class _Pictures(QListWidget):
+    """A list of pictures, one of which is taken by Enter or Space."""
+
+    entered_upon = Signal(QListWidgetItem)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Take the one that is marked."""
+        item = self.currentItem()
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space) and item is not None:
+            self.entered_upon.emit(item)
+        elif event.key() == Qt.Key.Key_Escape:
+            self.window().hide()
+        else:
+            super().keyPressEvent(event)
+
+
+def _picture(preset: Preset) -> QIcon:
+    pixmap = QPixmap()
+    if not (preset.picture and pixmap.loadFromData(preset.picture)):
+        pixmap = no_picture()
+    icon = QIcon()
+    # Marked or not, the picture is the same.
+    icon.addPixmap(pixmap, QIcon.Mode.Normal)
+    icon.addPixmap(pixmap, QIcon.Mode.Selected)
+    return icon

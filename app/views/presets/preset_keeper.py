@@ -1,0 +1,148 @@
+"""What a person does with presets: use, keep, rename, delete, share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import QObject
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMenu
+
+from app.model.document import edits
+from app.model.document.document import Document
+from app.model.parameters.presets import SUFFIX, Preset
+from app.model.text.language import tr
+from app.session.storage.presets import PresetStore
+from app.views.presets import preset_dialogs as dialogs
+from app.views.presets.preset_gallery import PresetGallery
+from app.views.presets.preset_picture import picture_of
+from app.views.window.part import Desk
+
+
+class PresetKeeper(QObject):
+    """Joins the gallery of presets, their files and the session.
+
+    Parameters
+    ----------
+    desk : Desk
+        What it works with.
+    store : PresetStore
+        Where presets are kept.
+    """
+
+    def __init__(self, desk: Desk, store: PresetStore) -> None:
+        super().__init__(desk.window)
+        self._desk = desk
+        self._folder = ""
+        self.store = store
+        self.save = self._make(tr("&Save as…"), self._save, tr("Keep the parameters as they are under a name."))
+        self.rename = self._make(tr("&Rename…"), self._rename, tr("Give a preset of your own another name."))
+        self.delete = self._make(tr("&Delete…"), self._delete, tr("Remove a preset of your own."))
+        self.bring_in = self._make(tr("&Import…"), self._import, tr("Take over a preset that somebody shared."))
+        self.hand_out = self._make(tr("&Export…"), self._export, tr("Write a preset to a file, for somebody else."))
+        self.deeds = (self.save, self.rename, self.delete, self.bring_in, self.hand_out)
+        self.gallery = PresetGallery(self.deeds)
+        self.gallery.chosen.connect(self.use)
+        store.changed.connect(self._list)
+        desk.session.document_changed.connect(self._show)
+        self._list()
+
+    def use(self, preset: Preset) -> None:
+        """Set the parameters of a preset."""
+        name = tr("preset “{name}”").format(name=preset.name)
+        self._desk.session.edit(name, lambda document: edits.set_parameters(document, preset.parameters))
+
+    def fill(self, menu: QMenu) -> None:
+        """The presets and what can be done with them, as a menu."""
+        for preset in self.store.presets:
+            action = menu.addAction(preset.name.replace("&", "&&"))
+            action.setCheckable(True)
+            action.setChecked(self.gallery.current is not None and preset.name == self.gallery.current.name)
+            action.setStatusTip(preset.about)
+            action.triggered.connect(lambda _=False, preset=preset: self.use(preset))
+        menu.addSeparator()
+        menu.addActions(list(self.deeds))
+
+    def _make(self, text: str, do: Callable[[], None], tip: str) -> QAction:
+        action = QAction(text, self)
+        action.setToolTip(tip)
+        action.setStatusTip(tip)
+        action.triggered.connect(lambda _=False: self._try(do))
+        return action
+
+    def _try(self, do: Callable[[], None]) -> None:
+        try:
+            do()
+        except (ValueError, OSError) as error:
+            self._desk.session.say(str(error), True)
+
+    def _list(self) -> None:
+        self.gallery.show_presets(self.store.presets)
+        own = any(preset.own for preset in self.store.presets)
+        self.rename.setEnabled(own)
+        self.delete.setEnabled(own)
+        self._show(self._desk.session.document)
+
+    def _show(self, document: Document) -> None:
+        same = [preset for preset in self.store.presets if preset.parameters == document.parameters]
+        self.gallery.show_current(same[0] if same else None)
+
+    def _save(self) -> None:
+        session, current = self._desk.session, self.gallery.current
+        name = dialogs.ask_for_name(self._desk.window, current.name if current is not None and current.own else "")
+        if not name:
+            return
+        picture = picture_of(self._desk.stage.canvas.grab().toImage())
+        about = tr("Made on {image}.").format(image=session.document.image.name) if session.document.image else ""
+        kept = self.store.save(Preset(name, session.document.parameters, about, picture))
+        session.say(tr("The parameters are kept as “{name}”.").format(name=kept.name))
+
+    def _rename(self) -> None:
+        preset = self._own(tr("Rename which preset?"))
+        if preset is not None:
+            name = dialogs.ask_for_name(self._desk.window, preset.name)
+            if name:
+                self.store.rename(preset.name, name)
+
+    def _delete(self) -> None:
+        preset = self._own(tr("Delete which preset?"))
+        if preset is not None and dialogs.agrees_to_delete(self._desk.window, preset.name):
+            self.store.delete(preset.name)
+
+    def take_in(self, path: Path) -> None:
+        """Take over a preset that somebody shared."""
+        self._try(lambda: self._take_in(path))
+
+    def _take_in(self, path: Path) -> None:
+        preset = self.store.bring_in(path)
+        self._desk.session.say(tr("“{name}” is among the presets now.").format(name=preset.name))
+
+    def _import(self) -> None:
+        chosen = dialogs.ask_for_preset_file(self._desk.window, self._folder)
+        if chosen:
+            self._folder = str(Path(chosen).parent)
+            self._take_in(Path(chosen))
+
+    def _export(self) -> None:
+        current = self.gallery.current
+        names = [preset.name for preset in self.store.presets]
+        if current is not None:
+            names.insert(0, names.pop(names.index(current.name)))
+        name = dialogs.ask_for_preset(self._desk.window, names, tr("Export which preset?"))
+        preset = self.store.called(name)
+        if preset is None:
+            return
+        chosen = dialogs.ask_where_to(self._desk.window, str(Path(self._folder) / f"{preset.name}{SUFFIX}"))
+        if chosen:
+            self._folder = str(Path(chosen).parent)
+            self.store.hand_out(preset, Path(chosen))
+            self._desk.session.say(tr("Written: {path}").format(path=chosen))
+
+    def _own(self, question: str) -> Preset | None:
+        """The preset of one's own that is in use, or the one that the user chooses."""
+        current = self.gallery.current
+        if current is not None and current.own:
+            return current
+        names = [preset.name for preset in self.store.presets if preset.own]
+        return self.store.called(dialogs.ask_for_preset(self._desk.window, names, question))

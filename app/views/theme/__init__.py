@@ -1,0 +1,1 @@
+"""Colors, color maps and icons of the light and the dark theme."""

@@ -1,0 +1,75 @@
+"""The menus, filled with what the parts bring."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMenu, QMenuBar
+
+from app.model.text.language import tr
+from app.views.widgets.actions import Actions
+from app.views.widgets.entry import Entry, Submenu
+
+MENUS = {
+    "File": tr("&File"),
+    "Edit": tr("&Edit"),
+    "Draw": tr("&Draw"),
+    "View": tr("&View"),
+    "Run": tr("&Run"),
+    "Contours": tr("&Contours"),
+    "Help": tr("&Help"),
+}
+"""Menus by the names that entries use, in the order in which they stand."""
+
+QUIT = "quit"
+"""The entry that stands last in its menu, whatever parts bring more to it."""
+
+
+class Menus:
+    """The menus of a window.
+
+    Parameters
+    ----------
+    bar : QMenuBar
+        Where they hang.
+    entries : iterable of Entry or Submenu
+        What stands in them.
+    actions : Actions
+        The actions of the entries.
+    """
+
+    def __init__(self, bar: QMenuBar, entries: Iterable[Entry | Submenu], actions: Actions) -> None:
+        self._menus: dict[str, QMenu] = {}
+        listed = list(entries)
+        for name, title in MENUS.items():
+            if any(entry.menu.partition(">")[0] == name for entry in listed):
+                self._menus[name] = bar.addMenu(title)
+        for entry in sorted(listed, key=lambda entry: entry.name == QUIT):
+            menu = self[entry.menu]
+            if entry.gap and not menu.isEmpty():
+                menu.addSeparator()
+            if isinstance(entry, Submenu):
+                inner = menu.addMenu(entry.text)
+                inner.setToolTipsVisible(True)
+                inner.aboutToShow.connect(partial(_refill, inner, entry))
+            else:
+                menu.addAction(actions[entry.name])
+
+    def __getitem__(self, path: str) -> QMenu:
+        """A menu by its name, made when it is not there and lies within another."""
+        if path not in self._menus:
+            outer, _, title = path.rpartition(">")
+            self._menus[path] = self[outer].addMenu(title)
+        return self._menus[path]
+
+    def add_section(self, path: str, actions: Iterable[QAction]) -> None:
+        """Add actions of another origin at the end of a menu, below a line."""
+        self[path].addSeparator()
+        self[path].addActions(list(actions))
+
+
+def _refill(menu: QMenu, entry: Submenu) -> None:
+    menu.clear()
+    entry.fill(menu)

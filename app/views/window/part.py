@@ -1,0 +1,118 @@
+"""A part of the window: whatever belongs together of its actions, panels and what they do.
+
+A new one is a module in `app.views.features` and a line in its list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from PySide6.QtWidgets import QMainWindow, QWidget
+
+from app.session.session import Session
+from app.session.storage.preferences import Preferences
+from app.views.canvas.stage import Stage
+from app.views.theme.theme import Theme
+from app.views.widgets.entry import Entry, Submenu
+from app.views.widgets.preference_row import PreferenceRow
+
+Area = Literal["left", "right", "bottom"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Desk:
+    """What every part works with.
+
+    Attributes
+    ----------
+    window : QMainWindow
+        The window, as the parent of dialogs.
+    session : Session
+        The one door to document and run.
+    stage : Stage
+        Canvas, layers and tools.
+    preferences : Preferences
+        What is kept from one start to the next.
+    entries : callable
+        All actions there are, once the window is built.
+    preference_rows : callable
+        All that may be preferred, once the window is built.
+    reveal : callable
+        Opens a panel by its name and brings it to the front.
+    use_theme : callable
+        Gives the window another theme.
+    """
+
+    window: QMainWindow
+    session: Session
+    stage: Stage
+    preferences: Preferences
+    entries: Callable[[], Iterable[Entry]]
+    preference_rows: Callable[[], Iterable[PreferenceRow]]
+    reveal: Callable[[str], None]
+    use_theme: Callable[[Theme], None]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Panel:
+    """A panel beside the canvas, which can be moved, closed and brought back by the menu View.
+
+    Attributes
+    ----------
+    name : str
+        What it is called in code; its place is remembered by it.
+    title : str
+        Its heading.
+    widget : QWidget
+        What it shows.
+    area : {"left", "right", "bottom"}
+        Where it is at first.
+    tab : str
+        Panels of one area with the same tab lie upon each other; empty for a place of its own.
+    shown : bool
+        Whether it is open at first.
+    shortcut : str
+        Key that opens or closes it.
+    """
+
+    name: str
+    title: str
+    widget: QWidget
+    area: Area = "right"
+    tab: str = ""
+    shown: bool = True
+    shortcut: str = ""
+
+
+class Part:
+    """What parts have in common.
+
+    Parameters
+    ----------
+    desk : Desk
+        What it works with.
+    """
+
+    def __init__(self, desk: Desk) -> None:
+        self.desk = desk
+
+    def entries(self) -> Sequence[Entry | Submenu]:
+        """Its actions, in the order in which they stand in the menus."""
+        return ()
+
+    def panels(self) -> Sequence[Panel]:
+        """Its panels."""
+        return ()
+
+    def preferences(self) -> Sequence[PreferenceRow]:
+        """What a person may prefer about it, for the dialog of the preferences."""
+        return ()
+
+    def use_theme(self, theme: Theme) -> None:
+        """Take on the colours of a theme, as far as the palette does not do so by itself."""
+
+    def close(self) -> bool:
+        """The window is about to close: end what is going on; False keeps it open."""
+        return True

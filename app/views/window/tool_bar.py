@@ -1,0 +1,87 @@
+"""The tool bar above the canvas."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QFontMetrics
+from PySide6.QtWidgets import QHBoxLayout, QToolBar, QToolButton, QWidget
+
+from app.model.document.modes import MODES
+from app.model.text.language import tr
+from app.views.widgets.actions import PRIMARY, Actions
+
+_FILES, _EDITS, _RUN, _AFTER = ("open", "save"), ("undo", "redo"), ("run", "step", "reset"), ("fit", "export")
+_PICTURES = ("undo", "redo", "fit")
+"""Buttons that everybody knows without a text."""
+
+
+class ToolBar(QToolBar):
+    """Buttons for what is done most; an action that no part brings is left out.
+
+    Parameters
+    ----------
+    actions : Actions
+        The actions that the buttons stand for.
+    speed : QWidget
+        The speed control.
+    """
+
+    def __init__(self, actions: Actions, speed: QWidget) -> None:
+        super().__init__(tr("Run"))
+        self.setObjectName("bar")
+        self.setMovable(False)
+        self.toggleViewAction().setEnabled(False)
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._add(actions, *_FILES)
+        self._add(actions, *_EDITS)
+        self.addWidget(_modes(actions))
+        self.addSeparator()
+        self._add(actions, *_RUN)
+        self.addWidget(speed)
+        self.addSeparator()
+        for name in _AFTER:
+            self._add_one(actions, name)
+
+    def _add(self, actions: Actions, *names: str) -> None:
+        for name in names:
+            self._add_one(actions, name)
+        self.addSeparator()
+
+    def _add_one(self, actions: Actions, name: str) -> None:
+        if name not in actions:
+            return
+        action = actions[name]
+        self.addAction(action)
+        button = self.widgetForAction(action)
+        if isinstance(button, QToolButton):
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.setObjectName("primary" if name == PRIMARY else name)
+            if name in _PICTURES:
+                button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
+                button.setAccessibleName(action.iconText())
+            if name == PRIMARY:
+                bold = button.font()
+                bold.setBold(True)
+                metrics = QFontMetrics(bold)
+                longest = max(metrics.horizontalAdvance(text) for text in (tr("Run anew"), MODES["skeleton"].short))
+                button.setMinimumWidth(longest + 52)
+
+
+def _modes(actions: Actions) -> QWidget:
+    """The modes side by side, as one control of which one part is pressed."""
+    segments = QWidget()
+    segments.setObjectName("segments")
+    row = QHBoxLayout(segments)
+    row.setContentsMargins(6, 0, 6, 0)
+    row.setSpacing(0)
+    names = [f"mode_{mode}" for mode in MODES]
+    for index, name in enumerate(names):
+        button = QToolButton()
+        button.setDefaultAction(actions[name])
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        place = "first" if index == 0 else "last" if index == len(names) - 1 else "middle"
+        button.setProperty("segment", place)
+        button.setObjectName(name)
+        row.addWidget(button)
+    return segments
