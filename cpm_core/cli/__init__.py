@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 from cpm_core.cli import batch, info, run, skeleton
-from cpm_core.cli.bench import command as bench
-from cpm_core.cli.figures import command as figures
+from cpm_core.cli.bench import command as bench_command
+from cpm_core.cli.figures import command as figures_command
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -59,6 +59,6 @@ def _parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (run, batch, skeleton, info, figures, bench):
+    for command in (run, batch, skeleton, info, figures_command, bench_command):
         command.add_to(commands)
     return parser

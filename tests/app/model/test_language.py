@@ -1,0 +1,184 @@
+"""Every sentence that a person reads can be translated: none in the source bypasses `tr`, none in the window appears as
+it was written when `tr` puts brackets around it."""
+
+from __future__ import annotations
+
+import ast
+import gettext
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+SOURCES = sorted((ROOT / "app").rglob("*.py"))
+
+SHOWING = {
+    "setText", "setToolTip", "setWindowTitle", "setStatusTip", "setAccessibleName", "setAccessibleDescription",
+    "setPlaceholderText", "setHtml", "setSuffix", "setPrefix", "setSpecialValueText", "say", "busy", "addAction",
+    "addMenu", "addItem", "addTab", "QLabel", "QPushButton", "QCheckBox", "QAction", "QGroupBox", "QRadioButton",
+    "QToolBar", "QDockWidget", "getOpenFileName", "getSaveFileName", "getText", "getItem", "Section",
+}  # fmt: skip
+"""Calls whose texts a person reads."""
+
+NAMING = {"edit"}
+"""Calls whose first text is the name of a change, which stands after "Undo"."""
+
+WORDS = {"text", "tip", "title", "short", "about", "hint", "label", "note"}
+"""Arguments that a person reads, of whatever is called."""
+
+NOT_READ = {"opening", "preparing", "sowing"}
+"""Literals that are names in code."""
+
+
+def readable(node: ast.expr) -> bool:
+    """Whether an expression is a literal with words in it, tags aside."""
+    parts = [node] if isinstance(node, ast.Constant) else node.values if isinstance(node, ast.JoinedStr) else []
+    said = "".join(str(part.value) for part in parts if isinstance(part, ast.Constant) and isinstance(part.value, str))
+    return re.search(r"[A-Za-z]{3,}", without_tags(said)) is not None
+
+
+def without_tags(said: str) -> str:
+    return re.sub(r"<[^>]*>?|&\w+;", " ", said)
+
+
+def bypassing(source: str) -> list[tuple[int, str]]:
+    """Lines and literals that a person would read untranslated."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.Call):
+            continue
+        name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+        said = list(node.args) if name in SHOWING else node.args[:1] if name in NAMING else []
+        said += [keyword.value for keyword in node.keywords if keyword.arg in WORDS and name != "Theme"]
+        found += [(part.lineno, ast.unparse(part)) for part in said
+                  if readable(part) and getattr(part, "value", "") not in NOT_READ]  # fmt: skip
+    return found
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_no_sentence_bypasses_translation(path) -> None:
+    assert bypassing(path.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize(
+    ("source", "count"),
+    [
+        ("label.setText('Speed')", 1),
+        ("label.setText(tr('Speed'))", 0),
+        ("session.say(f'Written: {path}')", 1),
+        ("label.setText(f'<b>{title}</b><br>{more}')", 0),
+        ("Entry(name='run', text='Run', tip=tr('Let them go.'))", 1),
+        ("label.setText('–')", 0),
+        ("session.edit('move circle', edit, 'drag 1')", 1),
+    ],
+)
+def test_the_search_sees_what_bypasses_translation(source, count) -> None:
+    assert len(bypassing(source)) == count
+
+
+def test_what_is_translated_is_a_literal_that_can_be_found_in_the_source() -> None:
+    for path in SOURCES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "tr":
+                assert not isinstance(node.args[0], ast.JoinedStr | ast.BinOp), f"{path}:{node.lineno}"
+
+
+@pytest.fixture(scope="module")
+def template(tmp_path_factory) -> Path:
+    """The template for translations, written anew."""
+    target = tmp_path_factory.mktemp("languages") / "cpm.pot"
+    script = ROOT / "assets" / "languages" / "make_template.py"
+    specification = importlib.util.spec_from_file_location("make_template", script)
+    made = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(made)
+    target.write_text(made.template(), encoding="utf-8")
+    return target
+
+
+def test_the_template_holds_the_sentences_of_window_core_and_samples(template) -> None:
+    text = template.read_text(encoding="utf-8")
+    for said in ("Drag on the image to draw a circle in or around an object.", "Calm the particles", "Damping",
+                 "Friction that takes speed out of the particles.", "region of interest", "An artery"):  # fmt: skip
+        assert f'msgid "{said}"' in text
+
+
+@pytest.mark.skipif(shutil.which("msgfmt") is None, reason="gettext is not there")
+def test_the_tools_of_gettext_read_the_template(template, tmp_path) -> None:
+    done = subprocess.run(
+        ["msgfmt", "-c", "-o", str(tmp_path / "cpm.mo"), str(template)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    with (tmp_path / "cpm.mo").open("rb") as stream:
+        assert gettext.GNUTranslations(stream).gettext("Damping") == "Damping"
+
+
+IN_BRACKETS = """
+import re, sys
+import app.model.text.language as language
+language.tr = lambda said: f"⟦{said}⟧"
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QTabBar, QWidget
+from app.session.session import Session
+from app.views.application import make_application
+from app.views.main_window import MainWindow
+
+application = make_application()
+window = MainWindow(Session())
+for dock in window.docks:
+    dock.show()
+window.show()
+application.processEvents()
+
+QTS_OWN = ("qt_dockwidget", "ScrollLeftButton", "ScrollRightButton", "qt_toolbar_ext_button")
+seen = 0
+
+def outside(said):
+    said = re.sub(r"<sub>.*?</sub>|<[^>]*>|&\\w+;|\\b\\w_\\w+(,0)?", " ", said)
+    said = re.sub(r"\\((\\w|\\+|,|\\.|Shift|Escape|Space|Delete|F\\d+|Ctrl|Alt|Home|End)+\\)", " ", said)
+    depth, kept = 0, ""
+    for letter in said:
+        depth += (letter == "⟦") - (letter == "⟧")
+        kept += letter if depth == 0 else ""
+    return kept
+
+def look(said, where):
+    global seen
+    seen += "⟦" in said
+    if re.search(r"[A-Za-z]{3,}", outside(said).replace("CPM", "")):
+        print(where, repr(said))
+
+for widget in (window, *window.findChildren(QWidget)):
+    name = widget.objectName()
+    if name.startswith(QTS_OWN):
+        continue
+    for attribute in ("text", "toolTip", "statusTip", "windowTitle", "accessibleName", "placeholderText"):
+        read = getattr(widget, attribute, None)
+        if callable(read) and not isinstance(widget, QAbstractSpinBox):
+            look(str(read()), f"{type(widget).__name__} {name} {attribute}")
+    if isinstance(widget, (QComboBox, QTabBar)):
+        read = widget.itemText if isinstance(widget, QComboBox) else widget.tabText
+        for index in range(widget.count()):
+            look(read(index), f"{type(widget).__name__} {name}")
+for action in window.actions() + [action for menu in window.menus._menus.values() for action in menu.actions()]:
+    for said in (action.text(), action.toolTip(), action.statusTip()):
+        look(said, "action")
+window.close()
+print("seen", seen)
+"""
+
+
+def test_a_window_in_a_made_up_language_shows_nothing_that_is_not_translated(tmp_path) -> None:
+    environment = os.environ | {"QT_QPA_PLATFORM": "offscreen", "XDG_CONFIG_HOME": str(tmp_path), "PYTHONUTF8": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", IN_BRACKETS], cwd=ROOT, capture_output=True, text=True, check=False, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    *bare, last = done.stdout.strip().splitlines()
+    assert bare == []
+    assert int(last.removeprefix("seen ")) > 300

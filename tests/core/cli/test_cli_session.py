@@ -1,0 +1,346 @@
+"""`cpm run --session` and `cpm batch`: what a session file says is done without a window, to one image or to many."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+import types
+from concurrent.futures import Future
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from cpm_core import Parameters, cli, load_image
+from cpm_core.cli import workers
+from cpm_core.cli.jobs import Done, Job
+from cpm_core.contours.review import Mark
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, fingerprint, save_session
+from cpm_core.shapes import Circle, Everywhere, Region
+
+ROOT = Path(__file__).parents[3]
+SAMPLES = ROOT / "assets" / "samples"
+CENTERS, RADIUS = ((40.0, 30.0), (40.0, 75.0)), 14.0
+
+
+@pytest.fixture
+def command(monkeypatch, capsys):
+    """Function that runs the command line and returns its exit status, output and error output."""
+
+    def run(*arguments):
+        status = cli.main([str(argument) for argument in arguments])
+        output = capsys.readouterr()
+        return status, output.out, output.err
+
+    return run
+
+
+@pytest.fixture
+def disks(tmp_path):
+    """Path of an image of two bright disks."""
+    row, col = np.mgrid[:80, :105]
+    values = sum(220 * np.clip(RADIUS + 0.5 - np.hypot(row - r, col - c), 0, 1) for r, c in CENTERS)
+    PIL.Image.fromarray(values.astype(np.uint8)).save(tmp_path / "disks.png")
+    return tmp_path / "disks.png"
+
+
+@pytest.fixture
+def session(disks, tmp_path):
+    """Path of a session that starts in the left disk."""
+    path = tmp_path / "left.cpm"
+    shapes = (Circle(CENTERS[0], 6.0),)
+    save_session(SessionFile(ImageFile(str(disks), fingerprint(disks), (80, 105)), shapes, Parameters(scales=2)), path)
+    return path
+
+
+def facts(out):
+    return json.loads(out)
+
+
+def test_a_session_is_run_on_its_own_image_from_any_folder(command, session, tmp_path, monkeypatch):
+    other = tmp_path / "other"
+    other.mkdir()
+    monkeypatch.chdir(other)
+    status, out, err = command("run", "--session", "../left.cpm", "--json")
+    assert (status, err) == (0, "")
+    assert (facts(out)["contours"], facts(out)["closed"]) == (1, 1)
+
+
+def test_a_session_does_what_its_parts_do_as_flags(command, session, disks, tmp_path):
+    flags = ("--circle", "40,30,6", "--scales", 2, "--max-steps", 60)
+    command("run", disks, *flags, "--export", tmp_path / "flags.csv")
+    command("run", "--session", session, "--max-steps", 60, "--export", tmp_path / "session.csv")
+    assert (tmp_path / "flags.csv").read_text() == (tmp_path / "session.csv").read_text()
+
+
+def test_a_session_is_applied_to_another_image_that_is_named(command, session, tmp_path):
+    values = np.zeros((60, 60), np.uint8)
+    values[25:55, 15:45] = 200
+    PIL.Image.fromarray(values).save(tmp_path / "square.png")
+    _, out, _ = command("run", tmp_path / "square.png", "--session", session)
+    assert out.startswith("square.png: 1 contour (1 closed)")
+
+
+def test_flags_take_the_place_of_parameters_and_add_to_the_start(command, session):
+    _, out, _ = command("run", "--session", session, "--circle", "40,75,6", "--max-steps", 300, "--json")
+    assert facts(out)["contours"] == 2
+    _, out, _ = command("run", "--session", session, "--min-length", 1000, "--json")
+    assert facts(out)["contours"] == 0
+
+
+def test_regions_of_a_session_hold_particles_back(command, disks, tmp_path):
+    half = Region(((0.0, 52.0), (0.0, 104.0), (79.0, 104.0), (79.0, 52.0)))
+    save_session(SessionFile(shapes=(Everywhere("grid"), half), parameters=Parameters(scales=2)), tmp_path / "a.cpm")
+    command("run", disks, "--session", tmp_path / "a.cpm", "--export", tmp_path / "mask.png")
+    mask = load_image(tmp_path / "mask.png").values
+    assert mask[40, 75] > 0
+    assert not mask[:, :50].any()
+
+
+def test_a_contour_that_was_rejected_is_not_written_and_one_that_was_named_is(command, disks, tmp_path):
+    shapes = tuple(Circle(center, 6.0) for center in CENTERS)
+    marks = (
+        Mark((CENTERS[0][0] - RADIUS, CENTERS[0][1]), "rejected"),
+        Mark((CENTERS[1][0] - RADIUS, CENTERS[1][1]), "kept", "right"),
+    )
+    path = tmp_path / "a.cpm"
+    save_session(SessionFile(ImageFile(str(disks)), shapes, Parameters(scales=2), marks), path)
+    _, out, _ = command("run", "--session", path, "--export", tmp_path / "a.geojson", "--json")
+    assert facts(out)["contours"] == 1
+    assert "right" in (tmp_path / "a.geojson").read_text()
+
+
+def test_what_a_person_should_know_of_a_session_is_told_beside_the_result(command, session, disks):
+    values = np.array(PIL.Image.open(disks))
+    PIL.Image.fromarray(values // 2).save(disks)
+    text = session.read_text().replace('"beta"', '"viscosity": 1, "beta"')
+    session.write_text(text)
+    status, out, err = command("run", "--session", session, "--json")
+    assert (status, facts(out)["contours"]) == (0, 1)
+    assert "viscosity" in err
+    assert "has changed since" in err
+
+
+BAD = [
+    ("run --session none.cpm", "none.cpm does not exist"),
+    ("run --session free.cpm", "IMAGE"),
+    ("run --session lost.cpm", "gone.png"),
+    ("run disks.png --session empty.cpm", "--circle"),
+    ("run --session left.cpm --export left.cpm", "overwrite|known|format"),
+    ("batch disks.png --session empty.cpm --output out", "has no start"),
+    ("batch disks.png --session left.cpm --output out --workers 0", "--workers"),
+    ("batch disks.png --session left.cpm --output out --workers two", "--workers"),
+    ("batch disks.png --session left.cpm --output out --export svg doc", '".doc"'),
+    ("batch disks.png --session left.cpm --output disks.png", "--output"),
+    ("batch disks.png --session left.cpm --output out --max-steps 0", "--max-steps"),
+    ("batch disks.png --session left.cpm", "--output"),
+    ("batch disks.png --output out", "--session"),
+    ("batch --session left.cpm --output out", "IMAGE"),
+    ("batch disks.png --session left.cpm --output out --workers 2 --scheduler here", "--workers"),
+    ("batch disks.png --session left.cpm --output out --beta 9", "beta"),
+]
+
+
+@pytest.mark.parametrize(("line", "said"), BAD)
+def test_bad_input_is_one_line_and_exit_status_two(command, session, tmp_path, monkeypatch, line, said):
+    monkeypatch.chdir(tmp_path)
+    save_session(SessionFile(shapes=(Circle((1.0, 1.0), 2.0),)), tmp_path / "free.cpm")
+    save_session(SessionFile(ImageFile("gone.png"), (Circle((1.0, 1.0), 2.0),)), tmp_path / "lost.cpm")
+    save_session(SessionFile(), tmp_path / "empty.cpm")
+    status, out, err = command(*line.split())
+    assert (status, out) == (2, "")
+    assert err.startswith("cpm: ")
+    assert err.count("\n") == 1
+    assert any(word in err for word in said.split("|"))
+    assert not (tmp_path / "out").exists() or not any((tmp_path / "out").iterdir())
+
+
+def table(folder):
+    with (folder / "summary.csv").open(newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_batch_does_to_each_image_what_a_run_does_and_reports_a_bad_one(command, session, disks, tmp_path, count):
+    (tmp_path / "bad.png").write_text("no picture")
+    out = tmp_path / "deep" / "out"
+    status, told, err = command(
+        "batch", disks, tmp_path / "bad.png", disks, "--session", session, "--output", out,
+        "--workers", count, "--max-steps", 40, "--export", "csv", ".svg",
+    )  # fmt: skip
+    assert status == 1
+    assert "bad.png is" in err
+    assert "3 images" in told
+    names = {path.name for path in out.iterdir()}
+    assert names == {"summary.csv", *(f"disks_contours{n}.{s}" for n in ("", "_2") for s in ("csv", "svg"))}
+    command("run", "--session", session, "--max-steps", 40, "--export", tmp_path / "one.csv")
+    assert (out / "disks_contours.csv").read_bytes() == (tmp_path / "one.csv").read_bytes()
+    rows = table(out)
+    assert [Path(row["image"]).name for row in rows] == ["disks.png", "bad.png", "disks.png"]
+    assert [bool(row["trouble"]) for row in rows] == [False, True, False]
+    assert rows[0]["contours"] == rows[2]["contours"] == "1"
+
+
+def test_a_batch_tells_json(command, session, disks, tmp_path):
+    status, out, _ = command(
+        "batch", disks, "--session", session, "--output", tmp_path / "o", "--max-steps", 5, "--json"
+    )
+    told = facts(out)
+    assert (status, told["done"], told["failed"]) == (0, 1, 0)
+    (image,) = told["images"]
+    assert image["steps"] == 5
+    assert {Path(file).suffix for file in image["files"]} == {".svg", ".csv", ".png"}
+    assert all(Path(file).is_file() for file in image["files"])
+
+
+def test_a_batch_beside_its_images_overwrites_none_of_them(command, session, disks, tmp_path):
+    before = disks.read_bytes()
+    command("batch", disks, "--session", session, "--output", tmp_path, "--max-steps", 5, "--export", "png")
+    assert disks.read_bytes() == before
+    assert (tmp_path / "disks_contours.png").exists()
+
+
+def test_the_samples_go_through_the_real_command(tmp_path):
+    save_session(SessionFile(shapes=(Everywhere("edges"),), parameters=Parameters(scales=2)), tmp_path / "a.cpm")
+    images = [str(SAMPLES / name) for name in ("u_shape.png", "rings.png")]
+    line = [sys.executable, "-m", "app", "batch", *images, "--session", str(tmp_path / "a.cpm"), "--output", "out"]
+    done = subprocess.run(
+        [*line, "--max-steps", "30", "--workers", "2"],
+        cwd=tmp_path, env=environment(), capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    assert all(int(row["contours"]) >= 1 for row in table(tmp_path / "out"))
+    assert "u_shape.png: " in done.stdout
+
+
+def environment():
+    return {**os.environ, "PYTHONPATH": str(ROOT)}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="interrupts are those of POSIX")
+def test_an_interrupt_ends_a_batch_at_once_and_leaves_whole_files_only(tmp_path, interrupts_heeded):
+    save_session(SessionFile(shapes=(Everywhere("grid"),)), tmp_path / "a.cpm")
+    images = [str(SAMPLES / "u_shape.png")] + 8 * [str(SAMPLES / "cells.png")]
+    out = tmp_path / "out"
+    line = [sys.executable, "-m", "app", "batch", *images, "--session", str(tmp_path / "a.cpm"), "--output", str(out)]
+    with subprocess.Popen(
+        [*line, "--workers", "2", "--export", "svg"],
+        env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    ) as process:  # fmt: skip
+        end = time.monotonic() + 60
+        while not list(out.glob("*.svg")):
+            assert time.monotonic() < end
+            assert process.poll() is None
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGINT)  # what Ctrl+C does: all processes of the terminal are told
+        _, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert err.startswith("cpm: interrupted; ")
+    assert err.count("\n") == 1
+    assert all(path.suffix == ".svg" and path.read_text().rstrip().endswith("</svg>") for path in out.iterdir())
+
+
+def test_a_worker_that_dies_is_reported_and_the_others_go_on(session, disks, monkeypatch):
+    lines = []
+    whole = workers._Worker.give
+
+    def give(worker, job):
+        if job.number == 1:
+            worker._process.kill()
+            worker._process.join()
+            lines.append(worker)
+        whole(worker, job)
+
+    monkeypatch.setattr(workers._Worker, "give", give)
+    made = SessionFile(shapes=(Circle(CENTERS[0], 6.0),))
+    jobs = [Job(number, str(disks), made, Parameters(scales=2), 3, ()) for number in range(4)]
+    done = {each.number: each for each in workers.here(jobs, 2)}
+    assert len(lines) == 1
+    assert [bool(done[number].trouble) for number in range(4)] == [False, True, False, False]
+    assert "ended all of a sudden" in done[1].trouble
+
+
+class Cluster:
+    """Stands in for dask where it is not installed: does everything at once, here."""
+
+    cancelled: list[object]
+
+    def __init__(self, address, timeout):
+        if "nowhere" in address:
+            raise TimeoutError("timed out")
+        Cluster.cancelled = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def map(self, work, jobs, pure):
+        assert not pure
+        futures = []
+        for job in jobs:
+            future = Future()
+            future.key = f"job-{job.number}"
+            if "die" in job.path:
+                future.set_exception(RuntimeError("the worker is gone"))
+            else:
+                future.set_result(work(job))
+            futures.append(future)
+        return futures
+
+    def cancel(self, futures):
+        Cluster.cancelled = futures
+
+
+def test_a_session_about_a_skeleton_says_which_command_finds_one(command, disks, tmp_path):
+    path = tmp_path / "bones.cpm"
+    save_session(SessionFile(ImageFile(str(disks), fingerprint(disks), (80, 105)), mode="skeleton"), path)
+    status, out, err = command("run", "--session", path)
+    assert (status, out) == (2, "")
+    assert "cpm skeleton" in err
+
+
+@pytest.fixture
+def dask(monkeypatch):
+    module = types.ModuleType("distributed")
+    module.Client, module.as_completed = Cluster, reversed
+    monkeypatch.setitem(sys.modules, "distributed", module)
+
+
+def test_a_batch_is_given_to_a_scheduler(command, dask, session, disks, tmp_path):
+    status, _, err = command(
+        "batch", disks, tmp_path / "die.png", "--session", session, "--output", tmp_path / "o", "--max-steps", 5,
+        "--scheduler", "tcp://there:8786",
+    )  # fmt: skip
+    assert status == 1
+    assert "the worker is gone" in err
+    assert [row["contours"] for row in table(tmp_path / "o")] == ["1", ""]
+    assert len(Cluster.cancelled) == 2
+
+
+def test_a_scheduler_that_does_not_answer_or_cannot_be_asked_is_told(
+    command, dask, session, disks, monkeypatch, tmp_path
+):
+    line = ("batch", disks, "--session", session, "--output", tmp_path / "o", "--scheduler", "tcp://nowhere")
+    status, _, err = command(*line)
+    assert (status, err.count("\n")) == (2, 1)
+    assert "no scheduler answers" in err
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    status, _, err = command(*line)
+    assert (status, err.count("\n")) == (2, 1)
+    assert "cpm-particles[batch]" in err
+
+
+def test_what_goes_to_other_processes_can_be_sent():
+    job = Job(3, "a.png", SessionFile(shapes=(Everywhere("grid"),)), Parameters(), None, (".svg",))
+    assert pickle.loads(pickle.dumps(job)) == job
+    done = Done(3, {"contours": 1}, {".svg": b"x"})
+    assert pickle.loads(pickle.dumps(done)) == done

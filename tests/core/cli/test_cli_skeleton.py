@@ -1,0 +1,113 @@
+"""The command that finds skeletons: what it prints, what it writes, and what it refuses."""
+
+import json
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from cpm_core import cli
+from cpm_core.cli import skeleton as skeleton_command
+from cpm_core.formats import load_image
+
+from .. import scenes
+
+
+@pytest.fixture
+def image(tmp_path):
+    """Path of an image of a bar of 60 by 20 px."""
+    values = scenes.polygon((60, 100), np.array([(20.3, 20.3), (20.3, 80.3), (40.3, 80.3), (40.3, 20.3)])).values
+    PIL.Image.fromarray(values.astype(np.uint8)).save(tmp_path / "bar.png")
+    return tmp_path / "bar.png"
+
+
+@pytest.fixture
+def command(capsys):
+    """Function that runs the command line and returns its exit status, output and error output."""
+
+    def run(*arguments):
+        status = cli.main([str(argument) for argument in arguments])
+        output = capsys.readouterr()
+        return status, output.out, output.err
+
+    return run
+
+
+def test_the_skeleton_is_told_as_json(image, command):
+    status, out, err = command("skeleton", image, "--json")
+    facts = json.loads(out)
+    assert (status, err) == (0, "")
+    assert list(facts) == ["contours", "closed", "length", "largest_radius", "seconds"]
+    assert (facts["contours"], facts["closed"]) == (5, 0)
+    assert facts["largest_radius"] == pytest.approx(10.0, abs=0.1)
+    assert facts["seconds"] > 0
+
+
+def test_a_person_is_told_what_was_found_and_written(image, command, tmp_path):
+    status, out, _ = command("skeleton", image, "--export", tmp_path / "a.svg")
+    assert status == 0
+    assert out.startswith("bar.png: skeleton of 5 lines (0 closed)")
+    assert f"Wrote {tmp_path / 'a.svg'}\n" in out
+
+
+def test_every_format_is_written(image, command, tmp_path):
+    paths = [tmp_path / name for name in ("a.svg", "a.csv", "a.png")]
+    assert command("skeleton", image, "--export", *paths)[0] == 0
+    assert load_image(paths[2]).values.max() == 5
+    assert paths[1].read_text(encoding="utf-8").splitlines()[0].endswith(",radius")
+    assert paths[0].read_text(encoding="utf-8").count("<path") == 5
+
+
+def test_pruning_and_the_background_can_be_chosen(image, command):
+    def length(*options):
+        return json.loads(command("skeleton", image, "--json", *options)[1])["length"]
+
+    assert length("--pruning", 6) < length("--pruning", 0.5) - 10.0
+    assert length("--pruning", 6) == pytest.approx(40.0, abs=6.0)  # from fork to fork
+    assert length("--min-length", 500) == 0.0
+
+
+def test_flags_lead_to_parameters_and_without_them_the_smoothing_is_automatic(image, command, monkeypatch):
+    seen = []
+
+    def skeleton(_image, parameters, **options):
+        seen.append((parameters, options))
+        raise ValueError("enough seen.")
+
+    monkeypatch.setattr(skeleton_command, "skeleton", skeleton)
+    command("skeleton", image)
+    flags = ("--smoothing", 2.5, "--edge-floor", 0.2, "--min-strength", 3, "--min-length", 9, "--outside")
+    command("skeleton", image, *flags)
+    (default, options), (given, chosen) = seen
+    assert default.smoothing == "auto"
+    assert options == {"pruning": 1.0, "outside": False}
+    assert chosen == {"pruning": 1.0, "outside": True}
+    assert (given.smoothing, given.edge_floor, given.min_strength, given.min_length) == (2.5, 0.2, 3, 9)
+
+
+BAD = [
+    ("skeleton", "IMAGE"),
+    ("skeleton none.png", "does not exist"),
+    ("skeleton flat.png", "constant"),
+    ("skeleton bar.png --export a.svg --pruning much", "much"),
+    ("skeleton bar.png --export a.svg --pruning -1", "pruning is -1"),
+    ("skeleton bar.png --export a.svg --pruning nan", "pruning is nan"),
+    ("skeleton bar.png --export a.svg --smoothing 99", "smoothing is 99"),
+    ("skeleton bar.png --export a.svg --beta 1", "--beta"),
+    ("skeleton bar.png --export a.stl", "a.stl"),
+    ("skeleton bar.png --export a.svg bar.png", "overwrite the image"),
+    ("skeleton bar.png --export a.svg a.png --min-length 500", "no skeleton"),
+]
+
+
+@pytest.mark.parametrize(("line", "word"), BAD)
+def test_bad_input_is_one_line_on_standard_error_and_nothing_is_written(image, command, monkeypatch, line, word):
+    PIL.Image.new("L", (40, 40), 9).save(image.parent / "flat.png")
+    monkeypatch.chdir(image.parent)
+    before = {path: path.stat().st_mtime_ns for path in image.parent.iterdir()}
+    status, out, err = command(*line.split())
+    assert (status, out) == (2, "")
+    assert err.startswith("cpm: ")
+    assert err.count("\n") == 1
+    assert word in err
+    assert {path: path.stat().st_mtime_ns for path in image.parent.iterdir()} == before

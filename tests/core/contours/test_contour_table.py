@@ -1,0 +1,130 @@
+"""The table of contours: nesting against brute force, lengths and areas against geometry."""
+
+import pickle
+
+import matplotlib.path
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cpm_core import Contour
+from cpm_core.contours.measurements import containment, measure
+from cpm_core.field.region_contrast import Sides
+
+from ..scenes import circle_points
+
+
+def ring(row, col, radius, count=60):
+    return Contour(circle_points((row, col), radius, count), closed=True)
+
+
+def line(*corners):
+    return Contour(np.array(corners, dtype=float), closed=False)
+
+
+def brute_force(contours):
+    """Index of the smallest closed contour that holds every vertex of each, by another library."""
+    found = []
+    for one in contours:
+        around = [
+            (other.area, k)
+            for k, other in enumerate(contours)
+            if other is not one
+            and other.closed
+            and other.area > one.area
+            and matplotlib.path.Path(other.path).contains_points(one.points).all()
+        ]
+        found.append(min(around)[1] if around else None)
+    return tuple(found)
+
+
+def test_the_innermost_contour_around_is_found_whatever_the_order():
+    nested = [ring(50, 50, radius) for radius in (40, 30, 20, 10)]
+    assert containment(nested) == (None, 0, 1, 2)
+    assert containment(nested[::-1]) == (1, 2, 3, None)
+
+
+def test_neighbours_and_open_contours_hold_nothing():
+    left, right = ring(30, 30, 20), ring(30, 71, 20)
+    bow = line((0, 0), (0, 100), (60, 100), (60, 0))
+    assert containment([left, right, bow]) == (None, None, None)
+    assert containment([left, line((25, 30), (35, 32)), line((25, 70), (35, 72)), right]) == (None, 0, 3, None)
+
+
+def test_a_hollow_of_a_contour_is_outside_of_it():
+    u = Contour(
+        np.array([(0, 0), (0, 20), (60, 20), (60, 40), (0, 40), (0, 60), (80, 60), (80, 0)], dtype=float), closed=True
+    )
+    assert containment([u, ring(20, 30, 8), ring(70, 30, 8)]) == (None, None, 0)
+
+
+def test_a_contour_that_touches_another_from_inside_lies_in_it_and_one_from_outside_does_not():
+    around = ring(50, 50, 30, 400)
+    chord = line((50 - 30, 50), (50, 50), (50 + 30, 50))
+    tail = line((50 + 30, 50), (90, 50), (95, 50))
+    assert containment([around, ring(50, 65, 15, 200), ring(50, 95, 15, 200), chord, tail]) == (None, 0, None, 0, None)
+
+
+def test_equal_contours_do_not_hold_each_other():
+    assert containment([ring(30, 30, 10), ring(30, 30, 10)]) == (None, None)
+
+
+def test_nothing_has_no_rows():
+    assert containment([]) == ()
+    assert measure([]) == ()
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 25))
+def test_nesting_is_that_of_brute_force(seed, count):
+    """Disjoint or nested circles, as contours are, some of them opened."""
+    random = np.random.default_rng(seed)
+    disks, contours = [], []
+    for _ in range(count):
+        center, radius = random.uniform(0, 200, 2), 10 ** random.uniform(0.5, 2)
+        apart = [np.linalg.norm(center - other) for other, _ in disks]
+        if all(d > radius + r + 3 or d < abs(radius - r) - 3 for d, (_, r) in zip(apart, disks, strict=True)):
+            disks.append((center, radius))
+            points = circle_points(tuple(center), radius, int(random.integers(12, 90)))
+            contours.append(Contour(points, closed=bool(random.uniform() < 0.8)))
+    assert containment(contours) == brute_force(contours)
+
+
+def test_a_row_tells_what_geometry_tells():
+    square = np.array([(10, 10), (10, 30), (30, 30), (30, 10)], dtype=float)
+    contours = [
+        Contour(square, closed=True, strength=7.0, name="cell", colour="#e69f00"),
+        Contour(np.array([(12.0, 12.0), (15.0, 16.0)]), closed=False, strength=3.0, junctions=(True, False)),
+        ring(20, 22, 3),
+    ]
+    first, second, third = measure(contours, spacing=(0.5, 0.25))
+    assert (first.number, first.label, first.name, first.colour, first.closed) == (1, 1, "cell", "#e69f00", True)
+    assert (first.length, first.area, first.strength, first.junctions) == (80.0, 400.0, 7.0, 0)
+    assert first.length_in_units == pytest.approx(2 * 20 * 0.5 + 2 * 20 * 0.25)
+    assert first.area_in_units == pytest.approx(400 * 0.125)
+    assert (second.label, second.closed, second.junctions, second.length, second.area) == (0, False, 1, 5.0, 0.0)
+    assert second.length_in_units == pytest.approx(np.hypot(3 * 0.5, 4 * 0.25))
+    assert [row.inside for row in (first, second, third)] == [0, 1, 1]
+    assert third.label == 2
+
+
+def test_contrast_is_measured_where_there_is_an_image_and_only_when_wanted():
+    values = np.where(np.arange(40) < 20, 0.0, 100.0) * np.ones((40, 1))
+    points = np.stack([np.arange(10.0, 30.0), np.full(20, 19.5)], axis=1)
+    sides = Sides(values, points, np.tile([0.0, 1.0], (20, 1)), 1.0)
+    seen = Contour(points, closed=False, sides=sides)
+    assert measure([seen])[0].contrast == pytest.approx(1.0, abs=0.1)
+    assert measure([seen], contrast=False)[0].contrast is None
+    assert measure([line((1, 1), (5, 5))])[0].contrast is None
+
+
+def test_a_name_and_a_colour_survive_pickling():
+    again = pickle.loads(pickle.dumps(Contour(np.zeros((1, 2)), False, name="Ärmel", colour="#00ff7F")))
+    assert (again.name, again.colour) == ("Ärmel", "#00ff7F")
+
+
+@pytest.mark.parametrize("colour", ["red", "#12345", "#1234567", "#00ff7g", "00ff7f", "#00ff7f\n"])
+def test_a_colour_that_is_none_is_refused(colour):
+    with pytest.raises(ValueError, match='must be "#rrggbb"'):
+        Contour(np.zeros((1, 2)), False, colour=colour)

@@ -1,0 +1,241 @@
+"""Placed charges: their law, and what particles do under them."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cpm_core import Engine, Parameters, PlacedCharge, circle
+from cpm_core.dynamics.integrator import far_force_for, move
+from cpm_core.field.placed_charges import (
+    MOST,
+    RADIUS,
+    REACH,
+    at_scale,
+    changed,
+    in_order,
+    placed_force,
+    placed_potential,
+    radius_at,
+)
+from cpm_core.image.pyramid import to_image
+from cpm_core.particles.coverage import idle_at
+from cpm_core.particles.state import Particles
+
+from ..moving import even_level
+from ..scenes import antialiased, disk
+
+SHAPE = (160, 160)
+PARAMETERS = Parameters(scales=1)
+TWO = antialiased(
+    (128, 256), lambda row, col: (np.hypot(row - 63.4, col - 50.3) < 30) | (np.hypot(row - 63.4, col - 205.3) < 30)
+)
+STARTS = np.concatenate([circle((63.4, 50.3), 20.0), circle((63.4, 205.3), 20.0)])
+strengths = st.floats(-10.0, 10.0)
+charges = st.builds(PlacedCharge, st.tuples(st.floats(-20.0, 60.0), st.floats(-20.0, 60.0)), strengths)
+
+
+def law(charge, points):
+    """Force of one charge: minus the slope of its potential, by central differences in double precision."""
+    h = 1e-4
+    steps = h * np.eye(2)
+    one = at_scale([charge], 0, SHAPE)
+    slope = [placed_potential(one, RADIUS, points + d) - placed_potential(one, RADIUS, points - d) for d in steps]
+    return -np.stack(slope, axis=-1) / (2.0 * h)
+
+
+def cut(force):
+    size = np.linalg.norm(force, axis=-1, keepdims=True)
+    return force * np.minimum(1.0, MOST / np.maximum(size, 1e-300))
+
+
+def run(engine, state, parameters, placed=(), most=3000):
+    for _ in range(most):
+        if state.stop_reason:
+            break
+        state = engine.step(state, parameters, placed)
+    return state
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return Engine(TWO, PARAMETERS)
+
+
+@pytest.fixture(scope="module")
+def resting(engine):
+    state = run(engine, engine.start(STARTS), PARAMETERS)
+    assert state.converged
+    return state
+
+
+def test_a_charge_of_one_pulls_at_its_radius_with_one_and_hardly_more_anywhere():
+    charge = at_scale([PlacedCharge((0.0, 0.0), 1.0)], 0, SHAPE)
+    force = placed_force(charge, RADIUS, (0, 1, 0, 80))[0]
+    assert force[int(RADIUS), 1] == pytest.approx(-1.0, abs=1e-12)
+    assert np.abs(force[:, 1]).max() < 1.1
+    assert (force[:, 0] == 0.0).all()
+    assert (force[int(REACH) :] == 0.0).all()
+    assert -force[32, 1] == pytest.approx(0.7, abs=0.05)
+    assert -force[48, 1] == pytest.approx(0.3, abs=0.05)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(charges, min_size=1, max_size=5))
+def test_forces_are_the_slopes_of_the_potentials_added_up_and_cut(placed):
+    points = np.array([*product((0, 7, 19), (0, 3, 22))], dtype=float)
+    want = cut(sum(law(charge, points) for charge in placed))
+    force = placed_force(at_scale(placed, 0, SHAPE), RADIUS, (0, 20, 0, 23))
+    np.testing.assert_allclose(force[tuple(points.astype(int).T)], want, atol=1e-5)
+    apart = sum(placed_potential(at_scale([charge], 0, SHAPE), RADIUS, points) for charge in placed)
+    np.testing.assert_allclose(placed_potential(at_scale(placed, 0, SHAPE), RADIUS, points), apart, atol=1e-9)
+
+
+def test_a_charge_acts_alike_in_all_directions_and_opposite_charges_cancel():
+    placed = at_scale([PlacedCharge((40.0, 40.0), 3.0)], 0, SHAPE)
+    force = placed_force(placed, RADIUS, (0, 81, 0, 81))
+    np.testing.assert_allclose(force, -force[::-1, ::-1], atol=1e-12)
+    np.testing.assert_allclose(force, np.swapaxes(force, 0, 1)[..., ::-1], atol=1e-12)
+    both = at_scale([PlacedCharge((40.0, 40.0), 3.0), PlacedCharge((40.0, 40.0), -3.0)], 0, SHAPE)
+    assert np.abs(placed_force(both, RADIUS, (0, 81, 0, 81))).max() < 1e-12
+
+
+@pytest.mark.parametrize("scale", [1, 2, 3])
+def test_the_force_at_a_place_of_the_image_is_the_same_at_all_scales(scale):
+    placed = [PlacedCharge((70.3, 61.8), 2.5), PlacedCharge((20.0, 90.0), -4.0)]
+    pixels = np.array([(10, 8), (4, 5), (0, 11), (7, 3)])
+    places = to_image(pixels.astype(float), scale, SHAPE)
+    force = placed_force(at_scale(placed, scale, SHAPE), radius_at(scale), (0, 20, 0, 20))
+    np.testing.assert_allclose(force[tuple(pixels.T)], cut(sum(law(charge, places) for charge in placed)), atol=1e-5)
+    potential = placed_potential(at_scale(placed, scale, SHAPE), radius_at(scale), pixels.astype(float))
+    there = placed_potential(at_scale(placed, 0, SHAPE), RADIUS, places)
+    np.testing.assert_allclose(potential * 2.0**scale, there, atol=1e-9)
+
+
+def test_a_level_with_charges_is_the_same_however_they_came_to_be_there(engine):
+    generator = np.random.default_rng(4)
+    placed = [PlacedCharge(tuple(generator.uniform(-10, 200, 2)), q) for q in generator.uniform(-9, 9, 12)]
+    level = engine.level(PARAMETERS)
+    want = level.lorentz + np.moveaxis(placed_force(at_scale(placed, 0, TWO.shape), RADIUS, (0, 128, 0, 256)), -1, 0)
+    for some in (placed[:3], placed[2:9], placed[::-1], placed[5:6], placed):
+        got = engine._charged.of(level, 0, in_order(some)).lorentz.copy()
+    np.testing.assert_allclose(got, want, atol=1e-6)
+    np.testing.assert_allclose(engine.field(PARAMETERS, 0, placed), want, atol=1e-6)
+    assert engine._charged.of(level, 0, ()) is level
+
+
+@pytest.mark.parametrize("strength", [2.0, 6.0, 10.0])
+def test_a_particle_far_from_all_edges_comes_to_rest_at_an_attracting_charge(strength):
+    scene = disk((160, 160), (79.5, 79.5), 75.0)
+    engine = Engine(scene.values, PARAMETERS)
+    charge = PlacedCharge((79.5, 79.5), strength)
+    for angle in (0.0, 1.1, 2.9, 4.4):
+        start = np.array([(79.5 + 24.0 * np.sin(angle), 79.5 + 24.0 * np.cos(angle))])
+        last = run(engine, engine.start(start), PARAMETERS, [charge])
+        assert last.converged
+        assert np.hypot(*(last.position[0] - charge.position)) < 0.7 * RADIUS
+        free = run(engine, engine.start(start), PARAMETERS)
+        assert np.hypot(*(free.position - 79.5).T).min() > 70.0
+        assert not engine.result(last, PARAMETERS).contours
+
+
+def test_a_repelling_charge_pushes_a_particle_straight_away():
+    level = even_level((160, 160), (0.0, 0.0))
+    engine_of = Engine(disk((160, 160), (79.5, 79.5), 75.0).values, PARAMETERS)._charged
+    for angle in (0.3, 2.0, 3.7):
+        away = np.array([np.sin(angle), np.cos(angle)])
+        particles = Particles.at_rest(79.5 + 10.0 * away[None])
+        charged = engine_of.of(level, 0, (PlacedCharge((79.5, 79.5), -3.0),))
+        idle = np.zeros(1, np.int64)
+        for _ in range(30):
+            particles = move(
+                particles, idle, far_force_for(particles, idle, level, PARAMETERS), charged, PARAMETERS
+            ).particles
+        offset = particles.position[0] - 79.5
+        assert offset @ away > 2.0 * RADIUS
+        assert abs(offset @ (away[1], -away[0])) < 1e-2 * (offset @ away)
+
+
+def test_a_crowd_gathers_round_a_charge_and_keeps_its_distance():
+    engine = Engine(disk((160, 160), (79.5, 79.5), 75.0).values, PARAMETERS)
+    last = run(engine, engine.start(circle((79.5, 79.5), 12.0)), PARAMETERS, [PlacedCharge((79.5, 79.5), 5.0)])
+    assert last.converged
+    assert last.count >= 10
+    away = np.hypot(*(last.position[:, None] - last.position).transpose(2, 0, 1))
+    assert away[away > 0.0].min() > 0.5 * PARAMETERS.d_min
+    assert np.hypot(*(last.position - 79.5).T).max() < REACH
+    assert not engine.result(last, PARAMETERS).contours
+
+
+@pytest.mark.parametrize("strength", [-10.0, -3.0, 4.0, 10.0])
+def test_a_strong_charge_clears_the_edge_near_it_and_the_run_comes_to_rest(engine, resting, strength):
+    at = (63.4, 80.3 + RADIUS)  # its radius away from the left disk's boundary
+    last = run(engine, resting.resumed(), PARAMETERS, [PlacedCharge(at, strength)])
+    assert last.converged
+    on_edge = np.abs(np.hypot(*(last.position - (63.4, 50.3)).T) - 30.0) < 1.5
+    assert np.hypot(*(last.position[on_edge] - at).T).min() > 1.1 * RADIUS
+    assert np.hypot(*(resting.position - at).T).min() < 1.1 * RADIUS
+    assert on_edge.sum() > 40
+    closed = [contour.closed for contour in engine.result(last, PARAMETERS).contours]
+    assert abs(strength) < 10.0 or closed.count(True) == 1  # a narrow gap is walked across
+
+
+def test_a_weak_charge_takes_nobody_off_an_edge(engine, resting):
+    at = (63.4, 80.3 + RADIUS)
+    last = run(engine, resting.resumed(), PARAMETERS, [PlacedCharge(at, 0.1)])
+    assert last.converged
+    assert abs(last.count - resting.count) <= 4
+    assert np.hypot(*(last.position[:, None] - resting.position).transpose(2, 0, 1)).min(axis=1).max() < 1.5
+
+
+def test_a_charge_that_comes_moves_or_goes_wakes_those_in_reach_and_nobody_else(engine, resting):
+    before = (PlacedCharge((63.4, 60.0), 0.5),)
+    calm = run(engine, resting.resumed(), PARAMETERS, before)
+    assert calm.converged
+    for state, after in ((resting, before), (calm, (PlacedCharge((63.4, 66.0), 0.5),)), (calm, ())):
+        step = state.resumed()
+        places = [charge.position for charge in changed(state.charges, after)]
+        far = np.min([np.hypot(*(state.position - place).T) for place in places], axis=0)
+        idle = idle_at(engine.step(step, PARAMETERS, after).ground, state.position, step.step_of_scale, -1)
+        was = idle_at(step.ground, state.position, step.step_of_scale, -1)
+        assert (idle[far < REACH] <= 0).all()
+        assert (idle[far > REACH + 6.0] == was[far > REACH + 6.0]).all()
+        assert (was > 25).all()
+        sleepers = np.flatnonzero(far > REACH + 6.0)
+        assert len(sleepers) > 50
+        moved = engine.step(step, PARAMETERS, after)
+        both = moved.particles.position[np.isin(moved.particles.identity, state.particles.identity[sleepers])]
+        assert sorted(map(tuple, both)) == sorted(map(tuple, state.particles.position[sleepers]))
+
+
+def test_a_charge_that_is_not_moved_keeps_nobody_awake(engine, resting):
+    placed = [PlacedCharge((63.4, 60.0), 2.0), PlacedCharge((10.0, 130.0), -1.0)]
+    last = run(engine, resting.resumed(), PARAMETERS, placed)
+    assert last.converged
+    again = engine.step(last.resumed(), PARAMETERS, placed[::-1])
+    assert again.heated == last.heated
+    assert again.moving == 0
+
+
+def test_charges_are_felt_at_the_very_next_step(engine, resting):
+    before = engine.step(resting.resumed(), PARAMETERS)
+    after = engine.step(resting.resumed(), PARAMETERS, [PlacedCharge((63.4, 60.0), 5.0)])
+    assert before.moving == 0
+    assert after.moving > 20
+
+
+@pytest.mark.parametrize(
+    ("position", "strength", "words"),
+    [
+        ((1.0, 2.0), 10.5, "the strength of a placed charge is 10.5 but must be a number from -10 to 10."),
+        ((1.0, 2.0), float("nan"), "the strength of a placed charge is nan but"),
+        ((1.0, 2.0), "much", "the strength of a placed charge is 'much' but"),
+        ((1.0, float("inf")), 1.0, r"the position of a placed charge is \(1, inf\) but must be finite."),
+        ((1.0,), 1.0, r"the position of a placed charge is \(1.0,\) but must be a row and a column."),
+    ],
+)
+def test_charges_out_of_range_are_refused(position, strength, words):
+    with pytest.raises(ValueError, match=words):
+        PlacedCharge(position, strength)

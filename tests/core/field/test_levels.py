@@ -1,0 +1,174 @@
+"""The levels of an image: each part is computed when what it depends on has changed, and at no other time."""
+
+import sys
+from collections import Counter
+from dataclasses import replace
+from threading import Thread
+
+import numpy as np
+import pytest
+
+from cpm_core.field import scale_field as level_of
+from cpm_core.field import scale_space as levels_of
+from cpm_core.field.scale_space import Levels
+from cpm_core.image.regions import Regions
+from cpm_core.parameters import PARAMETERS, Parameters
+
+from ..scenes import disk
+
+START = Parameters()
+IMAGE = disk((72, 80), (35.4, 38.7), 20.0).values
+REGIONS = Regions(interest=[[(4, 4), (4, 70), (66, 70), (66, 4)]], barriers=[[(10.3, 8.2), (10.3, 60.4)]])
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """How often each part of a level has been computed."""
+    counted = Counter()
+
+    def count(module, name):
+        function = getattr(module, name)
+
+        def counting(*arguments, **named):
+            counted[name] += 1
+            return function(*arguments, **named)
+
+        monkeypatch.setattr(module, name, counting)
+
+    for name in ("pyramid", "build_level", "prepared", "automatic_smoothing"):
+        count(levels_of, name)
+    for name in ("convolved_field", "build_walls", "inside_frame"):
+        count(level_of, name)
+    smoothed_along = level_of.gradient
+
+    def gradient(values, smoothing):
+        counted["gradient"] += smoothing > 0.0  # the slope of the edge map itself is part of the force
+        return smoothed_along(values, smoothing)
+
+    monkeypatch.setattr(level_of, "gradient", gradient)
+    return counted
+
+
+def changed(name):
+    """Other parameters than the usual ones, in one of them."""
+    info = PARAMETERS[name]
+    value = {"w1": 0.5, "w2": 2.5}.get(name, 0.25 * info.slider_low + 0.75 * info.slider_high)
+    return replace(START, **{name: value})
+
+
+def others(calls):
+    """What has been computed since the last look, nothing left out."""
+    seen = {name: times for name, times in calls.items() if times}
+    calls.clear()
+    return seen
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, info in PARAMETERS.items() if info.invalidates == "nothing" or name == "scales"]
+)
+def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
+    levels = Levels(IMAGE, 3)
+    before = [levels.at(scale, START) for scale in range(3)]
+    calls.clear()
+    other = replace(START, scales=2) if name == "scales" else changed(name)
+    assert all(levels.at(scale, other) is before[scale] for scale in range(3))
+    assert others(calls) == {}
+
+
+def test_every_parameter_that_makes_the_field_stale_builds_a_level():
+    levels = Levels(IMAGE, 1)
+    names = [name for name, info in PARAMETERS.items() if info.invalidates == "field"]
+    assert len(names) == 3
+    built = [levels.at(0, START), *(levels.at(0, changed(name)) for name in names)]
+    assert len({id(level) for level in built}) == 4
+
+
+def test_another_smoothing_leaves_pyramid_and_walls(calls):
+    levels = Levels(IMAGE, 2, REGIONS)
+    levels.prepare(START)
+    assert others(calls) == {"pyramid": 1} | dict.fromkeys(
+        ("build_level", "gradient", "convolved_field", "build_walls", "inside_frame"), 2
+    )
+    levels.at(1, replace(START, smoothing=2.0))
+    assert others(calls) == dict.fromkeys(("build_level", "gradient", "convolved_field", "inside_frame"), 1)
+
+
+@pytest.mark.parametrize("change", [{"edge_floor": 0.3}, {"max_frame": 0.1}], ids=str)
+def test_another_edge_floor_or_frame_leaves_the_gradient_too(calls, change):
+    levels = Levels(IMAGE, 2, REGIONS)
+    levels.prepare(START)
+    calls.clear()
+    levels.at(0, replace(START, **change))
+    assert others(calls) == dict.fromkeys(("build_level", "convolved_field", "inside_frame"), 1)
+
+
+def test_going_back_costs_nothing(calls):
+    levels = Levels(IMAGE, 3)
+    before = [levels.at(scale, START) for scale in range(3)]
+    levels.prepare(replace(START, smoothing=2.0))
+    calls.clear()
+    assert all(levels.at(scale, START) is before[scale] for scale in range(3))
+    assert others(calls) == {}
+
+
+def test_noise_is_looked_at_once(calls):
+    levels = Levels(IMAGE, 2)
+    for floor in (0.0, 0.1, 0.2, 0.3):
+        levels.prepare(replace(START, smoothing="auto", edge_floor=floor))
+    assert (calls["prepared"], calls["automatic_smoothing"]) == (1, 1)  # the coarser scale has its own
+    assert (calls["gradient"], calls["pyramid"]) == (2, 1)
+
+
+@pytest.mark.parametrize("regions", [None, REGIONS], ids=["whole", "regions"])
+@pytest.mark.parametrize("smoothing", [1.5, "auto"])
+def test_a_level_is_the_same_however_it_was_come_by(regions, smoothing):
+    wanted = Parameters(smoothing=smoothing, edge_floor=0.2, max_frame=0.1)
+    levels = Levels(IMAGE, 2, regions)
+    for before in (START, replace(wanted, edge_floor=0.0), replace(wanted, max_frame=0.0)):
+        levels.prepare(before)
+    for scale in range(2):
+        roundabout, straight = levels.at(scale, wanted), Levels(IMAGE, 2, regions).at(scale, wanted)
+        np.testing.assert_array_equal(roundabout.felt, straight.felt)
+        np.testing.assert_array_equal(roundabout.walls.segments, straight.walls.segments)
+        assert roundabout.floor == straight.floor
+        assert roundabout.smoothing == straight.smoothing
+
+
+def test_not_more_is_kept_than_the_last_two_settings(calls):
+    levels = Levels(IMAGE, 2)
+    for smoothing in (1.0, 2.0, 3.0, 4.0):
+        levels.prepare(replace(START, smoothing=smoothing))
+    calls.clear()
+    for smoothing in (4.0, 3.0):
+        levels.prepare(replace(START, smoothing=smoothing))
+    assert calls["build_level"] == 0
+    levels.prepare(START)
+    assert calls["build_level"] == 2
+
+
+def test_many_threads_get_the_same_level(calls):
+    levels, seen = Levels(IMAGE, 2), []
+    threads = [Thread(target=lambda: seen.append(levels.at(0, START))) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(seen) == 8
+    assert len({id(level) for level in seen}) == 1
+    assert calls["build_level"] == 1
+
+
+def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
+    """Lines computed side by side are those of the whole: no seam, to the last bit."""
+    image = np.random.default_rng(2).normal(0.0, 20.0, (150, 140)) + disk((150, 140), (70.0, 72.0), 40.0).values
+    monkeypatch.setattr(level_of, "_PART", 40 * 140)
+    pieces = Levels(image, 1).at(0, START)
+
+    def alone(work, count, _least):
+        work(0, count)
+
+    monkeypatch.setattr(level_of, "_PART", image.size)
+
+    for name in ("cpm_core.field.scale_field", "cpm_core.field.edge_map"):
+        monkeypatch.setattr(sys.modules[name], "share", alone)
+    np.testing.assert_array_equal(Levels(image, 1).at(0, START).felt, pieces.felt)

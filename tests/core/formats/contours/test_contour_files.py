@@ -1,0 +1,126 @@
+"""Contours are read from what CPM, QuPath and labelme write; anything else is refused in one sentence."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cpm_core.formats import export
+from cpm_core.formats.contours.contour_files import load_contours, read_contours
+
+from ..drawn import RESULT
+
+KEPT = [contour for contour in RESULT.contours if len(contour.points) > 1]
+
+
+def written(tmp_path, content, name="a.json"):
+    text = content if isinstance(content, str) else json.dumps(content)
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path / name
+
+
+def same_line(found, original):
+    """Whether two closed contours have the same vertices, wherever they begin and however they turn."""
+    distance = np.linalg.norm(found.points[:, None] - original.points, axis=2)
+    return len(found.points) == len(original.points) and distance.min(axis=1).max() < 1e-3
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".json", ".geojson", ".labelme.json"])
+def test_what_was_exported_is_read_back(tmp_path, suffix):
+    export(RESULT, tmp_path / f"a{suffix}")
+    found = load_contours(tmp_path / f"a{suffix}")
+    assert [contour.closed for contour in found] == [contour.closed for contour in KEPT]
+    assert all(same_line(contour, original) for contour, original in zip(found, KEPT, strict=True))
+    names = [contour.name for contour in found]
+    assert names[0] == "cell"
+    assert names[3] == "Kern β"
+    if suffix != ".labelme.json":
+        assert found[0].colour == "#e69f00"
+    if suffix in (".json", ".csv"):
+        assert found[0].strength == 12.5
+        np.testing.assert_allclose(found[1].points, KEPT[1].points, atol=1e-4)
+    if suffix in (".json", ".geojson"):
+        assert found[1].junctions == (True, False)
+
+
+def test_the_shape_of_the_image_is_told_where_the_file_tells_it(tmp_path):
+    for suffix, shape in ((".json", (60, 90)), (".labelme.json", (60, 90)), (".csv", None), (".geojson", None)):
+        export(RESULT, tmp_path / f"a{suffix}")
+        assert read_contours(tmp_path / f"a{suffix}").shape == shape
+
+
+RING = [[1, 1], [9, 1], [9, 9], [1, 9], [1, 1]]
+INNER = [[3, 3], [3, 6], [6, 6], [6, 3], [3, 3]]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {"type": "Polygon", "coordinates": [RING, INNER]},
+        {"type": "MultiPolygon", "coordinates": [[RING, INNER]]},
+        {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [RING, INNER]}, "properties": None},
+        [{"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [RING, INNER]}, "properties": {}}],
+        {"type": "GeometryCollection", "geometries": [{"type": "Polygon", "coordinates": [RING, INNER]}]},
+    ],
+)
+def test_holes_of_foreign_polygons_are_contours(tmp_path, content):
+    outer, hole = load_contours(written(tmp_path, content, "a.geojson"))
+    assert outer.closed
+    assert hole.closed
+    assert outer.points.tolist() == [[0.5, 0.5], [0.5, 8.5], [8.5, 8.5], [8.5, 0.5]]
+    assert (outer.area, hole.area) == (64.0, 9.0)
+
+
+def test_lines_of_geojson_are_open_contours(tmp_path):
+    lines = {"type": "MultiLineString", "coordinates": [[[1, 2], [3, 4]], [[5, 6, 0], [7, 8, 0]]]}
+    one, other = load_contours(written(tmp_path, lines, "a.geojson"))
+    assert (one.closed, other.closed) == (False, False)
+    assert other.points.tolist() == [[5.5, 4.5], [7.5, 6.5]]
+
+
+def test_rectangles_and_circles_of_labelme_are_closed_contours(tmp_path):
+    def shape(kind, points):
+        return {"label": kind, "points": points, "group_id": None, "shape_type": kind, "flags": {}}
+
+    shapes = [
+        shape("rectangle", [[10.5, 20.5], [30.5, 25.5]]),
+        shape("circle", [[50.5, 50.5], [60.5, 50.5]]),
+        shape("line", [[0.5, 0.5], [5.5, 5.5]]),
+        shape("point", [[3, 3]]),
+    ]
+    box, disk, line = load_contours(written(tmp_path, {"version": "5.0.1", "flags": {}, "shapes": shapes}))
+    assert box.area == 100.0
+    assert disk.area == pytest.approx(np.pi * 100, rel=0.001)
+    np.testing.assert_allclose(np.linalg.norm(disk.points - 50, axis=1), 10)
+    assert (line.closed, line.length) == (False, pytest.approx(np.hypot(5, 5)))
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "sentence"),
+    [
+        ("a.json", "{", "is damaged or holds no contours"),
+        ("a.json", "3", "is damaged or holds no contours"),
+        ("a.json", {"type": "Sphere"}, "is damaged or holds no contours"),
+        ("a.json", {"shapes": [{"shape_type": "polygon", "points": [1], "label": ""}]}, "is damaged"),
+        ("a.json", {"images": [], "annotations": []}, "is a COCO file, which cannot be read"),
+        ("a.geojson", {"type": "FeatureCollection", "features": []}, "holds no contours"),
+        ("a.geojson", {"type": "LineString", "coordinates": [[1, "x"], [2, 3]]}, "is damaged"),
+        ("a.geojson", '{"type": "LineString", "coordinates": [[1, NaN], [2, 3]]}', "no finite numbers"),
+        ("a.csv", "row,col\n1,2\n", "has no column closed or contour"),
+        ("a.csv", "", "has no column"),
+        ("a.csv", "contour,closed,row,col\n1,TRUE,x,2\n", "is damaged"),
+        ("a.csv", "contour,closed,row,col\n1,TRUE,1,2\n", "holds no contours"),
+    ],
+)
+def test_files_without_contours_are_refused_in_a_sentence_that_names_them(tmp_path, name, content, sentence):
+    with pytest.raises(ValueError, match=sentence) as caught:
+        load_contours(written(tmp_path, content, name))
+    assert name in str(caught.value)
+
+
+def test_files_that_cannot_be_read_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="cannot be read"):
+        load_contours(tmp_path / "none.json")
+    (tmp_path / "a.json").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(ValueError, match="is not a text file"):
+        load_contours(tmp_path / "a.json")

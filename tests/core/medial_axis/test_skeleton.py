@@ -1,0 +1,322 @@
+"""Skeletons: on the medial axis of shapes whose medial axis is known, with radii that rebuild the shape."""
+
+import numpy as np
+import pytest
+from scipy import ndimage
+from scipy.optimize import brentq
+from scipy.spatial import cKDTree
+
+import cpm_core as cpm
+from cpm_core.formats.masks.branch_mask import paint
+
+from .. import scenes
+
+TOUCHING = np.ones((3, 3))
+
+
+def vertices(skeleton):
+    return np.concatenate([contour.points for contour in skeleton.contours])
+
+
+def radii(skeleton):
+    return np.concatenate(skeleton.radii)
+
+
+def densely(skeleton):
+    """Points every quarter of a pixel along all branches."""
+    out = [vertices(skeleton)]
+    for contour in skeleton.contours:
+        for a, b in zip(contour.path[:-1], contour.path[1:], strict=True):
+            out.append(a + (b - a) * np.linspace(0.0, 1.0, 2 + int(4 * np.linalg.norm(b - a)))[:, None])
+    return np.concatenate(out)
+
+
+def farthest(points, others):
+    """Largest distance from one of the points to the nearest of the others."""
+    return cKDTree(others).query(points)[0].max()
+
+
+def overlap(mask, other):
+    return (mask & other).sum() / (mask | other).sum()
+
+
+def inside(values):
+    return values > 0.5 * (scenes.DARK + scenes.BRIGHT)
+
+
+MIDDLE, LONG, SHORT, ANGLE = np.array([80.3, 79.6]), 60.0, 30.0, 0.4
+ALONG = np.array([np.cos(ANGLE), np.sin(ANGLE)])
+
+
+@pytest.fixture(scope="module")
+def ellipse():
+    def within(row, col):
+        y, x = row - MIDDLE[0], col - MIDDLE[1]
+        u, v = ALONG[0] * y + ALONG[1] * x, ALONG[0] * x - ALONG[1] * y
+        return np.hypot(u / LONG, v / SHORT) < 1.0
+
+    return scenes.antialiased((160, 160), within)
+
+
+def focal_radius(at):
+    """Distance of a place on the medial axis of the ellipse to its boundary."""
+    return SHORT * np.sqrt(1.0 - at**2 / (LONG**2 - SHORT**2))
+
+
+END = (LONG**2 - SHORT**2) / LONG
+
+
+@pytest.mark.parametrize("pruning", [0.2, 1.0, 3.0])
+def test_an_ellipse_has_its_focal_segment_cut_back_by_just_the_pruning(ellipse, pruning):
+    skeleton = cpm.skeleton(ellipse, pruning=pruning)
+    (contour,) = skeleton.contours
+    offset = contour.points - MIDDLE
+    at = offset @ ALONG
+    assert np.abs(offset - at[:, None] * ALONG).max() < 0.2
+    assert np.abs(skeleton.radii[0] - focal_radius(at)).max() < 0.1
+    # the disk at the end of the segment may stick out of the one at the tip by as much as the pruning
+    tip = brentq(lambda t: END - t + focal_radius(END) - focal_radius(t) - pruning, 0.0, END)
+    assert np.abs([at.min() + tip, at.max() - tip]).max() < 1.5
+
+
+def rectangle(middle, half, angle):
+    turn = np.array([(np.cos(angle), -np.sin(angle)), (np.sin(angle), np.cos(angle))])
+    return np.array(middle) + np.array([(-1, -1), (-1, 1), (1, 1), (1, -1)]) * half @ turn.T, turn
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 0.7])
+def test_a_rectangle_has_its_middle_line_and_a_branch_towards_each_corner(angle):
+    corners, turn = rectangle((64.3, 70.2), (25.0, 45.0), angle)
+    scene = scenes.polygon((130, 140), corners)
+    skeleton = cpm.skeleton(scene.values)
+    assert len(skeleton.contours) == 5
+    forks = np.array((64.3, 70.2)) + np.array([(0.0, -20.0), (0.0, 20.0)]) @ turn.T
+    lines = [forks, *(np.array([forks[side], corners[k]]) for k, side in enumerate((0, 1, 1, 0)))]
+    assert scenes.outline_distance(vertices(skeleton), lines).max() < 0.3
+    assert np.abs(radii(skeleton) - scene.distance(vertices(skeleton))).max() < 0.3
+    # smoothing rounds a corner by some 2 px, and the disk there may stick out by a pixel of one (1 - sqrt(1/2)) nearer
+    reached = densely(skeleton)
+    assert farthest(forks, reached) < 0.5
+    assert farthest(corners, reached) < 2.0 * np.sqrt(2.0) + 1.0 / (1.0 - np.sqrt(0.5)) + 0.5
+    assert sum(contour.junctions == (True, True) for contour in skeleton.contours) == 1
+
+
+def test_a_ring_has_the_circle_half_way_between_its_rims():
+    scene = scenes.ring((120, 130), (60.4, 64.7), 20.0, 50.0)
+    skeleton = cpm.skeleton(scene.values)
+    (contour,) = skeleton.contours
+    assert contour.closed
+    assert np.abs(np.hypot(*(contour.points - (60.4, 64.7)).T) - 35.0).max() < 0.2
+    assert np.abs(skeleton.radii[0] - 15.0).max() < 0.1
+    assert contour.length == pytest.approx(2.0 * np.pi * 35.0, rel=0.01)
+
+
+def test_a_disk_is_one_vertex_in_its_middle():
+    skeleton = cpm.skeleton(scenes.disk((90, 90), (44.4, 45.3), 30.0).values)
+    (contour,), (radius,) = skeleton.contours, skeleton.radii
+    assert contour.points.shape == (1, 2)
+    assert np.hypot(*(contour.points[0] - (44.4, 45.3))) < 0.5
+    assert radius[0] == pytest.approx(30.0, abs=0.2)
+    assert contour.length == 0.0
+
+
+TURN = 0.3 + 0.2 * np.pi * np.arange(10)
+STAR = 70.3 + np.array([60.0, 25.0] * 5)[:, None] * np.stack([np.sin(TURN), np.cos(TURN)], axis=1)
+SHAPES = {
+    "u": scenes.u_shape(),
+    "star": scenes.polygon((140, 140), STAR),
+    "disk": scenes.disk((90, 90), (44.4, 45.3), 30.0),
+    "ring": scenes.ring((120, 130), (60.4, 64.7), 20.0, 50.0),
+    "bar": scenes.polygon((100, 100), rectangle((50.2, 49.6), (7.3, 35.0), 0.5)[0]),
+}
+CORNERS = {
+    "u": scenes.U_CORNERS,
+    "star": STAR,
+    "bar": rectangle((50.2, 49.6), (7.3, 35.0), 0.5)[0],
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("kind", ["antialiased", "black and white", "soft and noisy"])
+def test_the_shape_is_rebuilt_from_its_skeleton(name, kind):
+    values, mask = SHAPES[name].values, inside(SHAPES[name].values)
+    if kind == "black and white":
+        values = mask.astype(float)
+    elif kind == "soft and noisy":
+        values = ndimage.gaussian_filter(values, 1.5) + np.random.default_rng(3).normal(0.0, 8.0, values.shape)
+    rebuilt = cpm.skeleton(values).rebuilt()
+    assert rebuilt.shape == values.shape
+    assert rebuilt.dtype == bool
+    assert overlap(rebuilt, mask) >= (0.96 if kind == "soft and noisy" else 0.98)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_radius_is_the_distance_to_the_boundary(name):
+    scene, skeleton = SHAPES[name], cpm.skeleton(SHAPES[name].values)
+    assert len(skeleton.radii) == len(skeleton.contours)
+    error = np.abs(radii(skeleton) - scene.distance(vertices(skeleton)))
+    touched = scene.boundary[cKDTree(scene.boundary).query(vertices(skeleton))[1]]
+    rounded = cKDTree(CORNERS.get(name, [(-99.0, -99.0)])).query(touched)[0] < 2.0  # smoothing moves corners by a pixel
+    assert error[~rounded].max() < 0.1
+    assert error[rounded].max(initial=0.0) < 1.0
+
+
+@pytest.mark.parametrize("name", ["star", "ring", "bar"])
+def test_every_place_of_a_skeleton_is_as_near_to_one_side_as_to_another(name):
+    scene, places = SHAPES[name], densely(cpm.skeleton(SHAPES[name].values))
+    tree = cKDTree(scene.boundary)
+    for place, near in zip(places, tree.query_ball_point(places, tree.query(places)[0] + 0.5), strict=True):
+        direction = scene.boundary[near] - place
+        direction /= np.linalg.norm(direction, axis=1)[:, None]
+        assert (direction @ direction.T).min() < np.cos(np.pi / 3.0)
+
+
+@pytest.mark.parametrize(("name", "branches"), [("ring", 1), ("disk", 1), ("bar", 5)])
+@pytest.mark.parametrize("noise", [0.0, 8.0, 20.0])
+def test_neither_stairs_nor_noise_on_the_boundary_make_twigs(name, branches, noise):
+    values = inside(SHAPES[name].values) * 160.0
+    values = values + np.random.default_rng(1).normal(0.0, noise, values.shape) if noise else values
+    assert len(cpm.skeleton(values).contours) == branches
+
+
+@pytest.mark.parametrize("name", ["u", "star", "ring"])
+def test_pruning_only_takes_away_no_more_than_it_says_and_breaks_nothing(name):
+    values = inside(SHAPES[name].values).astype(float)  # with stairs that make twigs
+    skeletons = [cpm.skeleton(values, pruning=pruning) for pruning in (0.0, 0.3, 1.0, 3.0, 8.0)]
+    everything = skeletons[0].rebuilt()
+    for pruning, more, less in zip((0.3, 1.0, 3.0, 8.0), skeletons[:-1], skeletons[1:], strict=True):
+        assert farthest(vertices(less), densely(more)) < 1.0
+        lost = everything & ~less.rebuilt()
+        assert ndimage.distance_transform_edt(~less.rebuilt())[lost].max(initial=0.0) < pruning + 1.5
+        lines = paint(less) > 0
+        assert ndimage.label(lines, TOUCHING)[1] == 1
+        assert (ndimage.label(~lines)[1] == 2) == (name == "ring")  # a round stays a round
+
+
+@pytest.mark.parametrize("turns", [1, 2, 3])
+def test_a_turned_image_has_the_turned_skeleton(turns):
+    values = scenes.blob((70, 80), (33.6, 41.2))
+    expected, shape = densely(cpm.skeleton(values)), values.shape
+    for _ in range(turns):
+        expected, shape = scenes.turned(expected, shape), shape[::-1]
+    found = densely(cpm.skeleton(np.rot90(values, turns)))
+    assert max(farthest(found, expected), farthest(expected, found)) < 0.5
+
+
+def test_twice_the_size_gives_twice_the_skeleton():
+    small, large = (
+        cpm.skeleton(
+            scenes.polygon((150 * k, 150 * k), k * STAR + 0.5 * (k - 1)).values,
+            cpm.Parameters(smoothing=float(k)),
+            pruning=float(k),
+        )
+        for k in (1, 2)
+    )
+    doubled = 2.0 * densely(small) + 0.5
+    assert farthest(densely(large), doubled) < 2.0
+    assert farthest(doubled, densely(large)) < 2.0
+    assert radii(large).max() == pytest.approx(2.0 * radii(small).max(), abs=0.2)
+
+
+@pytest.mark.parametrize(("factor", "shift"), [(0.01, 0.0), (-1.0, 255.0), (300.0, -7e4)])
+def test_grey_levels_do_not_matter_not_even_which_side_is_brighter(factor, shift):
+    values = scenes.blob((70, 80), (33.6, 41.2))
+    skeleton, other = cpm.skeleton(values), cpm.skeleton(shift + factor * values)
+    np.testing.assert_allclose(vertices(other), vertices(skeleton), atol=1e-3)
+    np.testing.assert_allclose(radii(other), radii(skeleton), atol=1e-3)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3])
+@pytest.mark.parametrize("width", [3.0, 4.0])
+def test_a_thin_line_is_one_branch_of_its_own_width(width, angle):
+    scene = scenes.polygon((100, 100), rectangle((50.0, 50.0), (0.5 * width, 40.0), angle)[0])
+    skeleton = cpm.skeleton(scene.values)
+    (contour,) = skeleton.contours
+    assert contour.length == pytest.approx(80.0 - width, abs=3.0)
+    assert np.median(skeleton.radii[0]) == pytest.approx(0.5 * width, abs=0.2)
+    assert overlap(skeleton.rebuilt(), inside(scene.values)) > 0.9
+
+
+def test_each_object_has_a_skeleton_of_its_own_and_a_hole_has_none():
+    values = np.maximum(
+        scenes.ring((100, 200), (50.0, 50.0), 18.0, 40.0).values, scenes.disk((100, 200), (50.0, 150.0), 30.0).values
+    )
+    skeleton = cpm.skeleton(values)
+    assert sorted(len(contour.points) == 1 for contour in skeleton.contours) == [False, True]
+    assert skeleton.rebuilt()[50, 50] == False  # noqa: E712
+    both = cpm.skeleton(values, outside=True)
+    assert both.rebuilt()[50, 50]
+    assert farthest(vertices(skeleton), densely(both)) < 1e-9
+    assert both.length > skeleton.length + 50.0
+
+
+def test_an_object_in_an_object_is_one_too():
+    values = scenes.disk((120, 120), (60.0, 60.0), 50.0).values + scenes.square((120, 120), (45.3, 45.3), 28.0).values
+    skeleton = cpm.skeleton(values)
+    away = np.hypot(*(vertices(skeleton) - 59.3).T)
+    assert (away < 20.0).any()  # in the square
+    assert (away > 25.0).any()  # around it
+    assert ndimage.label(paint(skeleton) > 0, TOUCHING)[1] == 2
+
+
+def test_an_object_goes_on_beyond_the_border_of_the_image():
+    values = scenes.polygon((90, 80), np.array([(-20.0, 30.3), (-20.0, 50.3), (60.0, 50.3), (60.0, 30.3)])).values
+    skeleton = cpm.skeleton(values)
+    assert len(skeleton.contours) == 3
+    points = skeleton.contours[0].points
+    assert np.abs(points[:, 1] - 40.3).max() < 0.3
+    assert points[:, 0].min() == -0.5
+    assert np.abs(skeleton.radii[0][points[:, 0] < 45] - 10.0).max() < 0.1
+    assert overlap(skeleton.rebuilt(), inside(values)) > 0.98
+
+
+def test_an_object_whose_middle_lies_beyond_the_border_leaves_no_crumbs():
+    assert cpm.skeleton(scenes.disk((80, 160), (-40.0, 80.0), 80.0).values).contours == ()
+
+
+def test_parameters_say_what_is_an_edge():
+    strong, weak = (scenes.disk((100, 200), (50.0, c), r).values for c, r in ((50.0, 30.0), (150.0, 20.0)))
+    values = strong + 0.3 * weak
+    assert len(cpm.skeleton(values).contours) == 2
+    assert len(cpm.skeleton(values, cpm.Parameters(edge_floor=0.5)).contours) == 1
+    assert len(cpm.skeleton(values, cpm.Parameters(min_length=150.0)).contours) == 1
+
+
+def test_the_strength_is_that_of_the_edges_around():
+    # of a step averaged over pixels (variance 1/12) and smoothed, by central differences (variance 1/3)
+    crest = (scenes.BRIGHT - scenes.DARK) / np.sqrt(2.0 * np.pi * (1.0 + 1.0 / 12.0 + 1.0 / 3.0))
+    (contour,) = cpm.skeleton(scenes.disk((90, 90), (44.4, 45.3), 30.0).values).contours
+    assert contour.strength == pytest.approx(crest, rel=0.06)
+
+
+def test_what_is_known_of_the_image_goes_along():
+    image = cpm.Image(SHAPES["u"].values, (0.5, 0.25), "µm", "u.tif")
+    skeleton = cpm.skeleton(image)
+    assert (skeleton.shape, skeleton.spacing, skeleton.unit, skeleton.source) == ((96, 96), (0.5, 0.25), "µm", "u.tif")
+
+
+@pytest.mark.parametrize("values", [np.random.default_rng(0).normal(size=(48, 48)), np.arange(900.0).reshape(30, 30)])
+def test_an_image_without_an_object_has_an_empty_skeleton(values):
+    skeleton = cpm.skeleton(values)
+    assert (skeleton.contours, skeleton.radii, skeleton.length) == ((), (), 0.0)
+    assert not skeleton.rebuilt().any()
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        (np.ones((30, 30)), "constant"),
+        (np.eye(5), "5 x 5 px"),
+        (np.ones((30, 30, 30)), "3 dimensions"),
+        (np.full((30, 30), np.nan), "NaN"),
+    ],
+)
+def test_what_cannot_be_worked_with_is_said_in_a_sentence(values, words):
+    with pytest.raises(ValueError, match=words):
+        cpm.skeleton(values)
+
+
+@pytest.mark.parametrize("pruning", [-0.1, np.nan, np.inf])
+def test_pruning_must_be_a_length(pruning):
+    with pytest.raises(ValueError, match=r"pruning is .* 0 or more"):
+        cpm.skeleton(np.eye(30), pruning=pruning)

@@ -1,0 +1,260 @@
+"""Tracing crests: on edges known exactly, through slits and around tips, to the border, to junctions."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
+
+from cpm_core import Engine, Parameters, circle, segment, uniform_grid
+from cpm_core.contours.graph import Graph
+from cpm_core.field.interpolation import interpolate
+from cpm_core.field.scale_field import SPLINE_MARGIN, build_level
+from cpm_core.reconstruction.curve import ridge_tracing
+from cpm_core.reconstruction.curve.ridge import Ridge, height, ridge_of, spline_height, uphill
+from cpm_core.reconstruction.curve.ridge_tracing import trace
+from cpm_core.reconstruction.curve.subpixel import crest
+
+from ..scenes import antialiased, circle_points, disk, outline_distance, polygon, turned
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.integers(4, 9), st.integers(4, 9))
+def test_the_compiled_spline_is_that_of_scipy(seed, rows, cols):
+    rng = np.random.default_rng(seed)
+    coefficients = rng.normal(size=(rows, cols))
+    places = rng.uniform((-4.0, -4.0), (rows + 3.0, cols + 3.0), (40, 2))
+    expected = ndimage.map_coordinates(coefficients, places.T, order=3, prefilter=False, mode="nearest")
+    continued = np.pad(coefficients, SPLINE_MARGIN, mode="edge")
+    np.testing.assert_allclose([spline_height(continued, row, col) for row, col in places], expected, atol=1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 7), st.integers(1, 7))
+def test_the_gradient_is_interpolated_as_for_particles(seed, rows, cols):
+    rng = np.random.default_rng(seed)
+    down, right = parts = rng.normal(size=(2, rows, cols))
+    places = rng.uniform((-2.0, -2.0), (rows + 1.0, cols + 1.0), (20, 2))
+    expected = interpolate(parts, places)
+    np.testing.assert_allclose([[height(part, *place) for part in parts] for place in places], expected, atol=1e-12)
+    ridge = Ridge(down, np.zeros((rows + 6, cols + 6)), down, right)
+    directions = expected / np.linalg.norm(expected, axis=1)[:, None]
+    np.testing.assert_allclose([uphill(ridge, *place) for place in places], directions, atol=1e-9)
+
+
+def test_the_ridge_is_as_high_as_the_edge_map_on_every_pixel_those_of_the_border_included():
+    level = build_level(np.random.default_rng(0).normal(size=(12, 15)), 1.0, 0.0)
+    ridge = ridge_of(level)
+    heights = [[spline_height(ridge.spline, row, col) for col in range(15)] for row in range(12)]
+    np.testing.assert_allclose(heights, level.edge_map, rtol=1e-12)
+
+
+def traced(level, points, d_min=2.0):
+    """Contours of traced points, after a check that the points are the first vertices."""
+    vertices, edges = trace(points, level, d_min)
+    np.testing.assert_allclose(vertices[: len(points)], points, atol=0.11)
+    assert edges.min() >= 0
+    assert edges.max() < len(vertices)
+    return Graph(vertices, edges).contours()
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(2.5, 30.0), st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.integers(0, 10**6), st.floats(0.2, 1.0))
+def test_few_points_on_a_disk_make_its_whole_outline(radius, row, col, seed, density):
+    """However few and unevenly they lie, as long as no two neighbours are twenty pixels apart.
+
+    Smoothing moves the crest inwards; its scatter is that of a pixel's antialiasing. Sides may deviate by 0.03 px.
+    """
+    center = (36.0 + row, 36.0 + col)
+    level = build_level(disk((73, 73), center, radius).values, 1.0, 0.0)
+    rng = np.random.default_rng(seed)
+    most = 2.0 * np.pi * radius / 2.0
+    angle = np.sort(rng.uniform(0.0, 2.0 * np.pi, 1 + int(density * most)))
+    gaps = np.diff([*angle, angle[0] + 2.0 * np.pi]) * radius
+    angle = angle[(gaps > 1.1) | (len(angle) == 1)]
+    angle = np.concatenate([angle, np.arange(0.0, 2.0 * np.pi, 18.0 / radius)]) if gaps.max() > 18.0 else angle
+    points, found = crest(circle_points(center, radius, 1)[0] * 0.0 + _on(center, radius, angle), level)
+    assert found.all()
+    kept = [n for n in range(len(points)) if n == 0 or np.linalg.norm(points[:n] - points[n], axis=1).min() > 1.0]
+    (contour,) = traced(level, points[kept])
+    assert contour.closed
+    away = np.hypot(*(contour.points - center).T)
+    expected = radius - (1.0 + 1.0 / 12.0 + 1.0 / 3.0) / (2.0 * radius)
+    assert abs(away.mean() - expected) < 0.02 + 0.8 / radius**2
+    assert away.max() - away.min() < 0.12
+
+
+def _on(center, radius, angle):
+    return np.stack([center[0] + radius * np.sin(angle), center[1] + radius * np.cos(angle)], axis=1)
+
+
+def test_a_trace_goes_no_farther_than_five_spacings_beyond_the_last_point():
+    image = 255.0 * (np.indices((80, 200))[0] >= 40)
+    level = build_level(image, 1.0, 0.0)
+    points = np.stack([np.full(11, 39.5), np.linspace(90.0, 110.0, 11)], axis=1)
+    (contour,) = traced(level, points)
+    assert not contour.closed
+    np.testing.assert_allclose(contour.points[:, 0], 39.5, atol=1e-3)
+    np.testing.assert_allclose(sorted(contour.points[[0, -1], 1]), [80.0, 120.0], atol=0.41)
+
+
+def test_points_with_more_than_ten_spacings_between_them_are_not_joined():
+    image = 255.0 * (np.indices((80, 200))[0] >= 40)
+    level = build_level(image, 1.0, 0.0)
+    for gap, count in ((18.0, 1), (22.0, 2)):
+        points = np.array([(39.5, 90.0), (39.5, 90.0 + gap)])
+        assert len(traced(level, points)) == count
+
+
+def test_where_the_edge_ends_the_trace_ends():
+    """A step that is there on the left only: within a pixel or so of the place where it stops."""
+    row, col = np.indices((60, 100))
+    image = np.where(col < 50, 255.0 * (row >= 30), 127.5)
+    level = build_level(image, 1.0, 0.0)
+    points = np.stack([np.full(15, 29.5), np.linspace(14.0, 42.0, 15)], axis=1)
+    contours = traced(level, points)
+    assert max(c.points[np.abs(c.points[:, 0] - 29.5) < 0.5, 1].max() for c in contours) < 51.5
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 0.9, 1.2, np.pi / 2])
+def test_an_edge_across_the_image_is_found_up_to_the_border(angle):
+    row, col = np.indices((60, 80))
+    across = (col - 40.2) * np.cos(angle) + (row - 30.3) * np.sin(angle)
+    result = segment(255.0 * np.clip(across + 0.5, 0.0, 1.0), circle((30.0, 40.0), 8.0))
+    (contour,) = result.contours
+    assert not contour.closed
+    for end in contour.points[[0, -1]]:
+        assert min(*end, *((59.0, 79.0) - end)) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.fixture(scope="module")
+def loose_ends():
+    """Fields of noise, with some hundreds of points on crests that mostly lead to no other."""
+    level = build_level(100.0 * np.random.default_rng(7).normal(size=(200, 200)), 1.0, 0.0)
+    level = replace(level, floor=0.2 * level.floor)
+    points, found = crest(uniform_grid((200, 200), spacing=8.0), level)
+    return level, points[found]
+
+
+@pytest.mark.parametrize("part", [1, 40, 10**6])
+def test_walks_do_not_depend_on_how_they_are_shared_among_the_cores(loose_ends, monkeypatch, part):
+    level, points = loose_ends
+    assert len(points) > 300
+    expected = trace(points, level, 2.0, at_rest=True)
+
+    def share(work, count, least):
+        for first in reversed(range(0, count, part)):
+            work(first, min(first + part, count))
+
+    monkeypatch.setattr(ridge_tracing, "share", share)
+    for found, truth in zip(trace(points, level, 2.0, at_rest=True), expected, strict=True):
+        np.testing.assert_array_equal(found, truth)
+
+
+def test_nor_on_how_often_they_run_out_of_room(loose_ends, monkeypatch):
+    level, points = loose_ends
+    vertices, edges = trace(points, level, 2.0)
+    called, most, walk = [], int(2.0 * 20.0 / 0.4) + 4, ridge_tracing.walk
+
+    def in_little_room(*arguments):
+        *others, new_vertices, new_edges = arguments
+        called.append(1)
+        return walk(*others, new_vertices[: most + 2], new_edges[: most + 2])
+
+    monkeypatch.setattr(ridge_tracing, "walk", in_little_room)
+    for found, truth in zip(trace(points, level, 2.0), (vertices, edges), strict=True):
+        np.testing.assert_array_equal(found, truth)
+    assert len(called) > 50
+
+
+SLITS = {
+    "slit of one": [(20, 20), (60, 20), (60, 43), (31, 43), (31, 44), (60, 44), (60, 70), (20, 70)],
+    "slit of two": [(20, 20), (60, 20), (60, 42), (31, 42), (31, 44), (60, 44), (60, 70), (20, 70)],
+    "slit of three": [(20, 20), (60, 20), (60, 41), (31, 41), (31, 44), (60, 44), (60, 70), (20, 70)],
+    "limb of one": [(40, 20), (70, 20), (70, 70), (40, 70), (40, 44), (12, 44), (12, 43), (40, 43)],
+    "limb of two": [(40, 20), (70, 20), (70, 70), (40, 70), (40, 45), (12, 45), (12, 43), (40, 43)],
+    "limb of three": [(40, 20), (70, 20), (70, 70), (40, 70), (40, 46), (12, 46), (12, 43), (40, 43)],
+    "bent limb": [(40, 20), (70, 20), (70, 70), (40, 70), (40, 64), (16, 64), (16, 30), (18, 30), (18, 62), (40, 62)],
+    "sharp tip": [(20, 15), (45, 75), (70, 15), (45, 18)],
+    "sharper tips": [(43, 8), (48, 45), (43, 82), (38, 45)],
+    "sharp notch": [(20, 20), (70, 20), (70, 70), (46, 70), (44, 26), (42, 70), (20, 70)],
+}
+"""Corners of objects with what is thinner than the spacing of particles."""
+
+
+@pytest.mark.parametrize("shift", [0.5, 0.875])
+@pytest.mark.parametrize("name", SLITS)
+def test_slits_limbs_and_tips_are_part_of_one_closed_contour(name, shift):
+    """The outline is found but for the very tips, which smoothing blunts, and nothing else is.
+
+    What is one pixel wide is narrower than the smoothing, and may come off as a contour by itself.
+    """
+    scene = polygon((90, 90), np.array(SLITS[name], dtype=float) - shift)
+    result = segment(scene.values, circle((50.0, 40.0), 8.0))
+    assert all(contour.closed for contour in result.contours)
+    assert len(result.contours) <= (2 if "of one" in name else 1)
+    assert result.converged
+    missed = outline_distance(scene.boundary, [contour.path for contour in result.contours])
+    assert (missed < 1.5).mean() > 0.95
+    assert missed.max() < (9.0 if "tip" in name or "notch" in name else 2.5)
+    assert scene.distance(np.concatenate([contour.points for contour in result.contours])).max() < 1.5
+
+
+@pytest.mark.parametrize("name", ["slit of two", "limb of two", "sharp notch"])
+def test_so_they_are_in_a_turned_image(name):
+    corners = turned(np.array(SLITS[name], dtype=float) - 0.5, (90, 90))
+    (contour,) = segment(polygon((90, 90), corners).values, circle((49.0, 50.0), 8.0)).contours
+    assert contour.closed
+
+
+def sectors(*greys):
+    """A square image of grey sectors around its middle, given as (angle at which it begins, grey level)."""
+
+    def inside(row, col, begin, end):
+        angle = np.arctan2(row - 49.7, col - 49.4) % (2.0 * np.pi)
+        return (angle >= begin) & (angle < end)
+
+    image = np.zeros((100, 100))
+    for (begin, grey), (end, _) in zip(greys, [*greys[1:], (2.0 * np.pi, 0)], strict=True):
+        share = (antialiased((100, 100), lambda row, col, b=begin, e=end: inside(row, col, b, e)) - 40.0) / 160.0
+        image += grey * share
+    return image
+
+
+@pytest.mark.parametrize(
+    "greys",
+    [
+        [(0.0, 40.0), (2.0, 120.0), (4.2, 220.0)],
+        [(0.0, 40.0), (np.pi / 2, 120.0), (np.pi, 220.0)],
+        [(0.0, 20.0), (np.pi / 2, 120.0), (np.pi, 60.0), (1.5 * np.pi, 200.0)],
+    ],
+    ids=["Y", "T", "saddle"],
+)
+def test_edges_that_meet_make_one_junction(greys):
+    contours = segment(sectors(*greys), uniform_grid((100, 100), spacing=8.0)).contours
+    assert len(contours) == len(greys)
+    meeting = [c.points[[0, -1]][list(c.junctions)] for c in contours]
+    assert all(len(places) == 1 for places in meeting)
+    places = np.concatenate(meeting)
+    np.testing.assert_array_equal(places, np.broadcast_to(places[0], places.shape))
+    assert np.linalg.norm(places[0] - (49.7, 49.4)) < 2.0
+
+
+def test_the_sides_of_a_contour_keep_to_the_crest():
+    """Every place on its sides, corners included, within 0.05 px of where the edge map is largest across the edge."""
+    scene = polygon((70, 70), np.array([(15, 12), (54, 12), (54, 33), (33, 33), (33, 55), (15, 55)]) + 0.3)
+    engine = Engine(scene.values)
+    state = engine.start(circle((30.0, 20.0), 7.0))
+    while not state.stop_reason:
+        state = engine.step(state, Parameters())
+    (contour,) = engine.result(state, Parameters()).contours
+    assert contour.closed
+    sides = np.concatenate(
+        [a + (b - a) * np.linspace(0.0, 1.0, 9)[:, None] for a, b in itertools.pairwise(contour.path)]
+    )
+    place, found = crest(sides, engine.level(Parameters()))
+    assert found.all()
+    assert np.linalg.norm(place - sides, axis=1).max() < 0.05

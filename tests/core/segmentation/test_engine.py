@@ -1,0 +1,469 @@
+"""The laws of a run."""
+
+import dataclasses
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from cpm_core import Engine, Image, Parameters, Regions, circle
+from cpm_core.dynamics.equilibrium import STILL
+from cpm_core.field.interpolation import interpolate
+from cpm_core.numerics import parallel
+
+from ..moving import repulsion
+from ..scenes import disk, ring
+
+SCENE = disk((64, 60), (31.4, 29.7), 17.0)
+START = circle((31.0, 30.0), 8.0)
+ARRAYS = ("position", "velocity", "force", "distance", "identity")
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return Engine(SCENE.values, Parameters())
+
+
+def run(engine, seeds, parameters, most=5000):
+    """All states of a run."""
+    states = [engine.start(seeds)]
+    while not states[-1].stop_reason and len(states) <= most:
+        states.append(engine.step(states[-1], parameters))
+    return states
+
+
+@pytest.fixture(scope="module")
+def states(engine):
+    return run(engine, START, Parameters())
+
+
+def frozen(state):
+    """Bytes of all that a state holds."""
+    apart = ("particles", "ground", "far")
+    figures = [repr(getattr(state, f.name)) for f in dataclasses.fields(state) if f.name not in apart]
+    arrays = [getattr(state.particles, name).tobytes() for name in ARRAYS]
+    tuples = [np.asarray(part).tobytes() for whole in (state.ground, state.far or ()) for part in whole]
+    return [*figures, *tuples, state.start.tobytes(), *arrays]
+
+
+def in_order(particles):
+    """Particles in the order of their identities: a step may sort them anew."""
+    return particles.taken(np.argsort(particles.identity))
+
+
+def common(one, other):
+    """Those particles that two states share, of both, in the same order."""
+    both = np.intersect1d(one.particles.identity, other.particles.identity)
+    return (in_order(s.particles.where(np.isin(s.particles.identity, both))) for s in (one, other))
+
+
+def test_same_input_same_bits(engine, states):
+    again = run(Engine(SCENE.values.copy(), Parameters()), START.copy(), Parameters())
+    assert len(again) == len(states)
+    for one, other in zip(states, again, strict=True):
+        assert frozen(one) == frozen(other)
+    assert [frozen(s) for s in run(engine, START, Parameters(), 60)] == [frozen(s) for s in states[:61]]
+
+
+def test_same_bits_on_any_number_of_cores(monkeypatch):
+    """A large scene, for a few particles are not worth a second core."""
+    scene = ring((260, 250), (129.4, 125.7), 60.0, 110.0)
+    parameters = Parameters(scales=1)
+    engine = Engine(scene.values, parameters)
+    seeds = np.concatenate([circle((129.0, 126.0), radius, 2.0) for radius in range(62, 110, 4)])
+    assert len(seeds) > 3 * 600
+    runs = []
+    for cores in (1, 2, 3):
+        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
+        runs.append([frozen(state) for state in run(engine, seeds, parameters, 25)])
+    assert runs[0] == runs[1] == runs[2]
+
+
+def test_a_step_leaves_the_state_that_it_starts_from_alone(engine, states):
+    for state in states[:: len(states) // 25]:
+        before = frozen(state)
+        engine.step(state, Parameters())
+        assert frozen(state) == before
+
+
+def test_a_run_can_be_continued_from_any_of_its_states(engine, states):
+    middle = len(states) // 2
+    assert frozen(engine.step(states[middle], Parameters())) == frozen(states[middle + 1])
+
+
+def test_a_run_ends_at_rest_with_a_reason(states):
+    last = states[-1]
+    assert last.converged
+    assert "at rest" in last.stop_reason
+    assert last.epsilon < 0.001
+    assert all(state.stop_reason == "" and not state.converged for state in states[:-1])
+
+
+def test_only_rest_is_convergence(engine):
+    """Whatever is still moving when a run ends has not converged: the last steps of a converged one are quiet."""
+    for seeds in (START, circle((31.0, 30.0), 25.0), np.array([(14.0, 30.0)])):
+        last = run(engine, seeds, Parameters())[-1]
+        assert last.stop_reason
+        if last.converged:
+            assert last.epsilon < 0.001
+            assert last.born + last.deleted + last.moving <= 0.01 * last.count
+
+
+def test_a_final_state_is_returned_as_it_is(engine, states):
+    assert engine.step(states[-1], Parameters()) is states[-1]
+    assert engine.step(states[5].stopped("enough"), Parameters()).step == states[5].step
+
+
+def test_steps_are_counted_and_scales_go_from_coarse_to_fine(states):
+    assert [state.step for state in states] == list(range(len(states)))
+    scales = [state.scale for state in states]
+    assert scales == sorted(scales, reverse=True)
+    assert set(scales) == {2, 1, 0}
+    assert scales[0] == 2
+
+
+def test_one_scale_is_the_image_itself():
+    states = run(Engine(SCENE.values, Parameters(scales=1)), START, Parameters(scales=1))
+    assert {state.scale for state in states} == {0}
+    assert states[-1].converged
+    np.testing.assert_array_equal(states[0].position, START)
+
+
+def test_every_scale_starts_with_the_drawing(states):
+    """Within rounding, and as far as nobody of the coarser scale stands there."""
+    for before, state in pairwise(states):
+        if state.scale != before.scale:
+            away = np.linalg.norm(state.position[:, None] - START, axis=2).min(axis=0)
+            assert away.max() < 1.0 * 2.0**state.scale
+
+
+def test_positions_are_told_in_px_of_the_image_at_every_scale(states):
+    """The particles of the coarsest scale sit on the same disk as those of the finest."""
+    for scale in (2, 1, 0):
+        last = [state for state in states if state.scale == scale][-1]
+        assert np.median(SCENE.distance(last.position)) < 2.0**scale
+
+
+def test_nobody_is_outside_the_image_after_a_step(engine):
+    """Not even those that start by the border in a crowd that drives them out."""
+    corner = np.random.default_rng(0).uniform(0.0, 6.0, (60, 2))
+    seeds = np.concatenate([corner, np.array([63.0, 59.0]) - corner, START])
+    deleted = 0
+    for state in run(engine, seeds, Parameters(), 120)[1:]:
+        high = np.array([64, 60]) - 0.5
+        size = 2.0**state.scale  # the outermost pixels of a coarser scale reach a little further
+        assert np.all(state.position >= -0.5 - size)
+        assert np.all(state.position <= high + size)
+        shape = np.array(engine.edge_map(Parameters(), state.scale).shape)
+        assert np.all((state.particles.position >= -0.5) & (state.particles.position <= shape - 0.5))
+        deleted += state.deleted
+    assert deleted > 0
+
+
+def test_a_particle_that_leaves_is_removed_and_counted():
+    """Three particles side by side at the border of a bright half: the outermost is pushed off the image."""
+    image = np.zeros((40, 40))
+    image[:, 25:] = 100.0
+    engine = Engine(image, Parameters(scales=1))
+    seeds = np.array([(20.0, 0.0), (20.0, 0.6), (20.0, 1.2)])
+    parameters = Parameters(scales=1, w1=50.0, w2=50.1, d_min=0.5)
+    counts = [(state.count, state.deleted) for state in run(engine, seeds, parameters, 6)]
+    assert counts[0] == (3, 0)
+    assert any(count < before and deleted for (before, _), (count, deleted) in pairwise(counts))
+
+
+def test_a_run_without_particles_left_ends_and_says_so(engine):
+    state = engine.start(START)
+    nobody = state.particles.where(np.zeros(state.count, bool))
+    ended = engine.step(dataclasses.replace(state, particles=nobody, start=nobody.position, scale=0), Parameters())
+    assert ended.count == 0
+    assert "left the image" in ended.stop_reason
+    assert not ended.converged
+    assert engine.result(ended, Parameters()).contours == ()
+
+
+def test_a_scale_that_all_particles_leave_hands_over_to_the_next_with_the_drawing(engine):
+    state = engine.start(START)
+    nobody = dataclasses.replace(state, particles=state.particles.where(np.zeros(state.count, bool)))
+    after = engine.step(nobody, Parameters())
+    assert (after.scale, after.stop_reason, after.count) == (1, "", len(START))
+
+
+@pytest.mark.parametrize("annealing", [0.9, 0.99, 1.0])
+def test_insertion_range_is_annealed_at_every_step_and_whole_at_every_scale(engine, annealing):
+    parameters = Parameters(annealing=annealing, d_max=2.5)
+    for state in run(engine, START, parameters, 150)[1:]:
+        if state.step_of_scale:
+            assert state.annealed == pytest.approx(annealing**state.step_of_scale, rel=1e-12)
+
+
+def test_identities_are_unique_and_never_given_twice(states):
+    last_seen, dead = set(), set()
+    for state in states:
+        identity = state.particles.identity.tolist()
+        now = set(identity)
+        assert len(now) == len(identity)
+        assert not now & dead
+        assert max(now) < state.next_identity
+        dead |= last_seen - now
+        last_seen = now
+
+
+def test_births_and_deletions_are_the_change_of_the_count(states):
+    for before, state in pairwise(states):
+        if state.scale == before.scale:
+            assert state.count - before.count == state.born - state.deleted
+
+
+def test_particles_keep_their_identities_and_histories_however_they_are_sorted(states):
+    """The distances of the last steps go with the particle that was at them, and so does the force of the last one."""
+    sorted_anew = 0
+    for before, state in pairwise(states):
+        if state.scale != before.scale:
+            continue
+        one, other = common(before, state)
+        np.testing.assert_array_equal(other.distance[:, 1:], one.distance[:, :-1])
+        np.testing.assert_allclose(other.distance[:, 0], np.hypot(*other.position.T), rtol=1e-12)
+        assert np.hypot(*(other.position - one.position).T).max() < 3.0
+        sorted_anew += np.any(np.diff(state.particles.identity) < 0)
+    assert sorted_anew > 0
+
+
+def test_the_newborn_are_those_with_new_identities_and_have_no_history(states):
+    for before, state in pairwise(states):
+        if state.scale == before.scale:
+            new = state.particles.identity >= before.next_identity
+            assert new.sum() == state.born == state.next_identity - before.next_identity
+            assert np.isnan(state.particles.distance[new]).all()
+            assert not np.isnan(state.particles.distance[~new, 0]).any()
+
+
+def test_displacement_and_moving_are_told_of_where_particles_are(states):
+    for before, state in pairwise(states):
+        if state.scale == before.scale and not state.deleted and not state.stop_reason:
+            check_motion(before, state)
+
+
+def check_motion(before, state):
+    one, other = common(before, state)
+    motion = np.hypot(*(other.position - one.position).T)
+    assert state.displacement == pytest.approx(motion.mean(), rel=1e-9)
+    assert state.moving == int((motion > STILL).sum())
+
+
+def test_so_they_are_of_particles_that_a_barrier_holds():
+    """Drawn to an edge behind it, they press on for ever and get nowhere."""
+    image = np.zeros((48, 60))
+    image[:, 40:] = 100.0
+    barrier = Regions(barriers=(((-0.5, 30.3), (47.5, 30.3)),))
+    engine = Engine(image, Parameters(scales=1), barrier)
+    states = run(engine, np.array([(20.0, 22.0), (27.0, 22.0)]), Parameters(scales=1), 60)
+    held = 0
+    for before, state in pairwise(states):
+        if not state.deleted and not state.stop_reason:
+            check_motion(before, state)
+            places = in_order(state.particles)
+            np.testing.assert_allclose(places.distance[:, 0], np.hypot(*places.position.T), rtol=1e-12)
+            held += int((state.position[:, 1] > 29.5).any())
+    assert max(state.position[:, 1].max() for state in states) < 30.3
+    assert held > 20
+
+
+def test_no_two_are_left_too_near_to_each_other(states):
+    """At the end, and after every step that has deleted somebody."""
+    for before, state in pairwise(states):
+        if state.scale == before.scale and (state.deleted or state.stop_reason):
+            points = state.particles.position
+            apart = np.hypot(*(points[:, None] - points).transpose(2, 0, 1))
+            np.fill_diagonal(apart, np.inf)
+            assert apart.min() >= 0.5 * Parameters().d_min
+
+
+def test_who_sleeps_has_nothing_to_move_it(states):
+    """Whoever a step passes over would hardly have moved: less than what counts as still."""
+    slept = 0
+    for before, state in pairwise(states):
+        if state.scale == before.scale:
+            one, other = common(before, state)
+            asleep = (other.position == one.position).all(axis=1) & ~np.isnan(one.distance[:, -1])
+            force = np.hypot(*other.force[asleep, 0].T)
+            assert np.all(0.5 * Parameters().time_step ** 2 * force < STILL)
+            slept += int(asleep.sum())
+    assert slept > 500
+
+
+def force_in_free_flight(engine, state, parameters):
+    """Force of eq. (12) and its slope by eq. (15), for particles at rest and nowhere near an edge."""
+    position = state.particles.position
+    lorentz = interpolate(engine.field(parameters, state.scale), position)
+    force = parameters.w1 * repulsion(position, parameters)
+    force += parameters.w2 * lorentz
+    slope = 3.0 * force / (2.0 * parameters.time_step)
+    return force, slope
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.8])
+def test_the_first_step_is_eq_12_to_15(beta):
+    parameters = Parameters(scales=1, beta=beta, time_step=0.4)
+    engine = Engine(SCENE.values, parameters)
+    seeds = circle((31.0, 30.0), 8.0, 5.0)
+    before = engine.start(seeds)
+    after = engine.step(before, parameters)
+    force, slope = force_in_free_flight(engine, before, parameters)
+    # v' = F + t F' - beta v from rest, by fine steps of the trapezoidal rule
+    n = 4000
+    h = 0.4 / n
+    v, r = np.zeros_like(force), seeds.copy()
+    for k in range(n):
+        middle = force + (k + 0.5) * h * slope
+        new = (v * (1.0 - 0.5 * h * beta) + h * middle) / (1.0 + 0.5 * h * beta)
+        v, r = new, r + 0.5 * h * (v + new)
+    np.testing.assert_allclose(after.particles.velocity, v, atol=1e-5)
+    np.testing.assert_allclose(after.particles.position, r, atol=1e-5)
+
+
+def test_another_beta_acts_at_the_very_next_step(engine, states):
+    state = states[3]
+    plain, heavy = engine.step(state, Parameters()), engine.step(state, Parameters(beta=3.0))
+    same = [s.where(np.isin(s.identity, state.particles.identity)) for s in common(plain, heavy)]
+    assert len(same[0]) > 0.9 * state.count
+    speed, slowed = (np.linalg.norm(particles.velocity, axis=1) for particles in same)
+    assert slowed.mean() < 0.8 * speed.mean()
+    np.testing.assert_array_equal(same[0].force, same[1].force)
+
+
+def test_another_time_step_or_weight_acts_at_the_very_next_step(engine, states):
+    state = states[3]
+    plain = engine.step(state, Parameters())
+    assert engine.step(state, Parameters(time_step=0.25)).displacement < plain.displacement
+    heavy = engine.step(state, Parameters(w2=5.0))
+    one, other = common(heavy, plain)
+    assert len(one) > 0.8 * state.count
+    assert np.abs(one.velocity - other.velocity).max() > 0.1
+
+
+def test_another_smoothing_changes_the_field_and_keeps_the_particles(engine, states):
+    state = states[4]
+    smoother = Parameters(smoothing=3.0)
+    after = engine.step(state, smoother)
+    assert after.step == state.step + 1
+    assert after.scale == state.scale
+    kept = np.isin(after.particles.identity, state.particles.identity)
+    assert kept.sum() >= state.count - after.deleted
+    for scale in range(3):
+        assert np.abs(engine.field(smoother, scale) - engine.field(Parameters(), scale)).max() > 0.1
+        assert engine.edge_map(smoother, scale).max() < engine.edge_map(Parameters(), scale).max()
+    # and nothing else is built anew
+    assert engine.level(Parameters()) is engine.level(Parameters(beta=0.3))
+
+
+def test_particles_that_have_come_to_rest_obey_other_parameters(states):
+    """Twice the spacing thins them out, a wide smoothing carries them along; a least length leaves them be."""
+    engine, settled = Engine(SCENE.values, Parameters()), states[-2]
+    assert not settled.stop_reason
+    assert settled.moving <= 0.002 * settled.count
+
+    def after(parameters, steps):
+        state = settled
+        for _ in range(steps):
+            state = engine.step(state, parameters)
+        return state
+
+    assert after(Parameters(d_min=4.0), 40).count < 0.75 * settled.count
+    assert after(Parameters(smoothing=4.0), 3).moving > 0.2 * settled.count
+    kept = after(Parameters(min_length=5.0, min_strength=1.0), 1)
+    np.testing.assert_array_equal(kept.position, after(Parameters(), 1).position)
+
+
+def test_more_scales_in_mid_run_are_left_for_the_next_start(engine, states):
+    assert engine.step(states[3], Parameters(scales=1)).scale == states[3].scale
+
+
+def test_edge_map_and_field_have_the_shape_of_their_scale(engine):
+    for scale, shape in enumerate([(64, 60), (32, 30), (16, 15)]):
+        assert engine.edge_map(Parameters(), scale).shape == shape
+        assert engine.field(Parameters(), scale).shape == (2, *shape)
+
+
+def test_no_particles_cannot_start(engine):
+    for nothing in ([], np.zeros((0, 2))):
+        with pytest.raises(ValueError, match="there are no particles to start with"):
+            engine.start(nothing)
+
+
+def test_particles_outside_the_image_cannot_start(engine):
+    with pytest.raises(ValueError, match=r"none of the 31 starting particles lies inside the image \(64 x 60 pixels\)"):
+        engine.start(circle((-50.0, 500.0), 10.0))
+
+
+@pytest.mark.parametrize("seeds", [np.zeros(4), np.zeros((4, 3))], ids=str)
+def test_what_are_no_positions_cannot_start(engine, seeds):
+    with pytest.raises(ValueError, match=r"starting particles have the shape .* must be \(N, 2\)"):
+        engine.start(seeds)
+
+
+@pytest.mark.parametrize("seeds", [np.array([(1.0, np.nan)]), np.array([(np.inf, 1.0)])], ids=str)
+def test_positions_that_are_not_finite_cannot_start(engine, seeds):
+    with pytest.raises(ValueError, match=r"1 coordinates of the starting particles are not finite"):
+        engine.start(seeds)
+
+
+def test_those_inside_start_and_those_outside_are_left_out():
+    engine = Engine(SCENE.values, Parameters(scales=1))
+    seeds = circle((0.0, 30.0), 10.0)
+    inside = seeds[(seeds >= -0.5).all(axis=1)]
+    state = engine.start(seeds)
+    assert 0 < len(inside) < len(seeds)
+    np.testing.assert_array_equal(state.position, inside)
+
+
+def test_a_constant_image_has_nothing_to_find():
+    with pytest.raises(ValueError, match=r"image is constant .7 everywhere. and has no edges"):
+        Engine(np.full((32, 32), 7.0), Parameters())
+
+
+def test_a_small_image_has_fewer_scales():
+    with pytest.raises(ValueError, match=r"scales is 3 but must be from 1 to 2 for an image of 16 x 40 pixels"):
+        Engine(np.eye(16, 40), Parameters(scales=3))
+
+
+def test_result_can_be_had_at_any_time(engine, states):
+    for state in (states[0], states[1], states[len(states) // 2], states[-1]):
+        result = engine.result(state, Parameters())
+        np.testing.assert_array_equal(result.particles, state.position)
+        assert (result.steps, result.stop_reason, result.converged) == (state.step, state.stop_reason, state.converged)
+        assert result.shape == (64, 60)
+    assert len(engine.result(states[-1], Parameters()).contours) == 1
+
+
+def test_result_tells_of_the_image():
+    image = Image(SCENE.values, spacing=(0.5, 0.25), unit="mm", source="a disk")
+    engine = Engine(image, Parameters(scales=1))
+    result = engine.result(engine.start(START), Parameters(scales=1))
+    assert (result.spacing, result.unit, result.source) == ((0.5, 0.25), "mm", "a disk")
+
+
+def test_contours_of_a_coarser_scale_are_told_in_px_and_grey_levels_of_the_image(engine, states):
+    """A disk keeps its outline, and its edge a strength of the same order: not four times as much."""
+    found = {}
+    for scale in (2, 1, 0):
+        last = [state for state in states if state.scale == scale][-1]
+        found[scale] = engine.result(last, Parameters()).contours[0]
+    for scale, contour in found.items():
+        assert SCENE.distance(contour.points).max() < 0.1 + 0.7 * scale
+        assert contour.area == pytest.approx(np.pi * 17.0**2, rel=0.02 + 0.05 * scale)
+    assert found[2].strength < found[1].strength < found[0].strength
+
+
+def test_scale_and_offset_of_the_grey_levels_change_nothing_but_the_strength():
+    scene = ring((48, 52), (23.6, 26.2), 8.0, 16.0).values
+    parameters = Parameters(scales=1)
+    results = []
+    for image in (scene, 4.0 * scene - 128.0):
+        engine = Engine(image, parameters)
+        results.append(engine.result(run(engine, circle((23.0, 26.0), 12.0), parameters)[-1], parameters))
+    one, other = results
+    assert len(one.contours) == len(other.contours) == 2
+    for a, b in zip(one.contours, other.contours, strict=True):
+        assert b.strength == pytest.approx(4.0 * a.strength, rel=0.02)
+        assert b.area == pytest.approx(a.area, rel=0.01)

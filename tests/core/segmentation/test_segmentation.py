@@ -1,0 +1,296 @@
+"""The whole method on scenes whose boundaries are known exactly."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from cpm_core import Engine, Parameters, circle, segment, uniform_grid
+
+from ..scenes import blob, disk, mirrored, outline_distance, ring, square, turned, u_shape
+
+DISK = disk((72, 68), (35.3, 33.6), 20.0)
+
+
+def paths(result):
+    return [contour.path for contour in result.contours]
+
+
+def apart(one, other):
+    """Distances of the vertices of two sets of contours to the other set."""
+    ones, others = paths(one), paths(other)
+    assert len(ones) == len(others) > 0
+    there, back = outline_distance(np.concatenate(ones), others), outline_distance(np.concatenate(others), ones)
+    return np.concatenate([there, back])
+
+
+@pytest.mark.parametrize(
+    "start",
+    [circle((35.0, 34.0), 8.0), circle((15.0, 33.0), 9.0), circle((35.0, 34.0), 28.0), circle((40.0, 30.0), 1.0)],
+    ids=["inside", "across", "outside", "tiny"],
+)
+def test_a_disk_is_one_closed_contour_from_wherever_the_start(start):
+    """Every vertex within 0.1 px of the true circle; seen: 0.05."""
+    result = segment(DISK.values, start)
+    (contour,) = result.contours
+    assert contour.closed
+    assert DISK.distance(contour.points).max() < 0.1
+    assert contour.area == pytest.approx(np.pi * 400.0, rel=0.01)
+    assert contour.length == pytest.approx(2.0 * np.pi * 20.0, rel=0.01)
+    assert result.converged
+    assert outline_distance(DISK.boundary, paths(result)).max() < 0.15
+
+
+def test_a_ring_is_two_closed_contours():
+    scene = ring((80, 80), (39.6, 40.3), 13.0, 27.0)
+    result = segment(scene.values, circle((40.0, 40.0), 20.0))
+    assert [contour.closed for contour in result.contours] == [True, True]
+    for contour, radius in zip(result.contours, (27.0, 13.0), strict=True):
+        assert np.abs(np.hypot(*(contour.points - (39.6, 40.3)).T) - radius).max() < 0.1
+
+
+def test_a_square_is_one_closed_contour_with_rounded_corners():
+    scene = square((72, 72), (20.375, 18.625), 31.0)
+    result = segment(scene.values, circle((36.0, 34.0), 6.0))
+    (contour,) = result.contours
+    assert contour.closed
+    assert scene.distance(contour.points).max() < 0.7
+    assert np.median(scene.distance(contour.points)) < 0.03
+    assert outline_distance(scene.boundary, paths(result)).max() < 1.5
+
+
+@pytest.mark.parametrize(
+    "start",
+    [circle((30.0, 28.0), 6.0), np.array([(70.0, 30.0), (70.0, 48.0), (72.0, 66.0), (40.0, 28.0), (30.0, 68.0)])],
+    ids=["a circle over one arm", "five particles"],
+)
+def test_a_u_is_recovered_whole(start):
+    scene = u_shape()
+    result = segment(scene.values, start)
+    assert outline_distance(scene.boundary, paths(result)).max() < 1.5
+    assert scene.distance(np.concatenate([c.points for c in result.contours])).max() < 1.5
+    assert result.contours[0].closed
+
+
+@pytest.mark.parametrize("level", [10.0, 20.0, 40.0])
+def test_moderate_noise_with_automatic_smoothing(level):
+    noise = np.random.default_rng(3).normal(0.0, level, DISK.values.shape)
+    result = segment(DISK.values + noise, circle((35.0, 34.0), 8.0), Parameters(smoothing="auto"))
+    contour = result.contours[0]
+    assert contour.closed
+    assert contour.area == pytest.approx(np.pi * 400.0, rel=0.05)
+    assert DISK.distance(contour.points).mean() < 0.5
+
+
+@pytest.mark.parametrize("share", [0.2, 0.6])
+@pytest.mark.parametrize("kind", ["uniform", "salt and pepper"])
+def test_contours_are_closed_where_noise_has_replaced_pixels(kind, share):
+    rng = np.random.default_rng(4)
+    shape = (110, 104)
+    scene = ring(shape, (55.0, 51.0), 18.0, 38.0)
+    other = rng.uniform(0.0, 255.0, shape) if kind == "uniform" else 255.0 * (rng.random(shape) < 0.5)
+    image = np.where(rng.random(shape) < share, other, scene.values)
+    result = segment(image, circle((55.0, 51.0), 45.0), Parameters(smoothing="auto"))
+    assert [contour.closed for contour in result.contours] == [True, True]
+    assert scene.distance(np.concatenate([c.points for c in result.contours])).mean() < 0.8
+
+
+SHAPE = (71, 66)
+BLOB = blob(SHAPE, (33.3, 31.6))
+CORNERS = np.maximum(disk(SHAPE, (30.3, 28.6), 17.0).values, 0.8 * square(SHAPE, (34.25, 30.75), 24.0).values)
+UNEVEN_START = circle((33.0, 30.0), 9.0)
+"""Scenes and a start without any symmetry: a smooth one, and one of corners and a junction of three grey levels."""
+
+
+@pytest.fixture(scope="module")
+def uneven():
+    return segment(BLOB, UNEVEN_START)
+
+
+@pytest.fixture(scope="module")
+def corners():
+    return segment(CORNERS, UNEVEN_START)
+
+
+def moved(result, change):
+    contours = tuple(dataclasses.replace(c, points=change(c.points)) for c in result.contours)
+    return dataclasses.replace(result, contours=contours)
+
+
+def turn(image):
+    return np.rot90(image).copy()
+
+
+CHANGES = [
+    pytest.param(lambda image: np.flip(image, 0), lambda points: mirrored(points, SHAPE, 0), id="mirrored"),
+    pytest.param(lambda image: np.flip(image, 1), lambda points: mirrored(points, SHAPE, 1), id="mirrored sideways"),
+    pytest.param(turn, lambda points: turned(points, SHAPE), id="turned"),
+    pytest.param(lambda image: image, lambda points: np.random.default_rng(0).permutation(points), id="shuffled"),
+    pytest.param(lambda image: image, lambda points: np.random.default_rng(1).permutation(points), id="shuffled again"),
+]
+"""What may be done to an image, and likewise to its points."""
+
+
+def unshuffled(image_change, point_change):
+    """What is to be done to contours: the order of their vertices stays."""
+    probe = np.zeros(SHAPE)
+    return point_change if image_change(probe) is not probe else lambda points: points
+
+
+@pytest.mark.parametrize(("image_change", "point_change"), CHANGES)
+def test_a_changed_image_has_contours_changed_alike(uneven, image_change, point_change):
+    """Within 0.1 px; seen: 0.03 at most."""
+    result = segment(image_change(BLOB), point_change(UNEVEN_START))
+    truth = moved(uneven, unshuffled(image_change, point_change))
+    assert apart(result, truth).max() < 0.1
+    assert [c.closed for c in result.contours] == [c.closed for c in truth.contours]
+
+
+@pytest.mark.parametrize(("image_change", "point_change"), CHANGES)
+def test_so_has_one_with_corners(corners, image_change, point_change):
+    """Within 0.1 px; seen: 0.04 at most."""
+    result = segment(image_change(CORNERS), point_change(UNEVEN_START))
+    assert apart(result, moved(corners, unshuffled(image_change, point_change))).max() < 0.1
+
+
+def test_segment_is_the_engine_run_to_its_end(uneven):
+    engine = Engine(BLOB, Parameters())
+    state = engine.start(UNEVEN_START)
+    while not state.stop_reason:
+        state = engine.step(state, Parameters())
+    result = engine.result(state, Parameters())
+    assert (result.steps, result.stop_reason, result.converged) == (uneven.steps, uneven.stop_reason, uneven.converged)
+    assert result.particles.tobytes() == uneven.particles.tobytes()
+    assert [p.tobytes() for p in paths(result)] == [p.tobytes() for p in paths(uneven)]
+
+
+def test_progress_is_told_once_a_step():
+    seen = []
+    result = segment(DISK.values, circle((35.0, 34.0), 8.0), progress=seen.append)
+    assert [state.step for state in seen] == list(range(1, result.steps + 1))
+    assert seen[-1].stop_reason == result.stop_reason
+    np.testing.assert_array_equal(seen[-1].position, result.particles)
+
+
+@pytest.mark.parametrize("most", [1, 7])
+def test_no_more_steps_than_asked_for(most):
+    seen = []
+    result = segment(DISK.values, circle((35.0, 34.0), 8.0), max_steps=most, progress=seen.append)
+    assert len(seen) == result.steps == most
+    assert not result.converged
+    assert f"stopped after {most} steps" in result.stop_reason
+
+
+def test_a_run_that_ends_before_its_last_step_tells_its_own_reason():
+    result = segment(DISK.values, circle((35.0, 34.0), 8.0), max_steps=100_000)
+    assert result.converged
+    assert "as asked" not in result.stop_reason
+
+
+@pytest.mark.parametrize("most", [0, -3])
+def test_less_than_a_step_is_refused(most):
+    with pytest.raises(ValueError, match=f"max_steps is {most} but must be at least 1"):
+        segment(DISK.values, circle((35.0, 34.0), 8.0), max_steps=most)
+
+
+def three_disks():
+    """A large bright disk, a small bright one and a large faint one."""
+    large, small, faint = (
+        disk((90, 110), center, radius).values - 40.0
+        for center, radius in (((30.0, 30.0), 18.0), ((30.0, 80.0), 7.0), ((65.0, 75.0), 17.0))
+    )
+    return large + small + 0.4 * faint
+
+
+@pytest.fixture(scope="module")
+def three():
+    engine = Engine(three_disks(), Parameters())
+    state = engine.start(uniform_grid((90, 110), 7.0))
+    while not state.stop_reason:
+        state = engine.step(state, Parameters())
+    return engine, state
+
+
+def test_contours_are_told_longest_first_with_their_strength(three):
+    engine, state = three
+    contours = engine.result(state, Parameters()).contours
+    assert [round(c.length / (2.0 * np.pi)) for c in contours] == [18, 17, 7]
+    assert contours[1].strength == pytest.approx(0.4 * contours[0].strength, rel=0.1)
+    f = engine.edge_map(Parameters())
+    assert 0.8 * f.max() < contours[0].strength < f.max()
+
+
+def test_short_and_weak_contours_are_left_out(three):
+    engine, state = three
+    everything = engine.result(state, Parameters()).contours
+    strengths = sorted(c.strength for c in everything)
+    for parameters in (
+        Parameters(min_length=60.0),
+        Parameters(min_strength=0.5 * (strengths[0] + strengths[1])),
+        Parameters(min_length=60.0, min_strength=0.5 * (strengths[0] + strengths[1])),
+        Parameters(min_length=1e6),
+    ):
+        truth = [
+            c.points.tobytes()
+            for c in everything
+            if c.length >= parameters.min_length and c.strength >= parameters.min_strength
+        ]
+        assert len(truth) < 3
+        assert [c.points.tobytes() for c in engine.result(state, parameters).contours] == truth
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        {"beta": 0.0},
+        {"beta": 4.0},
+        {"w1": 0.0},
+        {"w1": 0.05, "w2": 0.1},
+        {"annealing": 0.0},
+        {"annealing": 1.0},
+        {"time_step": 0.1},
+        {"time_step": 1.0},
+        {"d_min": 1.0},
+        {"d_max": 0.0},
+        {"smoothing": 0.0},
+        {"scales": 1},
+        {"edge_floor": 0.5},
+    ],
+    ids=str,
+)
+def test_no_setting_is_critical(setting):
+    """The U is found whole at the ends of what a slider offers (the paper's section 5.5)."""
+    scene = u_shape()
+    result = segment(scene.values, circle((60, 40), 12), Parameters(**setting))
+    assert result.converged
+    assert [contour.closed for contour in result.contours] == [True]
+    assert outline_distance(scene.boundary, [contour.path for contour in result.contours]).max() < 1.5
+
+
+@pytest.mark.parametrize("apart", [5, 6, 7, 8, 12])
+@pytest.mark.parametrize("level", [30.0, 40.0])
+def test_a_weak_edge_beside_a_strong_one_is_not_drained(apart, level):
+    """A faint square around a bright one, whose field is the stronger one all across the faint edge."""
+    image = np.zeros((112, 112))
+    image[20:92, 20:92] = level
+    image[20 + apart : 92 - apart, 20 + apart : 92 - apart] = 255.0
+    contours = segment(image, uniform_grid(image.shape), Parameters(w1=0.6, w2=0.7, beta=0.4)).contours
+    assert [c.closed for c in contours] == [True, True]
+    assert [c.area for c in contours] == pytest.approx([72.0**2, (72.0 - 2 * apart) ** 2], rel=0.005)
+
+
+def test_no_particle_is_left_where_there_is_no_edge():
+    """Not even the one that has come to rest in the middle of the disk, where all attractions balance."""
+    scene = disk((96, 90), (50.0, 41.0), 20.0)
+    engine = Engine(scene.values, Parameters())
+    state = engine.start(uniform_grid(scene.values.shape))
+    while not state.stop_reason:
+        before, state = state, engine.step(state, Parameters())
+    assert state.converged
+    assert np.abs(scene.distance(state.position)).max() < 2.0
+    left = before.particles.with_more(np.array([(50.0, 41.0)]), before.next_identity)
+    left.distance[-1] = np.hypot(50.0, 41.0)
+    last = engine.step(dataclasses.replace(before, particles=left), Parameters())
+    assert last.converged
+    assert len(left) == len(before.particles) + 1
+    np.testing.assert_array_equal(last.particles.identity, state.particles.identity)

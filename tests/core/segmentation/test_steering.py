@@ -1,0 +1,249 @@
+"""What a person changes in a run that is under way: particles that join or are erased, and regions that move."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from cpm_core import Engine, Parameters, Regions, circle
+from cpm_core.field.scale_space import Levels
+
+from ..scenes import antialiased, disk
+
+ONE_SCALE = Parameters(scales=1)
+TWO = antialiased(
+    (96, 192), lambda row, col: (np.hypot(row - 47.4, col - 45.3) < 25) | (np.hypot(row - 47.4, col - 145.3) < 25)
+)
+LEFT, RIGHT = circle((47.4, 45.3), 15.0), circle((47.4, 145.3), 15.0)
+BAR = antialiased((48, 200), lambda row, col: row + 0.0 * col < 24.3)
+"""One level edge from the left border to the right."""
+
+SEEDS = np.array([(24.0, 10.0), (24.0, 12.0), (24.0, 14.0)])
+
+
+def run(engine, state, parameters, most=3000):
+    for _ in range(most):
+        if state.stop_reason:
+            break
+        state = engine.step(state, parameters)
+    return state
+
+
+def walked(engine, state, parameters, steps):
+    states = [state]
+    for _ in range(steps):
+        states.append(engine.step(states[-1], parameters))
+    return states
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return Engine(TWO, ONE_SCALE)
+
+
+@pytest.fixture(scope="module")
+def left(engine):
+    state = run(engine, engine.start(LEFT), ONE_SCALE)
+    assert state.converged
+    assert state.position[:, 1].max() < 75.0
+    return state
+
+
+def test_particles_that_join_a_run_at_rest_find_what_is_theirs(engine, left):
+    state = engine.joined(left, np.concatenate([RIGHT, [(-5.0, 10.0), (40.0, 500.0)]]))
+    assert state.stop_reason == ""
+    assert not state.converged
+    assert state.count == left.count + len(RIGHT)
+    np.testing.assert_allclose(state.position[left.count :], RIGHT)
+    assert not state.particles.velocity[left.count :].any()
+    assert len(np.unique(state.particles.identity)) == state.count
+    assert state.next_identity > state.particles.identity.max()
+    last = run(engine, state, ONE_SCALE)
+    assert last.converged
+    contours = engine.result(last, ONE_SCALE).contours
+    assert [contour.closed for contour in contours] == [True, True]
+
+
+def test_particles_that_join_at_a_coarse_scale_begin_at_the_finer_ones_too():
+    parameters = Parameters(scales=3)
+    engine = Engine(TWO, parameters)
+    state = walked(engine, engine.start(LEFT), parameters, 3)[-1]
+    assert state.scale == 2
+    joined = engine.joined(state, RIGHT)
+    np.testing.assert_allclose(joined.position[state.count :], RIGHT)
+    np.testing.assert_array_equal(joined.start, np.concatenate([LEFT, RIGHT]))
+    assert len(engine.result(run(engine, joined, parameters), parameters).contours) == 2
+
+
+@pytest.mark.parametrize(
+    ("seeds", "words"),
+    [
+        ([(-5.0, 3.0)], r"none of the 1 starting particles lies inside the image \(96 x 192 pixels\)"),
+        (np.zeros((0, 2)), "there are no particles to start with"),
+        ([(1.0, 2.0, 3.0)], r"have the shape \(1, 3\)"),
+        ([(float("nan"), 3.0)], "not finite"),
+    ],
+)
+def test_particles_join_by_the_rules_of_a_start(engine, left, seeds, words):
+    with pytest.raises(ValueError, match=words):
+        engine.joined(left, seeds)
+    with pytest.raises(ValueError, match=words):
+        engine.start(seeds)
+
+
+def test_particles_join_inside_the_regions_only(left):
+    regions = Regions(interest=(((0, 0), (0, 90), (95, 90), (95, 0)),))
+    engine = Engine(TWO, ONE_SCALE, regions)
+    assert engine.joined(left, [*LEFT, *RIGHT]).count == left.count + len(LEFT)
+    with pytest.raises(ValueError, match="regions of interest"):
+        engine.joined(left, RIGHT)
+
+
+def test_what_is_erased_is_gone_and_the_others_stay_as_they_are(engine, left):
+    upper = left.position[:, 0] < 40.0
+    erased = engine.erased(left, upper)
+    assert erased.count == int((~upper).sum())
+    for name in ("position", "velocity", "force", "distance", "identity"):
+        np.testing.assert_array_equal(getattr(erased.particles, name), getattr(left.particles, name)[~upper])
+    np.testing.assert_array_equal(erased.start, left.start)
+    assert erased.converged
+    assert left.count == len(upper)
+    [contour] = engine.result(erased, ONE_SCALE).contours
+    assert not contour.closed
+    again = run(engine, erased.resumed(), ONE_SCALE)
+    assert again.converged
+    assert again.count == erased.count
+    assert not engine.result(again, ONE_SCALE).contours[0].closed
+    assert engine.erased(left, np.zeros(left.count, bool)) is left
+
+
+def test_an_eraser_of_places_reaches_the_start_as_well(engine, left):
+    erased = engine.erased(left, lambda points: points[:, 0] < 40.0)
+    assert erased.count < left.count
+    assert (erased.position[:, 0] >= 40.0).all()
+    assert (erased.start[:, 0] >= 40.0).all()
+    assert len(erased.start) < len(left.start)
+
+
+def test_erased_particles_do_not_begin_again_at_a_finer_scale():
+    parameters = Parameters(scales=2)
+    engine = Engine(TWO, parameters)
+    state = walked(engine, engine.start([*LEFT, *RIGHT]), parameters, 5)[-1]
+    assert state.scale == 1
+    erased = engine.erased(state, lambda points: points[:, 1] > 96.0)
+    assert run(engine, erased, parameters).position[:, 1].max() < 96.0
+
+
+def test_a_run_whose_particles_are_all_erased_ends_and_goes_on_with_new_ones(engine, left):
+    empty = engine.erased(left, np.ones(left.count, bool))
+    assert empty.count == 0
+    assert "erased" in empty.stop_reason
+    assert not empty.converged
+    assert engine.step(empty, ONE_SCALE) is empty
+    assert run(engine, engine.joined(empty, LEFT), ONE_SCALE).converged
+    resumed = engine.step(empty.resumed(), ONE_SCALE)
+    assert resumed.count == 0
+    assert resumed.stop_reason
+
+
+@pytest.mark.parametrize("inside", [np.zeros(3, bool), np.zeros(5), lambda points: points])
+def test_an_eraser_tells_each_particle_yes_or_no(engine, left, inside):
+    with pytest.raises(ValueError, match="truth values, one for each"):
+        engine.erased(left, inside)
+
+
+def test_a_barrier_put_in_front_of_a_front_holds_it_and_taken_away_lets_it_go():
+    engine = Engine(BAR, ONE_SCALE)
+    states = walked(engine, engine.start(SEEDS), ONE_SCALE, 20)
+    front = states[-1].position[:, 1].max()
+    assert front < 120.0
+    wall = front + 15.0
+    barred = engine.with_regions(Regions(barriers=(((-5.0, wall), (60.0, wall + 0.7)),)))
+    held = walked(barred, states[-1], ONE_SCALE, 120)
+    assert max(state.position[:, 1].max() for state in held) < wall + 0.7
+    assert held[-1].position[:, 1].max() > wall - 3.0
+    free = walked(barred.with_regions(None), held[-1].resumed(), ONE_SCALE, 150)
+    assert free[-1].position[:, 1].max() > 190.0
+
+
+def test_a_barrier_dragged_along_with_a_front_holds_it_at_every_place():
+    engine = Engine(BAR, ONE_SCALE)
+    state = walked(engine, engine.start(SEEDS), ONE_SCALE, 15)[-1]
+    wall = state.position[:, 1].max() + 4.0
+    for _ in range(40):
+        engine = engine.with_regions(Regions(barriers=(((-5.0, wall), (60.0, wall)),)))
+        state = engine.step(state, ONE_SCALE)
+        assert state.position[:, 1].max() < wall
+        wall += 0.5
+    assert state.position[:, 1].max() > wall - 5.0
+
+
+def test_particles_under_a_barrier_neither_stick_to_it_nor_cross_it(engine, left):
+    generator = np.random.default_rng(1)
+    points = np.stack([generator.uniform(30.0, 65.0, 200), generator.uniform(25.0, 65.0, 200)], axis=1)
+    line = ((20.0, 45.0), (75.0, 45.0))
+    points[:40, 1] = 45.0 + generator.choice([-1e-5, 1e-5, -1e-3, 1e-3], 40)
+    points[40:45, 1] = 45.0
+    begun = engine.step(engine.joined(left, points), ONE_SCALE)
+    barred = engine.with_regions(Regions(barriers=(line,)))
+    states = walked(barred, begun, ONE_SCALE, 60)
+    for one, other in pairwise(states):
+        _, before, after = np.intersect1d(one.particles.identity, other.particles.identity, return_indices=True)
+        start, end = one.position[before], other.position[after]
+        at_wall = (start[:, 0] > 20.0) & (start[:, 0] < 75.0) & (end[:, 0] > 20.0) & (end[:, 0] < 75.0)
+        assert not (at_wall & ((start[:, 1] - 45.0) * (end[:, 1] - 45.0) < 0.0)).any()
+    last = run(barred, states[-1], ONE_SCALE)
+    assert last.converged
+    assert (np.abs(np.hypot(*(last.position - (47.4, 45.3)).T) - 25.0) < 2.0).all()
+
+
+def test_other_barriers_leave_the_fields_as_they_are_and_other_interest_the_gradient():
+    scene = disk((96, 96), (47.4, 47.3), 30.0)
+    parameters = Parameters(scales=2)
+    polygon = ((5, 5), (5, 80), (85, 80), (85, 5))
+    engine = Engine(scene.values, parameters, Regions(interest=(polygon,)))
+    barred = engine.with_regions(Regions(interest=(polygon,), barriers=(((3, 3), (90, 70)),)))
+    wider = barred.with_regions(Regions(interest=(((5, 5), (5, 90), (85, 90), (85, 5)),), barriers=(((3, 3), (9, 7)),)))
+    for scale in range(2):
+        level, other = engine.level(parameters, scale), barred.level(parameters, scale)
+        assert other.felt is level.felt
+        assert len(other.walls.segments) == len(level.walls.segments) + 1
+        assert wider.level(parameters, scale).gradient is level.gradient
+        assert wider.level(parameters, scale).felt is not level.felt
+
+
+@pytest.mark.parametrize("barriers", [(), (((3.0, 3.0), (90.0, 70.0), (20.0, 60.5)),)])
+@pytest.mark.parametrize("interest", [(), (((5, 5), (5, 80), (85, 80), (85, 5)), ((50, 50), (95, 50), (95, 95)))])
+def test_an_engine_with_other_regions_is_that_which_is_made_for_them(interest, barriers):
+    scene = disk((96, 96), (47.4, 47.3), 30.0)
+    parameters = Parameters(scales=2)
+    regions = Regions(interest, barriers)
+    made = Engine(scene.values, parameters, regions)
+    former = Regions((((5, 5), (5, 70), (85, 80)),), (((50.0, 50.0), (60.0, 60.0)),))
+    for other in (Engine(scene.values, parameters), Engine(scene.values, parameters, former)):
+        for smoothing in (1.0, 2.0):
+            asked = Parameters(scales=2, smoothing=smoothing)
+            moved = other.with_regions(regions)
+            for scale in range(2):
+                one, two = made.level(asked, scale), moved.level(asked, scale)
+                for name in ("felt", "gradient", "edge_map"):
+                    np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
+                assert (one.floor, one.strongest, one.least_charge) == (two.floor, two.strongest, two.least_charge)
+                np.testing.assert_array_equal(one.walls.segments, two.walls.segments)
+                np.testing.assert_array_equal(one.walls.clearance, two.walls.clearance)
+
+
+def test_a_barrier_that_is_moved_has_nothing_of_the_fields_built(monkeypatch):
+    engine = Engine(TWO, ONE_SCALE)
+    monkeypatch.setattr(Levels, "_build", lambda *_: pytest.fail("a level was built"))
+    barred = engine.with_regions(Regions(barriers=(((3, 3), (90, 70)),)))
+    barred.step(barred.start(LEFT), ONE_SCALE)
+
+
+def test_regions_without_edges_or_pixels_are_refused_when_they_are_moved(engine):
+    with pytest.raises(ValueError, match="no edges in the regions of interest"):
+        Engine(disk((96, 96), (30.0, 30.0), 10.0).values, ONE_SCALE).with_regions(
+            Regions(interest=(((70, 70), (70, 90), (90, 90), (90, 70)),))
+        )
+    with pytest.raises(ValueError, match="region of interest 1 holds no pixel"):
+        engine.with_regions(Regions(interest=(((300, 300), (300, 310), (310, 305)),)))
