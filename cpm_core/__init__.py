@@ -18,7 +18,7 @@ The model on one page
 5. **Insertion**: two neighbours at rest on an edge, d_min < d <= d_min + d_max apart, get a particle between them if
    the crest of the edge is free there, and a particle that sees its edge go on without anybody on it gets one ahead.
    **Deletion**: of two nearer than d_min / 2 one goes. **Annealing**: d_max is multiplied by a at every step
-   (`insertion`, `deletion`, `standing`).
+   (`insertion`, `deletion`, `contact`).
 6. Where no new ground is gained, repulsion fades and friction grows, more slowly for those that are still under way far
    from all ground; who has come to rest where nothing is new sleeps, passed over until something is (`ground`,
    `motion`). A run is in **equilibrium** when eq. (23) holds and hardly anything has moved, appeared or vanished for
@@ -31,7 +31,7 @@ The model on one page
    is weak or has the same on both sides (`contrast`), builds **bridges** across gaps when asked to, and walks along the
    edges to closed and open **contours** with **junctions** (`reconstruction`).
 9. All of it happens inside the **regions of interest** and on this side of the **barriers**, if there are any
-   (`regions`); at each scale they are the walls that no move, birth, contour or bridge crosses (`walls`).
+   (`regions`); at each scale they are the walls that no move, birth, contour or bridge crosses (`barrier_map`).
 10. **Placed charges** attract or repel the particles around them, as strongly as the edges or up to four times so;
     their force is added to the Lorentz force (`charges`). They, the parameters, regions and barriers may be changed at
     any step, and particles added or erased (`steering`): what has come to rest and is concerned is set going again.
@@ -52,7 +52,7 @@ Words
 -----
 Positions are (row, col) in pixels, pixel centres at integers. A *seated* particle sits on an edge. *Idle* counts steps
 without new ground. A `State` is a moment of a run, from which the next follows without any other memory; a `Result` is
-what a run has found; a `Level` is what particles feel at one scale.
+what a run has found; a `ScaleField` is what particles feel at one scale.
 """
 
 from cpm_core.contours.agreement import Comparison, compare

@@ -129,7 +129,7 @@ _TABLE = (
         "", "field", True,
     ),
     ParameterInfo(
-        "max_frame", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Widest frame",
+        "max_border", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Widest frame",
         "A dark or bright rim of the image up to this wide, as a fraction of its shorter side, is taken for its frame, "
         "and the edge of it for no edge.",
         "More of it finds wider frames; 0 leaves every edge in.",
@@ -199,7 +199,7 @@ class Parameters:
         Levels of the pyramid.
     edge_floor : float
         Fraction of the largest edge strength under which no fixed charge is placed.
-    max_frame : float
+    max_border : float
         Width up to which a rim of the image is taken for its frame, as a fraction of the shorter side; 0 for no frame.
     max_gap : float
         Loose ends of contours up to this far apart are joined along the edge map [px]; at 0 gaps stay open.
@@ -229,7 +229,7 @@ class Parameters:
     smoothing: float | Literal["auto"] = 1.0
     scales: int = 3
     edge_floor: float = 0.0
-    max_frame: float = 0.0
+    max_border: float = 0.0
     max_gap: float = 0.0
     min_strength: float = 0.0
     sure_edge: float = 0.0
@@ -272,7 +272,7 @@ DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name i
 
 PRESETS: dict[str, Parameters] = {
     "shape": Parameters(),
-    "automatic": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.2, max_frame=0.08, sure_edge=0.3),
+    "automatic": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.2, max_border=0.08, sure_edge=0.3),
     "noisy": Parameters(smoothing="auto"),
 }
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), and noisy images."""

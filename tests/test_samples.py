@@ -12,7 +12,7 @@ import cpm_core as cpm
 from app.model.document.document import Document
 from app.model.document.samples import sample_called, samples
 from cpm_core.shapes import SHAPES, Circle, Everywhere, Stroke
-from cpm_core.shapes.image_starts import Sower
+from cpm_core.shapes.image_starts import SeedCache
 
 SAMPLES = Path(__file__).parent.parent / "assets" / "samples"
 LISTED = json.loads((SAMPLES / "samples.json").read_text(encoding="utf-8"))
@@ -60,7 +60,7 @@ def run(file):
     sample = sample_called(file)
     image = cpm.load_image(sample.path)
     document = Document(shapes=sample.shapes, parameters=sample.parameters)
-    seeds = document.seeds(Sower(image).sow(document.sowable, sample.parameters.smoothing, document.regions))
+    seeds = document.seeds(SeedCache(image).seeds_for(document.sowable, sample.parameters.smoothing, document.regions))
     assert np.all((seeds >= 0) & (seeds <= np.array(image.shape) - 1))
     return cpm.segment(image, seeds, sample.parameters)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, Signal
 
 from app.session.exchange.messages import Overlays, Reconstruction, Report, Snapshot
-from cpm_core.shapes.image_starts import Sown
+from cpm_core.shapes.image_starts import ImageSeeds
 
 
 class Announcements(QObject):
@@ -25,7 +25,7 @@ class Announcements(QObject):
     """What is known about newer contours: Survey, or None when there are none."""
     overlays_changed = Signal(object)
     """Newer edge map and field: Overlays."""
-    sown_changed = Signal(object)
+    image_seeds_changed = Signal(object)
     """Other places from which particles start all over the image: Sown."""
     reported = Signal(object)
     """The worker has reported something: Report. Whoever is concerned looks at its kind."""
@@ -45,9 +45,9 @@ class Announcements(QObject):
         """Pass edge map and field on."""
         self.overlays_changed.emit(overlays)
 
-    def show_sown(self, sown: Sown) -> None:
+    def show_image_seeds(self, image_seeds: ImageSeeds) -> None:
         """Pass places to start from on."""
-        self.sown_changed.emit(sown)
+        self.image_seeds_changed.emit(image_seeds)
 
     def show_status(self) -> None:
         """Say that what is resolved may have changed."""

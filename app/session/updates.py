@@ -18,14 +18,14 @@ from app.session.exchange.messages import (
     Overlays,
     Reconstruction,
     Report,
+    SeedsFound,
     Snapshot,
-    Sowing,
     Trouble,
     WarmedUp,
     WentOn,
 )
 from app.session.worker.worker_thread import Runner
-from cpm_core.shapes.image_starts import Sown
+from cpm_core.shapes.image_starts import ImageSeeds
 
 _FIGURES_EVERY = 0.1
 """Time between two updates of figures that a person reads [s]."""
@@ -57,7 +57,7 @@ class Audience(Protocol):
     def show_overlays(self, overlays: Overlays) -> None:
         """Show edge map and field."""
 
-    def show_sown(self, sown: Sown) -> None:
+    def show_image_seeds(self, image_seeds: ImageSeeds) -> None:
         """Show where particles start all over the image."""
 
     def show_status(self) -> None:
@@ -176,12 +176,12 @@ class Progress:
             case WentOn(generation):
                 if generation == self._audience.generation:
                     self._known = replace(self._known, phase="running")
-            case Sowing(generation, sown, sentence):
+            case SeedsFound(generation, image_seeds, sentence):
                 self._busy.pop("sowing", None)
                 if sentence:
                     self._audience.say(sentence, True)
                 if generation == self._audience.image_generation:
-                    self._audience.show_sown(sown)
+                    self._audience.show_image_seeds(image_seeds)
             case Exported(path):
                 self._audience.say(tr("Written: {path}").format(path=path), False)
             case Trouble(sentence):

@@ -14,7 +14,7 @@ import PIL.ImageDraw
 import cpm_core as cpm
 from app.model.document.document import Document
 from app.model.document.samples import sample_called
-from cpm_core.shapes.image_starts import Sower
+from cpm_core.shapes.image_starts import SeedCache
 
 HERE = Path(__file__).parent
 SIZE, FINER = (288, 168), 3
@@ -33,7 +33,7 @@ def draw(preset: str) -> PIL.Image.Image:
     assert sample is not None
     image, parameters = cpm.load_image(sample.path), cpm.PRESETS[preset]
     document = Document(shapes=sample.shapes, parameters=parameters)
-    seeds = document.seeds(Sower(image).sow(document.sowable, parameters.smoothing, None))
+    seeds = document.seeds(SeedCache(image).seeds_for(document.sowable, parameters.smoothing, None))
     result = cpm.segment(image, seeds, parameters)
     height = width * SIZE[1] // SIZE[0]
     left = (image.shape[1] - width) // 2

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.dynamics.edge_contact import Standing
+from cpm_core.dynamics.edge_contact import EdgeContact
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.particles.cell_list import Cells, build_cells, cells_around, row_of_cells
@@ -46,15 +46,15 @@ def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: f
     height, width = shape
     cells = build_cells(places, height, width, max(d_min, _LEAST_CELL))
     everybody = np.ones(len(places), np.bool_)
-    return thinned(Standing(strength, everybody, cells), everybody, d_min)
+    return thinned(EdgeContact(strength, everybody, cells), everybody, d_min)
 
 
-def thinned(standing: Standing, stirred: Mask, d_min: float) -> Mask:
+def thinned(contact: EdgeContact, stirred: Mask, d_min: float) -> Mask:
     """Choose the particles that stay, as `deletion` does, where only some of them have moved since that was last done.
 
     Parameters
     ----------
-    standing : Standing
+    contact : EdgeContact
         How the particles stand.
     stirred : ndarray of bool, shape (N,)
         Which of them have moved, or are new.
@@ -66,13 +66,13 @@ def thinned(standing: Standing, stirred: Mask, d_min: float) -> Mask:
     ndarray of bool, shape (N,)
         Whether each stays.
     """
-    count, strength = len(standing.strength), standing.strength
+    count, strength = len(contact.strength), contact.strength
     kept = np.ones(count, np.bool_)
-    share(partial(_find_close, standing.cells, stirred, 0.5 * d_min, kept), count, _WORTH_A_THREAD)
+    share(partial(_find_close, contact.cells, stirred, 0.5 * d_min, kept), count, _WORTH_A_THREAD)
     close = np.flatnonzero(~kept)
     if len(close):
         order = close[np.argsort(-strength[close], kind="stable")]
-        _thin(standing.cells, order, 0.5 * d_min, kept)
+        _thin(contact.cells, order, 0.5 * d_min, kept)
     return kept
 
 

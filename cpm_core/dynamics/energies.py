@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.placed_charges import at_scale, placed_potential, radius_at
-from cpm_core.field.scale_field import Level
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.parameters import Parameters
 from cpm_core.particles.cell_list import Cells, build_cells, cells_around, row_of_cells
@@ -51,24 +51,24 @@ class Energies:
     potential: float
 
 
-def energies(state: State, level: Level, parameters: Parameters) -> Energies:
+def energies(state: State, scale_field: ScaleField, parameters: Parameters) -> Energies:
     """Energies of the particles of a state; see `Engine.energies`.
 
     Parameters
     ----------
     state : State
         With the placed charges that count.
-    level : Level
+    scale_field : ScaleField
         What is felt at its scale, without placed charges.
     parameters : Parameters
         For the weights, `d_min` and `d_max`.
     """
     particles = state.particles
     in_image = 4.0**state.scale
-    height, width = level.shape
+    height, width = scale_field.shape
     reach = parameters.d_min + parameters.d_max
     pairs = _near_pairs(build_cells(particles.position, height, width, reach), reach)
-    fixed = interpolate(level.potential[None], particles.position).sum() / level.slope
+    fixed = interpolate(scale_field.potential[None], particles.position).sum() / scale_field.slope
     charges = at_scale(state.charges, state.scale, state.shape)
     placed = placed_potential(charges, radius_at(state.scale), particles.position).sum()
     mutual = _PAIR * parameters.w1 * parameters.d_min**2 * pairs

@@ -76,14 +76,14 @@ def is_quiet(epsilon: float, moving: int, changed: int, count: int) -> bool:
     return epsilon < EPSILON and moving <= few and changed <= few
 
 
-def is_idle(new: int, ground: int) -> bool:
+def is_idle(new: int, coverage: int) -> bool:
     """Whether a step found next to no new ground.
 
     Parameters
     ----------
     new : int
         Cells visited for the first time.
-    ground : int
+    coverage : int
         Cells visited so far.
     """
-    return new <= _NEWS * ground
+    return new <= _NEWS * coverage

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.dynamics.equations import FADED, LATEST, damping
 from cpm_core.dynamics.integrator import far_force_of, is_asleep, undamped_force
 from cpm_core.field.interpolation import interpolate_felt
-from cpm_core.field.scale_field import Level
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 
@@ -52,14 +52,16 @@ class Forces:
         return self.coulomb + self.lorentz + self.placed + self.friction + self.damping
 
 
-def forces(state: State, level: Level, charged: Level, idle: Index, parameters: Parameters, index: ArrayLike) -> Forces:
+def forces(
+    state: State, scale_field: ScaleField, charged: ScaleField, idle: Index, parameters: Parameters, index: ArrayLike
+) -> Forces:
     """Forces on some particles; see `Engine.forces`.
 
     Parameters
     ----------
     state : State
         As the next step takes it up.
-    level, charged : Level
+    scale_field, charged : ScaleField
         What is felt at its scale, without the placed charges and with them.
     idle : ndarray of int64, shape (N,)
         Steps since there was new ground around each particle.
@@ -70,15 +72,17 @@ def forces(state: State, level: Level, charged: Level, idle: Index, parameters: 
     """
     particles, which = state.particles, np.atleast_1d(np.asarray(index, dtype=np.int64))
     chosen = particles.taken(which)
-    far = far_force_of(state, idle, level, parameters)
-    lorentz = parameters.w2 * interpolate_felt(level.felt, chosen.position)
-    placed = parameters.w2 * interpolate_felt(charged.felt, chosen.position) - lorentz
+    far = far_force_of(state, idle, scale_field, parameters)
+    lorentz = parameters.w2 * interpolate_felt(scale_field.packed, chosen.position)
+    placed = parameters.w2 * interpolate_felt(charged.packed, chosen.position) - lorentz
     coulomb = np.zeros_like(lorentz)
     feeling = np.flatnonzero(idle[which] < FADED)
     if len(feeling):
-        coulomb[feeling] = undamped_force(particles, which[feeling], idle, far, _NO_EDGES, level.shape, parameters)
+        coulomb[feeling] = undamped_force(
+            particles, which[feeling], idle, far, _NO_EDGES, scale_field.shape, parameters
+        )
         coulomb[feeling, 0] -= parameters.w2
-    applied = undamped_force(particles, which, idle, far, charged.felt, level.shape, parameters)
+    applied = undamped_force(particles, which, idle, far, charged.packed, scale_field.shape, parameters)
     late, kinds = np.unique(np.minimum(idle[which], LATEST), return_inverse=True)
     beta = np.array([damping(parameters.beta, int(steps)) for steps in late])[kinds]
     damped = -beta[:, None] * chosen.velocity

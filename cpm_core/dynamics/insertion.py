@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.dynamics.edge_contact import Standing
+from cpm_core.dynamics.edge_contact import EdgeContact
 from cpm_core.field.interpolation import between, component
-from cpm_core.field.scale_field import FAINTEST, Level
-from cpm_core.image.barriers import Walls, crosses
+from cpm_core.field.scale_field import FAINTEST, ScaleField
+from cpm_core.image.barriers import BarrierMap, crosses
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.parameters import Parameters
@@ -96,12 +96,12 @@ def search_range(parameters: Parameters) -> float:
 
 
 def insertion(
-    standing: Standing,
+    contact: EdgeContact,
     present: Mask,
     looking: Mask,
     thorough: Mask,
     ahead: Mask,
-    level: Level,
+    scale_field: ScaleField,
     d_max: float,
     parameters: Parameters,
     turn: int = 0,
@@ -116,7 +116,7 @@ def insertion(
 
     Parameters
     ----------
-    standing : Standing
+    contact : EdgeContact
         How the particles stand.
     present : ndarray of bool, shape (N,)
         Which of them are still there.
@@ -126,7 +126,7 @@ def insertion(
         Which of those do so even if they have others on both sides along their edge.
     ahead : ndarray of bool, shape (N,)
         Which of those look ahead as well.
-    level : Level
+    scale_field : ScaleField
         The scale's fields.
     d_max : float
         Annealed insertion range [px].
@@ -140,21 +140,32 @@ def insertion(
     Births
         The new particles.
     """
-    count = len(standing.strength)
-    rule = _Rule(level.floor, parameters.d_min, parameters.d_min + d_max, search_range(parameters))
+    count = len(contact.strength)
+    rule = _Rule(scale_field.floor, parameters.d_min, parameters.d_min + d_max, search_range(parameters))
     offers = np.empty(count, np.int64)
     place, other = np.empty((count, _MOST_PLACES, 2)), np.empty((count, _MOST_PLACES), np.int64)
     room, crowd = np.empty((count, _MOST_PLACES)), np.empty((count, _MOST_PLACES), np.int64)
-    breeding, thorough = standing.seated & present, thorough & looking
-    there = present[standing.cells.order]
-    asks = (standing.cells, standing.strength, there, breeding, looking, thorough, ahead, level.felt, level.walls, rule)
+    breeding, thorough = contact.on_edge & present, thorough & looking
+    there = present[contact.cells.order]
+    asks = (
+        contact.cells,
+        contact.strength,
+        there,
+        breeding,
+        looking,
+        thorough,
+        ahead,
+        scale_field.packed,
+        scale_field.barrier_map,
+        rule,
+    )
     work = partial(_find_places, *asks, _TURNS, turn, offers, place, other, room, crowd)
     share(work, count, _WORTH_A_THREAD)
     most = int(offers.sum())
     position, parents = np.empty((most, 2)), np.empty((most, 2), np.int64)
     born = 0
     if most:
-        born = _occupy(standing.cells, offers, place, other, room, crowd, parameters.d_min, position, parents)
+        born = _occupy(contact.cells, offers, place, other, room, crowd, parameters.d_min, position, parents)
     return Births(position[:born], parents[:born, 0], parents[:born, 1])
 
 
@@ -167,8 +178,8 @@ def _find_places(
     looking: Mask,
     thorough: Mask,
     ahead: Mask,
-    felt: Single,
-    walls: Walls,
+    packed: Single,
+    barrier_map: BarrierMap,
     rule: _Rule,
     turns: Array,
     turn: int,
@@ -185,13 +196,13 @@ def _find_places(
     most = min(int(_MOST_NEAR * max(1.0, rule.range / (_NEAR_RANGE * rule.d_min)) ** 2), len(cells.order) + 1)
     near_y, near_x, index = np.empty(most + 1), np.empty(most + 1), np.empty(most + 1, np.int64)
     here, there = np.empty(2), np.empty(2)
-    walled = len(walls.segments) > 0
+    walled = len(barrier_map.segments) > 0
     for k in range(first, last):
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         offers[i] = 0
         if not (breeding[i] and looking[i]):
             continue
-        if not thorough[i] and _is_flanked(cells, present, y, x, felt, _FLANK * rule.d_min):
+        if not thorough[i] and _is_flanked(cells, present, y, x, packed, _FLANK * rule.d_min):
             continue
         length = _list_near(cells, present, y, x, rule.range, near_y, near_x, index)
         if length == most:
@@ -204,12 +215,14 @@ def _find_places(
                 j, far_y, far_x = index[n], near_y[n], near_x[n]
                 if not (breeding[j] and (j > i or not thorough[j])):
                     continue
-                free, p_y, p_x, keep, about = _halfway(near_y, near_x, length, y, x, far_y, far_x, felt, faintest, rule)
+                free, p_y, p_x, keep, about = _halfway(
+                    near_y, near_x, length, y, x, far_y, far_x, packed, faintest, rule
+                )
             elif ahead[i]:
                 down, right = turns[n - length, 0], turns[n - length, 1]
-                if (n - length - turn) % (len(turns) // 2) and not _is_along(felt, y, x, down, right):
+                if (n - length - turn) % (len(turns) // 2) and not _is_along(packed, y, x, down, right):
                     continue
-                free, p_y, p_x, keep, about = _ahead(near_y, near_x, length, y, x, down, right, felt, faintest, rule)
+                free, p_y, p_x, keep, about = _ahead(near_y, near_x, length, y, x, down, right, packed, faintest, rule)
                 far_y, far_x = p_y, p_x
             else:
                 break
@@ -217,7 +230,7 @@ def _find_places(
                 continue
             if walled:
                 here[0], here[1], there[0], there[1] = y, x, far_y, far_x
-                if crosses(walls, here, there):
+                if crosses(barrier_map, here, there):
                     continue
             place[i, offered, 0], place[i, offered, 1] = p_y, p_x
             other[i, offered], room[i, offered], crowd[i, offered] = j, keep, about
@@ -234,7 +247,7 @@ def _halfway(
     x: float,
     far_y: float,
     far_x: float,
-    felt: Single,
+    packed: Single,
     faintest: float,
     rule: _Rule,
 ) -> Place:
@@ -247,7 +260,7 @@ def _halfway(
         about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
         free = about <= _CROWD
     if free:
-        free, c_y, c_x = _relax(felt, faintest, 0.5 * rule.d_min, p_y, p_x)
+        free, c_y, c_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
         free = free and _crowd(near_y, near_x, length, c_y, c_x, keep, rule.d_min) <= _CROWD
     return free, p_y, p_x, keep, about
 
@@ -261,7 +274,7 @@ def _ahead(
     x: float,
     down: float,
     right: float,
-    felt: Single,
+    packed: Single,
     faintest: float,
     rule: _Rule,
 ) -> Place:
@@ -270,7 +283,7 @@ def _ahead(
     p_y, p_x = y + _STRIDE * rule.d_min * down, x + _STRIDE * rule.d_min * right
     free = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min) < _FULL  # cheap, and hardly any direction passes
     if free:
-        free, p_y, p_x = _relax(felt, faintest, 0.5 * rule.d_min, p_y, p_x)
+        free, p_y, p_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
     if free:
         about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
         free = about <= _CROWD
@@ -278,10 +291,10 @@ def _ahead(
 
 
 @compiled
-def _is_flanked(cells: Cells, present: Mask, y: float, x: float, felt: Single, distance: float) -> bool:
+def _is_flanked(cells: Cells, present: Mask, y: float, x: float, packed: Single, distance: float) -> bool:
     """Whether a particle has others on both sides along its edge, so near that there is no place ahead of it."""
-    at = between(felt, y, x)
-    n_y, n_x = component(felt, 2, at), component(felt, 3, at)
+    at = between(packed, y, x)
+    n_y, n_x = component(packed, 2, at), component(packed, 3, at)
     before, behind = 0, 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):
@@ -296,10 +309,10 @@ def _is_flanked(cells: Cells, present: Mask, y: float, x: float, felt: Single, d
 
 
 @compiled
-def _is_along(felt: Single, y: float, x: float, down: float, right: float) -> bool:
+def _is_along(packed: Single, y: float, x: float, down: float, right: float) -> bool:
     """Whether a direction is along the edge at a place."""
-    at = between(felt, y, x)
-    n_y, n_x = component(felt, 2, at), component(felt, 3, at)
+    at = between(packed, y, x)
+    n_y, n_x = component(packed, 2, at), component(packed, 3, at)
     return (down * n_y + right * n_x) ** 2 <= _ALONG * (n_y**2 + n_x**2)
 
 
@@ -332,18 +345,18 @@ def _crowd(near_y: Array, near_x: Array, length: int, y: float, x: float, room: 
 
 
 @compiled
-def _relax(felt: Single, faintest: float, farthest: float, y: float, x: float) -> tuple[bool, float, float]:
+def _relax(packed: Single, faintest: float, farthest: float, y: float, x: float) -> tuple[bool, float, float]:
     """Let a place slide along the Lorentz force; tell whether it comes to rest on an edge within reach, and where."""
     start_y, start_x = y, x
     for slide in range(_SLIDES + 1):
-        if not (0.0 <= y <= felt.shape[0] - 1.0 and 0.0 <= x <= felt.shape[1] - 1.0):
+        if not (0.0 <= y <= packed.shape[0] - 1.0 and 0.0 <= x <= packed.shape[1] - 1.0):
             break
         if (y - start_y) ** 2 + (x - start_x) ** 2 >= farthest**2:
             break
-        place = between(felt, y, x)
-        if component(felt, 4, place) < faintest:
+        place = between(packed, y, x)
+        if component(packed, 4, place) < faintest:
             break
-        f_y, f_x = component(felt, 0, place), component(felt, 1, place)
+        f_y, f_x = component(packed, 0, place), component(packed, 1, place)
         squared = f_y**2 + f_x**2
         if slide == _SLIDES or squared < _RESTED**2:
             return squared < _RESTING**2, y, x

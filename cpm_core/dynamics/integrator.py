@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.dynamics.edge_contact import seat, seats
+from cpm_core.dynamics.edge_contact import contact_at, on_edge_at
 from cpm_core.dynamics.equations import (
     FADED,
     LATEST,
@@ -26,7 +26,7 @@ from cpm_core.dynamics.equations import (
     repulsion_left,
 )
 from cpm_core.field.interpolation import between, component
-from cpm_core.field.scale_field import GATE, Level
+from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.parameters import Parameters
@@ -85,24 +85,24 @@ class Moved:
         Distance that each has moved [px].
     strength : ndarray, shape (N,)
         Edge strength at each.
-    seated : ndarray of bool, shape (N,)
+    on_edge : ndarray of bool, shape (N,)
         Which of them sit on an edge.
     """
 
     particles: Particles
     motion: Array
     strength: Array
-    seated: Mask
+    on_edge: Mask
 
     def where(self, kept: Mask) -> Moved:
         """Those particles for which `kept`, shape (N,), is true."""
-        return Moved(self.particles.where(kept), self.motion[kept], self.strength[kept], self.seated[kept])
+        return Moved(self.particles.where(kept), self.motion[kept], self.strength[kept], self.on_edge[kept])
 
-    def held_at(self, particles: Particles, start: Array, level: Level) -> Moved:
+    def held_at(self, particles: Particles, start: Array, scale_field: ScaleField) -> Moved:
         """Where walls have let the particles go from `start`, shape (N, 2); they have moved no farther."""
         particles.distance[:, 0] = np.linalg.norm(particles.position, axis=1)
         motion = np.linalg.norm(particles.position - start, axis=1)
-        return Moved(particles, motion, *seats(particles.position, level))
+        return Moved(particles, motion, *contact_at(particles.position, scale_field))
 
 
 class _Law(NamedTuple):
@@ -115,7 +115,7 @@ class _Law(NamedTuple):
     lonely: float
 
 
-def far_force_for(particles: Particles, idle: Index, level: Level, parameters: Parameters) -> FarForce:
+def far_force_for(particles: Particles, idle: Index, scale_field: ScaleField, parameters: Parameters) -> FarForce:
     """Far force of a step, or none where summing all pairs is faster or nobody feels them.
 
     Parameters
@@ -124,26 +124,26 @@ def far_force_for(particles: Particles, idle: Index, level: Level, parameters: P
         Before the step.
     idle : ndarray of int64, shape (N,)
         Steps since there was new ground around each.
-    level : Level
+    scale_field : ScaleField
         Fields of the scale.
     parameters : Parameters
         For `d_min` and `d_max`.
     """
     reach = _REACH * (parameters.d_min + parameters.d_max)
     feeling = np.count_nonzero(idle < FADED)
-    if feeling * len(particles) < _PAIRS_A_NODE * nodes(level.shape, reach):
+    if feeling * len(particles) < _PAIRS_A_NODE * nodes(scale_field.shape, reach):
         return NOTHING_FAR
-    return far_force(particles.position, level.shape, reach)
+    return far_force(particles.position, scale_field.shape, reach)
 
 
-def far_force_of(state: State, idle: Index, level: Level, parameters: Parameters) -> FarForce:
+def far_force_of(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> FarForce:
     """Far force of the step after a state: the one that serves, or a new one when its time has come."""
     if state.step_of_scale % FAR_EVERY == 0 or state.far is None:
-        return far_force_for(state.particles, idle, level, parameters)
+        return far_force_for(state.particles, idle, scale_field, parameters)
     return state.far
 
 
-def move(particles: Particles, idle: Index, far: FarForce, level: Level, parameters: Parameters) -> Moved:
+def move(particles: Particles, idle: Index, far: FarForce, scale_field: ScaleField, parameters: Parameters) -> Moved:
     """One time step of all particles.
 
     Parameters
@@ -154,7 +154,7 @@ def move(particles: Particles, idle: Index, far: FarForce, level: Level, paramet
         Steps since there was new ground around each.
     far : FarForce
         Far part of the Coulomb force.
-    level : Level
+    scale_field : ScaleField
         Fields of the scale.
     parameters : Parameters
         Obeyed at once.
@@ -164,8 +164,8 @@ def move(particles: Particles, idle: Index, far: FarForce, level: Level, paramet
     Moved
         After the step.
     """
-    cells = _cells(particles, far, level.shape)
-    moved, work = _prepared(particles, cells, idle, far, level.felt, level.floor, parameters)
+    cells = _cells(particles, far, scale_field.shape)
+    moved, work = _prepared(particles, cells, idle, far, scale_field.packed, scale_field.floor, parameters)
     share(work, len(particles), _WORTH_A_THREAD)
     return moved
 
@@ -175,7 +175,7 @@ def undamped_force(
     index: Index,
     idle: Index,
     far: FarForce,
-    felt: Single,
+    packed: Single,
     shape: tuple[int, ...],
     parameters: Parameters,
 ) -> Array:
@@ -191,8 +191,8 @@ def undamped_force(
         Steps since there was new ground around each.
     far : FarForce
         Far part of the Coulomb force.
-    felt : ndarray of float32, shape (H, W, 5)
-        What is felt on the pixels; see `Level`.
+    packed : ndarray of float32, shape (H, W, 5)
+        What is felt on the pixels; see `ScaleField`.
     shape : tuple of int
         Shape of the image at the scale.
     parameters : Parameters
@@ -204,7 +204,7 @@ def undamped_force(
         The force; of particles that are asleep that of their last step.
     """
     cells = _cells(particles, far, shape)
-    moved, work = _prepared(particles, cells, idle, far, felt, np.inf, parameters)
+    moved, work = _prepared(particles, cells, idle, far, packed, np.inf, parameters)
     if len(index) > _FEW:
         share(work, len(particles), _WORTH_A_THREAD)
     else:
@@ -233,7 +233,7 @@ def _prepared(
     cells: Cells,
     idle: Index,
     far: FarForce,
-    felt: Single,
+    packed: Single,
     floor: float,
     parameters: Parameters,
 ) -> tuple[Moved, Callable[[int, int], object]]:
@@ -255,10 +255,10 @@ def _prepared(
     )
     motion = np.empty(len(particles))
     before = (particles.velocity, particles.force, particles.distance)
-    strength, seated = np.empty(len(particles)), np.empty(len(particles), np.bool_)
-    to = (after.position, after.velocity, after.force, after.distance, motion, strength, seated)
-    work = partial(_move, cells, felt, idle, far, damped, law, before, to, floor)
-    return Moved(after, motion, strength, seated), work
+    strength, on_edge = np.empty(len(particles)), np.empty(len(particles), np.bool_)
+    to = (after.position, after.velocity, after.force, after.distance, motion, strength, on_edge)
+    work = partial(_move, cells, packed, idle, far, damped, law, before, to, floor)
+    return Moved(after, motion, strength, on_edge), work
 
 
 @lru_cache(maxsize=8)
@@ -270,7 +270,7 @@ def _damped(beta: float, dt: float) -> Array:
 @compiled
 def _move(
     cells: Cells,
-    felt: Single,
+    packed: Single,
     idle: Index,
     far: FarForce,
     damped: Array,
@@ -283,7 +283,7 @@ def _move(
 ) -> None:
     """Move some of the sorted particles."""
     velocity, force, distance = before
-    to_position, to_velocity, to_force, to_distance, motion, strength, seated = after
+    to_position, to_velocity, to_force, to_distance, motion, strength, on_edge = after
     room = len(cells.order) + _LANES
     near_y, near_x, squared = np.empty(room, np.float32), np.empty(room, np.float32), np.empty(room, np.float32)
     bits = squared.view(np.int32)
@@ -301,7 +301,7 @@ def _move(
                 to_force[i, 0, axis], to_force[i, 1, axis] = force[i, 0, axis], force[i, 1, axis]
             to_distance[i, 0] = np.sqrt(y**2 + x**2)
             motion[i] = 0.0
-            strength[i], seated[i] = seat(felt, y, x, floor)
+            strength[i], on_edge[i] = on_edge_at(packed, y, x, floor)
             continue
         c_y, c_x = 0.0, 0.0
         if left > 0.0:
@@ -324,17 +324,17 @@ def _move(
         history = (force[i, 0, 0], force[i, 0, 1], force[i, 1, 0], force[i, 1, 1])
         late = min(idle[i], len(damped) - 1)
         series = (damped[late, 0], damped[late, 1], damped[late, 2], damped[late, 3])
-        to_y, to_x, v_y, v_x, history = _step(felt, law, idle[i], series, y, x, v_y, v_x, c_y, c_x, history)
+        to_y, to_x, v_y, v_x, history = _step(packed, law, idle[i], series, y, x, v_y, v_x, c_y, c_x, history)
         to_position[i, 0], to_position[i, 1], to_velocity[i, 0], to_velocity[i, 1] = to_y, to_x, v_y, v_x
         to_force[i, 0, 0], to_force[i, 0, 1], to_force[i, 1, 0], to_force[i, 1, 1] = history
         to_distance[i, 0] = np.sqrt(to_y**2 + to_x**2)
         motion[i] = np.sqrt((to_y - y) ** 2 + (to_x - x) ** 2)
-        strength[i], seated[i] = seat(felt, to_y, to_x, floor)
+        strength[i], on_edge[i] = on_edge_at(packed, to_y, to_x, floor)
 
 
 @compiled
 def _step(
-    felt: Single,
+    packed: Single,
     law: _Law,
     idle: int,
     series: Four,
@@ -348,11 +348,11 @@ def _step(
 ) -> tuple[float, float, float, float, Four]:
     """Total force of eq. (12) on a particle under the Coulomb force c, and the step of eq. (14)-(15)."""
     last_y, last_x, old_y, old_x = history
-    place = between(felt, y, x)
-    l_y, l_x = component(felt, 0, place), component(felt, 1, place)
+    place = between(packed, y, x)
+    l_y, l_x = component(packed, 0, place), component(packed, 1, place)
     f_y, f_x = law.w1 * c_y + law.w2 * l_y, law.w1 * c_x + law.w2 * l_x
     if l_y**2 + l_x**2 < GATE**2:
-        n_y, n_x = component(felt, 2, place), component(felt, 3, place)
+        n_y, n_x = component(packed, 2, place), component(packed, 3, place)
         size = max(np.sqrt(n_y**2 + n_x**2), 1e-30)
         n_y, n_x = n_y / size, n_x / size
         if is_stuck(_along(f_y, f_x, n_y, n_x), _along(v_y, v_x, n_y, n_x), law.w1, idle):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.placed_charges import Charges, at_scale, box_of, changed, placed_force, placed_potential, radius_at
-from cpm_core.field.scale_field import Level
+from cpm_core.field.scale_field import ScaleField
 
 Array = NDArray[np.float64]
 
@@ -23,12 +23,12 @@ Array = NDArray[np.float64]
 class _Kept:
     """The last level with charges, without them, and what they were."""
 
-    plain: Level
-    charged: Level
+    plain: ScaleField
+    charged: ScaleField
     charges: Charges
 
 
-class ChargedLevels:
+class PlacedChargeCache:
     """Levels with placed charges, for a thread the one that it has last asked for.
 
     Parameters
@@ -41,12 +41,12 @@ class ChargedLevels:
         self._shape = shape
         self._local = local()
 
-    def of(self, level: Level, scale: int, charges: Charges) -> Level:
+    def of(self, scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
         """A level with charges; what has been returned to this thread before is no longer valid.
 
         Parameters
         ----------
-        level : Level
+        scale_field : ScaleField
             Without charges.
         scale : int
             Of the level.
@@ -55,43 +55,43 @@ class ChargedLevels:
 
         Returns
         -------
-        Level
+        ScaleField
             The level itself when there are no charges.
         """
         if not charges:
             self._local.kept = None
-            return level
+            return scale_field
         kept: _Kept | None = getattr(self._local, "kept", None)
-        if kept is None or kept.plain is not level:
-            kept = _Kept(level, replace(level, felt=level.felt.copy()), ())
+        if kept is None or kept.plain is not scale_field:
+            kept = _Kept(scale_field, replace(scale_field, packed=scale_field.packed.copy()), ())
         dirty = changed(kept.charges, charges)
         if dirty:
             radius = radius_at(scale)
-            box = box_of(at_scale(dirty, scale, self._shape), radius, level.shape)
+            box = box_of(at_scale(dirty, scale, self._shape), radius, scale_field.shape)
             force = placed_force(at_scale(charges, scale, self._shape), radius, box)
             window = (slice(*box[:2]), slice(*box[2:]), slice(2))
-            kept.charged.felt[window] = level.felt[window] + force
+            kept.charged.packed[window] = scale_field.packed[window] + force
             kept = replace(kept, charges=charges)
         self._local.kept = kept
         return kept.charged
 
 
-def charged_force(level: Level, charges: Array, scale: int) -> Array:
+def charged_force(scale_field: ScaleField, charges: Array, scale: int) -> Array:
     """Lorentz force on the pixels of a level with that of charges, shapes (K, 3) and (2, H, W)."""
-    force = level.lorentz.astype(float)
+    force = scale_field.lorentz.astype(float)
     if len(charges):
-        box = box_of(charges, radius_at(scale), level.shape)
+        box = box_of(charges, radius_at(scale), scale_field.shape)
         force[:, slice(*box[:2]), slice(*box[2:])] += np.moveaxis(placed_force(charges, radius_at(scale), box), -1, 0)
     return force
 
 
-def charged_potential(level: Level, charges: Array) -> Array:
+def charged_potential(scale_field: ScaleField, charges: Array) -> Array:
     """Potential on the pixels of the image with that of charges, shapes (K, 3) and (H, W); see `Engine.potential`."""
-    potential = level.potential.copy()
+    potential = scale_field.potential.copy()
     for number in range(len(charges)):
         charge = charges[number : number + 1]
-        top, bottom, left, right = box_of(charge, radius_at(0), level.shape)
+        top, bottom, left, right = box_of(charge, radius_at(0), scale_field.shape)
         places = np.mgrid[top:bottom, left:right].reshape(2, -1).T
         placed = placed_potential(charge, radius_at(0), places).reshape(bottom - top, right - left)
-        potential[top:bottom, left:right] += level.slope * placed
+        potential[top:bottom, left:right] += scale_field.slope * placed
     return potential

@@ -14,8 +14,8 @@ from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.potential import convolved_potential
 from cpm_core.field.region_contrast import region_contrast
-from cpm_core.image.barriers import NO_WALLS, Walls, build_walls
-from cpm_core.image.border import inside_frame, within
+from cpm_core.image.barriers import NO_BARRIERS, BarrierMap, build_barrier_map
+from cpm_core.image.border import inside_border, within
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.maximum_filter import running_maximum
 from cpm_core.numerics.parallel import share
@@ -59,12 +59,12 @@ SPLINE_MARGIN = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
+class ScaleField:
     r"""One scale of an image as the particles feel it.
 
     Attributes
     ----------
-    felt : ndarray of float32, shape (\*shape, 2 D + 1)
+    packed : ndarray of float32, shape (\*shape, 2 D + 1)
         Normalised Lorentz force, `gradient` and `edge_map` of each pixel side by side, so that a particle finds all of
         it in one place; single precision is as much as a particle can feel.
     gradient : ndarray, shape (D, \*shape)
@@ -81,11 +81,11 @@ class Level:
         Edge strength under which there is no edge for a particle to sit on.
     smoothing : float
         The sigma that was used [px].
-    walls : Walls
+    barrier_map : BarrierMap
         What particles do not cross.
     """
 
-    felt: Single
+    packed: Single
     gradient: Array
     edge_map: Array
     values: Array
@@ -93,12 +93,12 @@ class Level:
     least_charge: float
     floor: float
     smoothing: float
-    walls: Walls = NO_WALLS
+    barrier_map: BarrierMap = NO_BARRIERS
 
     @property
     def lorentz(self) -> Single:
         r"""Normalised Lorentz force on the pixels, shape (D, \*shape)."""
-        return np.moveaxis(self.felt, -1, 0)[: self.felt.ndim - 1]
+        return np.moveaxis(self.packed, -1, 0)[: self.packed.ndim - 1]
 
     @property
     def charges(self) -> Array:
@@ -133,9 +133,9 @@ class Level:
         slope = float(magnitude(gradient(self.potential, 0.0)).mean())
         return slope if slope > 0.0 else 1.0
 
-    def behind(self, walls: Walls) -> Level:
+    def behind(self, barrier_map: BarrierMap) -> ScaleField:
         """The same level with other walls; what has been derived of it is taken over."""
-        other = replace(self, walls=walls)
+        other = replace(self, barrier_map=barrier_map)
         for name in ("spline", "potential", "slope"):
             if name in self.__dict__:
                 other.__dict__[name] = self.__dict__[name]
@@ -147,14 +147,14 @@ class Level:
         return self.edge_map.shape
 
 
-def build_level(
+def build_scale_field(
     values: Array,
     smoothing: float,
     edge_floor: float,
     regions: Regions | None = None,
-    max_frame: float = 0.0,
-    known: Level | None = None,
-) -> Level:
+    max_border: float = 0.0,
+    known: ScaleField | None = None,
+) -> ScaleField:
     r"""Compute what particles feel in an image.
 
     Parameters
@@ -169,15 +169,15 @@ def build_level(
     regions : Regions, optional
         Regions of interest and barriers, in px of the scale. Outside the regions of interest there is no fixed charge,
         and what is the largest edge strength and what is background is told by the inside.
-    max_frame : float
+    max_border : float
         Width up to which a frame is looked for, as a fraction of the shortest side; 0 for none.
-    known : Level, optional
+    known : ScaleField, optional
         A level of the same regions; its walls are taken over, and its gradient if it is that of the same image,
         smoothed as much.
 
     Returns
     -------
-    Level
+    ScaleField
         Fields of the scale.
     """
     if known is not None and known.values is values and known.smoothing == smoothing:
@@ -185,10 +185,10 @@ def build_level(
     else:
         grad = gradient(values, smoothing)
     strength = magnitude(grad)
-    walls = NO_WALLS
+    barrier_map = NO_BARRIERS
     if regions is not None:
-        walls = build_walls(regions, values.shape) if known is None else known.walls
-    inside = inside_frame(grad, strength, smoothing, max_frame)
+        barrier_map = build_barrier_map(regions, values.shape) if known is None else known.barrier_map
+    inside = inside_border(grad, strength, smoothing, max_border)
     if regions is not None and regions.interest:
         inside &= regions.pixels(values.shape)
     strongest = float(strength.max(where=inside, initial=0.0))
@@ -197,7 +197,7 @@ def build_level(
     lorentz = lorentz_force(convolved_field(charged, precision=_FIELD_PRECISION), grad, strength, strongest)
     if not inside.all():
         strength[~within(inside, _MARGIN)] = 0.0
-    felt = np.stack([*lorentz, *grad, strength], axis=-1, dtype=np.float32)
+    packed = np.stack([*lorentz, *grad, strength], axis=-1, dtype=np.float32)
     if strongest == 0.0:  # a coarse scale may have no pixel inside: nowhere is an edge to sit on
         floor = np.inf
     elif edge_floor > 0.0:
@@ -205,7 +205,7 @@ def build_level(
     else:
         background = min(background_strength(strength[inside]), _MOST_BACKGROUND * strongest)
         floor = max(WEAKEST_EDGE * strongest, background)
-    return Level(felt, grad, strength, values, strongest, least, floor, smoothing, walls)
+    return ScaleField(packed, grad, strength, values, strongest, least, floor, smoothing, barrier_map)
 
 
 def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:

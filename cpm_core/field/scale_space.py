@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.edge_map import automatic_smoothing, prepared
-from cpm_core.field.scale_field import Level, build_level
-from cpm_core.image.barriers import NO_WALLS, Walls, build_walls
+from cpm_core.field.scale_field import ScaleField, build_scale_field
+from cpm_core.image.barriers import NO_BARRIERS, BarrierMap, build_barrier_map
 from cpm_core.image.denoising import Cleaned
 from cpm_core.image.pyramid import pyramid
 from cpm_core.image.regions import Line, Regions
@@ -30,7 +30,7 @@ _KEPT_SETTINGS = 2
 """Settings whose levels are kept for reuse, so that going back to the last one costs nothing."""
 
 
-class Levels:
+class ScaleSpace:
     r"""Levels of an image for whatever parameters are asked for; safe to share between threads.
 
     Parameters
@@ -49,11 +49,11 @@ class Levels:
         self._pyramid = pyramid(image, scales)
         self._prepared: tuple[tuple[Array, ...], Cleaned] | None = None
         self._told: dict[int, float] = {}
-        self._kept: OrderedDict[_Key, Level] = OrderedDict()
-        self._former: OrderedDict[_Key, Level] = OrderedDict()
+        self._kept: OrderedDict[_Key, ScaleField] = OrderedDict()
+        self._former: OrderedDict[_Key, ScaleField] = OrderedDict()
         self._lock = Lock()
 
-    def with_regions(self, regions: Regions | None) -> Levels:
+    def with_regions(self, regions: Regions | None) -> ScaleSpace:
         """Levels of the same image with other regions.
 
         Where the regions of interest are the same all levels that there are are taken over, but for the walls; where
@@ -63,9 +63,9 @@ class Levels:
         other._regions, other._lock = regions, Lock()
         with self._lock:
             kept, former, other._told = self._kept, self._former, self._told.copy()
-            walls = {scale: other._walls(scale) for scale, *_ in [*kept, *former]}
+            barrier_map = {scale: other._walls(scale) for scale, *_ in [*kept, *former]}
             kept, former = (
-                OrderedDict((key, level.behind(walls[key[0]])) for key, level in levels.items())
+                OrderedDict((key, scale_field.behind(barrier_map[key[0]])) for key, scale_field in levels.items())
                 for levels in (kept, former)
             )
         same = _interest(regions) == _interest(self._regions)
@@ -76,8 +76,8 @@ class Levels:
     def __len__(self) -> int:
         return len(self._pyramid)
 
-    def at(self, scale: int, parameters: Parameters) -> Level:
-        """Level of a scale for `smoothing`, `edge_floor` and `max_frame`; no other parameter makes it stale."""
+    def at(self, scale: int, parameters: Parameters) -> ScaleField:
+        """Level of a scale for `smoothing`, `edge_floor` and `max_border`; no other parameter makes it stale."""
         with self._lock:
             self._keep([scale], parameters)
             return self._kept[_key(scale, parameters)]
@@ -97,7 +97,7 @@ class Levels:
             for scale in missing[first:end]:
                 built[scale] = self._build(scale, parameters)
 
-        built: dict[int, Level] = {}
+        built: dict[int, ScaleField] = {}
         share(work, len(missing), 1)
         for scale in scales:
             key = _key(scale, parameters)
@@ -107,7 +107,7 @@ class Levels:
         while len(self._kept) > _KEPT_SETTINGS * len(self):
             self._kept.popitem(last=False)
 
-    def _build(self, scale: int, parameters: Parameters) -> Level:
+    def _build(self, scale: int, parameters: Parameters) -> ScaleField:
         regions = self._regions and self._regions.at_scale(scale, self._image.shape)
         floor, smoothing = parameters.edge_floor, parameters.smoothing
         values = self._pyramid[scale]
@@ -115,16 +115,18 @@ class Levels:
             levels, ready = self._ready()
             values, floor = levels[scale], max(floor, ready.floor)
             smoothing = self._smoothing(scale)
-        return build_level(values, smoothing, floor, regions, parameters.max_frame, self._akin(scale, parameters))
+        return build_scale_field(
+            values, smoothing, floor, regions, parameters.max_border, self._akin(scale, parameters)
+        )
 
-    def _walls(self, scale: int) -> Walls:
+    def _walls(self, scale: int) -> BarrierMap:
         regions = self._regions and self._regions.at_scale(scale, self._image.shape)
-        return build_walls(regions, self._pyramid[scale].shape) if regions else NO_WALLS
+        return build_barrier_map(regions, self._pyramid[scale].shape) if regions else NO_BARRIERS
 
-    def _akin(self, scale: int, parameters: Parameters) -> Level | None:
+    def _akin(self, scale: int, parameters: Parameters) -> ScaleField | None:
         """The kept level of a scale that has most in common with what is asked for: the smoothing, if there is one."""
         known = [*self._former.items(), *self._kept.items()]
-        found = [(key[1] == parameters.smoothing, level) for key, level in known if key[0] == scale]
+        found = [(key[1] == parameters.smoothing, scale_field) for key, scale_field in known if key[0] == scale]
         return max(found, key=lambda one: one[0])[1] if found else None
 
     def _ready(self) -> tuple[tuple[Array, ...], Cleaned]:
@@ -151,4 +153,4 @@ def _interest(regions: Regions | None) -> tuple[Line, ...]:
 
 def _key(scale: int, parameters: Parameters) -> _Key:
     """What a level depends on."""
-    return scale, parameters.smoothing, parameters.edge_floor, parameters.max_frame
+    return scale, parameters.smoothing, parameters.edge_floor, parameters.max_border

@@ -31,7 +31,7 @@ _ROUNDING = 2.0
 and half the sampling [px]."""
 
 
-class Walls(NamedTuple):
+class BarrierMap(NamedTuple):
     """The walls of one scale; a plain tuple for the compiled loops.
 
     Attributes
@@ -75,10 +75,10 @@ class Walls(NamedTuple):
         return replace(after, position=position, velocity=velocity)
 
 
-NO_WALLS = Walls(np.zeros((0, 4)), np.zeros((1, 1)))
+NO_BARRIERS = BarrierMap(np.zeros((0, 4)), np.zeros((1, 1)))
 
 
-def build_walls(regions: Regions, shape: tuple[int, ...]) -> Walls:
+def build_barrier_map(regions: Regions, shape: tuple[int, ...]) -> BarrierMap:
     """Walls of regions.
 
     Parameters
@@ -90,16 +90,16 @@ def build_walls(regions: Regions, shape: tuple[int, ...]) -> Walls:
 
     Returns
     -------
-    Walls
+    BarrierMap
         Barriers and rims of the regions of interest.
     """
     segments = np.concatenate([regions.rims(), regions.lines()])
     if not len(segments):
-        return NO_WALLS
+        return NO_BARRIERS
     clearance = np.full(shape, float(_FAR))
     _clear(segments, clearance)
     clearance -= _ROUNDING
-    return Walls(segments, clearance)
+    return BarrierMap(segments, clearance)
 
 
 @compiled
@@ -124,20 +124,20 @@ def _clear(segments: Array, clearance: Array) -> None:
 
 
 @compiled
-def crosses(walls: Walls, a: Array, b: Array) -> bool:
+def crosses(barrier_map: BarrierMap, a: Array, b: Array) -> bool:
     """Whether the straight way from a to b crosses or touches a wall."""
-    if len(walls.segments) == 0:
+    if len(barrier_map.segments) == 0:
         return False
-    rows, cols = walls.clearance.shape
+    rows, cols = barrier_map.clearance.shape
     row = min(max(np.int64(a[0] + 0.5), 0), rows - 1)
     col = min(max(np.int64(a[1] + 0.5), 0), cols - 1)
-    clear = walls.clearance[row, col]
+    clear = barrier_map.clearance[row, col]
     if clear > 0.0 and (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 < clear * clear:
         return False
     s = 0
-    while s < len(walls.segments) and not _meet(walls.segments[s], a, b):
+    while s < len(barrier_map.segments) and not _meet(barrier_map.segments[s], a, b):
         s += 1
-    return s < len(walls.segments)
+    return s < len(barrier_map.segments)
 
 
 @compiled
@@ -162,33 +162,33 @@ def _side(p: Array, q: Array, a: Array) -> float:
 
 
 @compiled
-def _crossed(walls: Walls, start: Array, end: Array) -> NDArray[np.bool_]:
+def _crossed(barrier_map: BarrierMap, start: Array, end: Array) -> NDArray[np.bool_]:
     out = np.zeros(len(start), np.bool_)
     for i in range(len(start)):
-        out[i] = crosses(walls, start[i], end[i])
+        out[i] = crosses(barrier_map, start[i], end[i])
     return out
 
 
 @compiled
-def _hold(walls: Walls, blocked: NDArray[np.int64], before: Array, position: Array, velocity: Array) -> None:
+def _hold(barrier_map: BarrierMap, blocked: NDArray[np.int64], before: Array, position: Array, velocity: Array) -> None:
     """Let blocked particles slide along the wall, in place."""
     for n in range(len(blocked)):
         i = blocked[n]
         first, wall = np.inf, -1
-        for s in range(len(walls.segments)):
-            if _meet(walls.segments[s], before[i], position[i]):
-                here = _side(walls.segments[s, :2], walls.segments[s, 2:], before[i])
-                there = _side(walls.segments[s, :2], walls.segments[s, 2:], position[i])
+        for s in range(len(barrier_map.segments)):
+            if _meet(barrier_map.segments[s], before[i], position[i]):
+                here = _side(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], before[i])
+                there = _side(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], position[i])
                 way = here / (here - there) if here != there else 0.0
                 if way < first:
                     first, wall = way, s
-        row = walls.segments[wall, 2] - walls.segments[wall, 0]
-        col = walls.segments[wall, 3] - walls.segments[wall, 1]
+        row = barrier_map.segments[wall, 2] - barrier_map.segments[wall, 0]
+        col = barrier_map.segments[wall, 3] - barrier_map.segments[wall, 1]
         squared = row**2 + col**2
         slide = ((position[i, 0] - before[i, 0]) * row + (position[i, 1] - before[i, 1]) * col) / squared
         speed = (velocity[i, 0] * row + velocity[i, 1] * col) / squared
         position[i, 0], position[i, 1] = before[i, 0] + row * slide, before[i, 1] + col * slide
         velocity[i, 0], velocity[i, 1] = row * speed, col * speed
-        if crosses(walls, before[i], position[i]):
+        if crosses(barrier_map, before[i], position[i]):
             position[i, 0], position[i, 1] = before[i, 0], before[i, 1]
             velocity[i, 0], velocity[i, 1] = 0.0, 0.0

@@ -32,7 +32,7 @@ _FLANK = 3.0
 """Width of an edge's flank, in sigma."""
 
 
-def inside_frame(grad: Array, strength: Array, smoothing: float, widest: float) -> NDArray[np.bool_]:
+def inside_border(grad: Array, strength: Array, smoothing: float, widest: float) -> NDArray[np.bool_]:
     r"""Pixels that no frame covers.
 
     Parameters

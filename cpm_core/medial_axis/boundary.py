@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.field.scale_field import Level
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 
@@ -48,7 +48,7 @@ class Boundary:
     strength: Array
 
 
-def find_boundary(level: Level, parameters: Parameters) -> Boundary:
+def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
     """Find the edges of an image without a drawing, at a fraction of a pixel.
 
     Every pixel above the floor is where a particle could sit; from there on it is the reconstruction of a run: crest,
@@ -57,7 +57,7 @@ def find_boundary(level: Level, parameters: Parameters) -> Boundary:
 
     Parameters
     ----------
-    level : Level
+    scale_field : ScaleField
         Fields of the image at its own scale.
     parameters : Parameters
         For `d_min`, `min_strength` and `min_length`.
@@ -67,18 +67,18 @@ def find_boundary(level: Level, parameters: Parameters) -> Boundary:
     Boundary
         Of all edges; empty when there are none.
     """
-    pixels = np.argwhere(level.edge_map >= level.floor).astype(float)
+    pixels = np.argwhere(scale_field.edge_map >= scale_field.floor).astype(float)
     shortest = max(parameters.min_length, _SHORTEST * parameters.d_min)
     dense = replace(parameters, d_min=_SPACING, d_max=_SPACING, min_length=shortest)
-    contours, _ = find_contours(pixels, level, dense)
+    contours, _ = find_contours(pixels, scale_field, dense)
     if not contours:
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0))
-    paths = [_continued(_evenly(contour), level.shape) for contour in contours]
+    paths = [_continued(_evenly(contour), scale_field.shape) for contour in contours]
     start = np.cumsum([0, *map(len, paths)])
     distinct, index = np.unique(np.concatenate(paths), axis=0, return_inverse=True)  # junctions occur more than once
     index = index.ravel()
     pairs = [np.stack([index[a : b - 1], index[a + 1 : b]], axis=1) for a, b in pairwise(start)]
-    return Boundary(distinct, np.concatenate(pairs), level.strength(distinct))
+    return Boundary(distinct, np.concatenate(pairs), scale_field.strength(distinct))
 
 
 def _evenly(contour: Contour) -> Array:

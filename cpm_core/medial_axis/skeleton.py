@@ -130,14 +130,14 @@ def skeleton(
         raise ValueError(f"pruning is {pruning:g} but must be a number of pixels, 0 or more.")
     chosen = replace(params or PRESETS["noisy"], scales=1)
     engine = Engine(values, chosen)
-    image, level = engine.image, engine.level(chosen)
-    boundary = find_boundary(level, chosen)
+    image, scale_field = engine.image, engine.scale_field(chosen)
+    boundary = find_boundary(scale_field, chosen)
     axis = medial_axis(boundary, image.shape)
     if not outside:
-        axis = axis.only(axis.edges[within_objects(axis, boundary, image.values, level.smoothing)])
+        axis = axis.only(axis.edges[within_objects(axis, boundary, image.values, scale_field.smoothing)])
     low, high = np.full(2, -0.5), np.array(image.shape) - 0.5
     axis = prune(axis, pruning).within(low, high)
-    branches = sorted(_branches(axis, boundary, level.smoothing), key=lambda branch: -branch[0].length)
+    branches = sorted(_branches(axis, boundary, scale_field.smoothing), key=lambda branch: -branch[0].length)
     return Skeleton(
         contours=tuple(contour for contour, _ in branches),
         radii=tuple(radii for _, radii in branches),

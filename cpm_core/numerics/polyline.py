@@ -124,7 +124,7 @@ def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:
     return tuple((row + by[0], col + by[1]) for row, col in path)
 
 
-def led(path: Sequence[Position], corner: Position, to: Position) -> tuple[Position, ...]:
+def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> tuple[Position, ...]:
     """The same path with the corner nearest to a position led to another one."""
     nearest = min(range(len(path)), key=lambda index: math.dist(path[index], corner))
     return tuple(to if index == nearest else position for index, position in enumerate(path))

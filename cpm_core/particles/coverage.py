@@ -26,19 +26,19 @@ _REACH = 4
 _NEVER = -1
 
 
-class Ground(NamedTuple):
+class Coverage(NamedTuple):
     """What is known of the ground of an image; a plain tuple for the compiled loops.
 
     Attributes
     ----------
     found : ndarray of int32, shape (h, w)
         Step of the first visit of every cell, -1 for none.
-    news : ndarray of int32, shape (h, w)
+    latest : ndarray of int32, shape (h, w)
         Step of the latest first visit among the cells around each, -1 for none.
     """
 
     found: Steps
-    news: Steps
+    latest: Steps
 
     @property
     def size(self) -> int:
@@ -46,75 +46,75 @@ class Ground(NamedTuple):
         return int(np.count_nonzero(self.found != _NEVER))
 
 
-def unvisited(shape: tuple[int, ...]) -> Ground:
+def no_coverage(shape: tuple[int, ...]) -> Coverage:
     """Ground of an image of this shape before any particle has sat on it."""
     cells = np.full(tuple(int(n / _CELL) + 1 for n in shape), _NEVER, np.int32)
-    return Ground(cells, cells)
+    return Coverage(cells, cells)
 
 
-def explore(ground: Ground, positions: Array, seated: NDArray[np.bool_], step: int) -> tuple[Ground, int]:
+def cover(coverage: Coverage, positions: Array, on_edge: NDArray[np.bool_], step: int) -> tuple[Coverage, int]:
     """Mark the cells that particles on edges stand in.
 
     Parameters
     ----------
-    ground : Ground
+    coverage : Coverage
         Before.
     positions : ndarray, shape (N, 2)
         The particles [px].
-    seated : ndarray of bool, shape (N,)
+    on_edge : ndarray of bool, shape (N,)
         Which of them sit on an edge.
     step : int
         The step now.
 
     Returns
     -------
-    ground : Ground
+    coverage : Coverage
         With these visits; the same one if there was no news.
     new : int
         Cells visited for the first time.
     """
-    if not _count_fresh(ground.found, positions, seated):
-        return ground, 0
-    after = Ground(ground.found.copy(), ground.news.copy())
-    return after, int(_mark(after, positions, seated, step))
+    if not _count_fresh(coverage.found, positions, on_edge):
+        return coverage, 0
+    after = Coverage(coverage.found.copy(), coverage.latest.copy())
+    return after, int(_mark(after, positions, on_edge, step))
 
 
-def renewed(ground: Ground, step: int) -> Ground:
+def renewed(coverage: Coverage, step: int) -> Coverage:
     """Ground as if all that has been visited had just been found, at the step now."""
-    return Ground(*(np.where(cells == _NEVER, _NEVER, step).astype(np.int32) for cells in ground))
+    return Coverage(*(np.where(cells == _NEVER, _NEVER, step).astype(np.int32) for cells in coverage))
 
 
-def with_news(ground: Ground, places: Array, reach: float, step: int) -> Ground:
+def renewed_near(coverage: Coverage, places: Array, reach: float, step: int) -> Coverage:
     """Ground as if there were news in all cells within reach of places, shape (K, 2) [px], at the step now."""
-    news = ground.news.copy()
+    latest = coverage.latest.copy()
     for place in places:
         parts, away = [], []
-        for along, x in zip(news.shape, place, strict=True):
+        for along, x in zip(latest.shape, place, strict=True):
             first, last = (min(max(int((x + sign * reach + 0.5) / _CELL), 0), along - 1) for sign in (-1, 1))
             parts.append(slice(first, last + 1))
             middle = _CELL * (np.arange(first, last + 1) + 0.5) - 0.5
             away.append(np.maximum(np.abs(middle - x) - 0.5 * _CELL, 0.0))
-        news[tuple(parts)][away[0][:, None] ** 2 + away[1] ** 2 < reach**2] = step
-    return Ground(ground.found, news)
+        latest[tuple(parts)][away[0][:, None] ** 2 + away[1] ** 2 < reach**2] = step
+    return Coverage(coverage.found, latest)
 
 
-def idle_at(ground: Ground, positions: Array, step: int, elsewhere: int) -> NDArray[np.int64]:
+def idle_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> NDArray[np.int64]:
     """Steps since there was new ground around each particle, shape (N,); see `idle_steps`."""
     idle = np.empty(len(positions), np.int64)
-    _idle_at(ground.news, positions, step, elsewhere, idle)
+    _idle_at(coverage.latest, positions, step, elsewhere, idle)
     return idle
 
 
 @compiled
-def _idle_at(news: Steps, position: Array, step: int, elsewhere: int, idle: NDArray[np.int64]) -> None:
+def _idle_at(latest: Steps, position: Array, step: int, elsewhere: int, idle: NDArray[np.int64]) -> None:
     for i in range(len(position)):
-        idle[i] = idle_steps(news, position[i, 0], position[i, 1], step, elsewhere)
+        idle[i] = idle_steps(latest, position[i, 0], position[i, 1], step, elsewhere)
 
 
 @compiled
-def idle_steps(news: Steps, y: float, x: float, step: int, elsewhere: int) -> int:
+def idle_steps(latest: Steps, y: float, x: float, step: int, elsewhere: int) -> int:
     """Steps since there was new ground around a place [px]; `elsewhere` for a place far from all ground."""
-    newest = news[_own(y, news.shape[0]), _own(x, news.shape[1])]
+    newest = latest[_own(y, latest.shape[0]), _own(x, latest.shape[1])]
     return elsewhere if newest == _NEVER else step - newest
 
 
@@ -124,26 +124,26 @@ def _own(place: float, along: int) -> int:
 
 
 @compiled
-def _count_fresh(found: Steps, position: Array, seated: NDArray[np.bool_]) -> int:
+def _count_fresh(found: Steps, position: Array, on_edge: NDArray[np.bool_]) -> int:
     """Particles that sit on ground nobody has been on."""
     fresh = 0
     for i in range(len(position)):
-        if seated[i] and found[_own(position[i, 0], found.shape[0]), _own(position[i, 1], found.shape[1])] == _NEVER:
+        if on_edge[i] and found[_own(position[i, 0], found.shape[0]), _own(position[i, 1], found.shape[1])] == _NEVER:
             fresh += 1
     return fresh
 
 
 @compiled
-def _mark(ground: Ground, position: Array, seated: NDArray[np.bool_], step: int) -> int:
+def _mark(coverage: Coverage, position: Array, on_edge: NDArray[np.bool_], step: int) -> int:
     """Mark the visits in place and return how many cells they are."""
-    found, news = ground.found, ground.news
+    found, latest = coverage.found, coverage.latest
     new = 0
     for i in range(len(position)):
         row, col = _own(position[i, 0], found.shape[0]), _own(position[i, 1], found.shape[1])
-        if seated[i] and found[row, col] == _NEVER:
+        if on_edge[i] and found[row, col] == _NEVER:
             found[row, col] = step
             new += 1
             for r in range(max(row - _REACH, 0), min(row + _REACH + 1, found.shape[0])):
                 for c in range(max(col - _REACH, 0), min(col + _REACH + 1, found.shape[1])):
-                    news[r, c] = step
+                    latest[r, c] = step
     return new

@@ -12,7 +12,7 @@ from cpm_core.field.placed_charges import Charges
 from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
 from cpm_core.particles.coulomb.mesh_force import FAR_EVERY, FarForce
-from cpm_core.particles.coverage import Ground
+from cpm_core.particles.coverage import Coverage
 
 Array = NDArray[np.float64]
 
@@ -134,7 +134,7 @@ class State:
         Shape of the image.
     scale : int
         0 is the image itself, 1 half its size, and so on.
-    ground : Ground
+    coverage : Coverage
         When particles first sat on an edge in each cell of the scale.
     far : FarForce or None
         Far part of the Coulomb force, which serves for some steps; None before the first step of a scale.
@@ -152,7 +152,7 @@ class State:
         Placed charges of the last step.
     erased : bool
         Whether particles have been erased since all were last set going.
-    heated : int
+    reactivated : int
         Step of this scale at which the particles were last set going, by its beginning or by other parameters.
     next_identity : int
         Identity for the next particle to be born.
@@ -168,7 +168,7 @@ class State:
         Consecutive steps that found next to no new ground at this scale.
     quiet : int
         Consecutive steps in which hardly anything moved, was born or was deleted.
-    launches : int
+    reseedings : int
         Times that particles have been launched beside boundaries of enclosed regions at this scale.
     stop_reason : str
         Why the run ended, in words; empty while it goes on.
@@ -180,7 +180,7 @@ class State:
     start: Array
     shape: tuple[int, ...]
     scale: int
-    ground: Ground
+    coverage: Coverage
     far: FarForce | None = None
     step: int = 0
     step_of_scale: int = 0
@@ -189,7 +189,7 @@ class State:
     regions: Regions | None = None
     charges: Charges = ()
     erased: bool = False
-    heated: int = 0
+    reactivated: int = 0
     next_identity: int = 0
     born: int = 0
     deleted: int = 0
@@ -198,7 +198,7 @@ class State:
     moving: int = 0
     idle: int = 0
     quiet: int = 0
-    launches: int = 0
+    reseedings: int = 0
     stop_reason: str = ""
     converged: bool = False
 
@@ -234,7 +234,7 @@ class State:
         particles, far = self.particles, self.far
         return [
             *(particles.position, particles.velocity, particles.force, particles.distance, particles.identity),
-            *(self.start, self.ground.found, self.ground.news),
+            *(self.start, self.coverage.found, self.coverage.latest),
             *(() if far is None else (far.force, far.bend)),
         ]
 

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from cpm_core.dynamics.deletion import deletion
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.scale_field import Level
+from cpm_core.field.scale_field import ScaleField
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
-LAUNCHES = 3
+RESEEDINGS = 3
 """Times that particles may be launched beside boundaries that nobody has reached, until parameters are changed."""
 
 _BESIDE_WALL = 1.0
@@ -48,12 +48,12 @@ _STRIDE = 6.0
 """Distance between particles that are launched [px]."""
 
 
-def launch_places(level: Level, positions: Array) -> Array:
+def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
     """Places beside boundaries, or stretches of them, of enclosed regions that have been reached elsewhere only.
 
     Parameters
     ----------
-    level : Level
+    scale_field : ScaleField
         Fields of the scale.
     positions : ndarray, shape (N, 2)
         The particles that sit on an edge [px].
@@ -66,33 +66,33 @@ def launch_places(level: Level, positions: Array) -> Array:
     nowhere = np.zeros((0, 2))
     if not len(positions):
         return nowhere
-    walled = np.zeros(level.shape, bool)
-    if len(level.walls.segments):
-        walled = level.walls.clearance < _BESIDE_WALL
-    regions = _enclosed(level.edge_map < level.floor, walled)
+    walled = np.zeros(scale_field.shape, bool)
+    if len(scale_field.barrier_map.segments):
+        walled = scale_field.barrier_map.clearance < _BESIDE_WALL
+    regions = _enclosed(scale_field.edge_map < scale_field.floor, walled)
     rims, region_of = _rims(regions)
     if not len(region_of):
         return nowhere
     place = np.argwhere(rims > 0)
     number = rims[rims > 0]
-    reach = _REACH + _REACH_SMOOTHING * level.smoothing
-    near = _has_near(level, place, positions, reach)
+    reach = _REACH + _REACH_SMOOTHING * scale_field.smoothing
+    near = _has_near(scale_field, place, positions, reach)
     size = np.bincount(number, minlength=len(region_of))
     covered = np.bincount(number, weights=near, minlength=len(region_of)) / np.maximum(size, 1)
     known = np.zeros(region_of.max() + 1, bool)
     known[region_of[covered >= _COVERED]] = True
     missing = ~near & known[region_of][number]
-    places: Array = place[missing & (_stretch(place, missing, level.shape) >= _LEAST_STRETCH)].astype(float)
-    return places[deletion(places, np.zeros(len(places)), level.shape, 2.0 * _STRIDE)]
+    places: Array = place[missing & (_stretch(place, missing, scale_field.shape) >= _LEAST_STRETCH)].astype(float)
+    return places[deletion(places, np.zeros(len(places)), scale_field.shape, 2.0 * _STRIDE)]
 
 
-def _has_near(level: Level, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
+def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
     """Which pixels of a rim have a particle near them on the same side of an edge.
 
     Of two edges that run close to each other one rises where the other falls.
     """
-    uphill = level.gradient[(slice(None), *place.T)].T
-    known = interpolate(level.gradient, positions)
+    uphill = scale_field.gradient[(slice(None), *place.T)].T
+    known = interpolate(scale_field.gradient, positions)
     nearest = np.arange(1, min(_NEIGHBORS, len(positions)) + 1)
     distance, index = scipy.spatial.cKDTree(positions).query(place, k=nearest, distance_upper_bound=reach)
     found = np.isfinite(distance)

@@ -20,21 +20,21 @@ from cpm_core.dynamics.equations import FADED
 from cpm_core.dynamics.forces import Forces, forces
 from cpm_core.dynamics.integrator import Moved
 from cpm_core.dynamics.time_step import displaced, populated
-from cpm_core.field.placed_charge_cache import ChargedLevels, charged_force, charged_potential
+from cpm_core.field.placed_charge_cache import PlacedChargeCache, charged_force, charged_potential
 from cpm_core.field.placed_charges import PlacedCharge, at_scale, in_order
-from cpm_core.field.scale_field import Level
-from cpm_core.field.scale_space import Levels
+from cpm_core.field.scale_field import ScaleField
+from cpm_core.field.scale_space import ScaleSpace
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
 from cpm_core.parameters import Parameters
-from cpm_core.particles.coverage import unvisited
+from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.starting_points import starting_points
 from cpm_core.particles.state import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation import interventions
 from cpm_core.segmentation.completion import idle_steps_of
-from cpm_core.segmentation.scale_schedule import entered, judged
+from cpm_core.segmentation.scale_schedule import advance, start_scale
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -72,9 +72,9 @@ class Engine:
         self.regions = regions
         if regions is not None:
             regions.check(array.shape)
-        self._levels = Levels(array, parameters.scales, regions)
-        self._levels.prepare(parameters)
-        self._charged = ChargedLevels(array.shape)
+        self._scale_space = ScaleSpace(array, parameters.scales, regions)
+        self._scale_space.prepare(parameters)
+        self._charged = PlacedChargeCache(array.shape)
         self._latest = parameters
         if regions is not None:
             self._check_edges()
@@ -104,36 +104,38 @@ class Engine:
             regions.check(self.image.values.shape)
         other = copy(self)
         other.regions = regions
-        other._levels = self._levels.with_regions(regions)
-        other._charged = ChargedLevels(self.image.values.shape)
+        other._scale_space = self._scale_space.with_regions(regions)
+        other._charged = PlacedChargeCache(self.image.values.shape)
         if others:
             other._check_edges()
         return other
 
     def _check_edges(self) -> None:
-        if not self.level(self._latest).edge_map.any():
+        if not self.scale_field(self._latest).edge_map.any():
             raise ValueError("there are no edges in the regions of interest: draw them around what is to be found.")
 
     @property
     def scales(self) -> int:
         """Levels of the pyramid."""
-        return len(self._levels)
+        return len(self._scale_space)
 
-    def level(self, parameters: Parameters, scale: int = 0) -> Level:
+    def scale_field(self, parameters: Parameters, scale: int = 0) -> ScaleField:
         """Fields of a scale, built when they are first asked for."""
         self._latest = parameters
-        return self._levels.at(scale, parameters)
+        return self._scale_space.at(scale, parameters)
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
         """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
-        return self.level(parameters, scale).charges
+        return self.scale_field(parameters, scale).charges
 
     def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.
 
         Without any the vectors have at most unit length. The charges are in px of the image, whatever the scale.
         """
-        return charged_force(self.level(parameters, scale), at_scale(in_order(charges), scale, self.image.shape), scale)
+        return charged_force(
+            self.scale_field(parameters, scale), at_scale(in_order(charges), scale, self.image.shape), scale
+        )
 
     def start(self, seeds: ArrayLike) -> State:
         """First state of a run.
@@ -156,8 +158,8 @@ class Engine:
         """
         points = starting_points(seeds, self.image.shape, self.regions)
         nobody = Particles.at_rest(points[:0])
-        begun = State(nobody, points, self.image.shape, self.scales, unvisited(()), regions=self.regions)
-        return entered(begun, self.scales - 1, self.regions)
+        begun = State(nobody, points, self.image.shape, self.scales, no_coverage(()), regions=self.regions)
+        return start_scale(begun, self.scales - 1, self.regions)
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
         """One time step.
@@ -182,13 +184,13 @@ class Engine:
         if state.stop_reason:
             return state
         state = self._taken_up(state, parameters, charges)
-        level = self._charged.of(self.level(parameters, state.scale), state.scale, state.charges)
-        idle = idle_steps_of(state, level, parameters)
-        cold = not (idle < FADED).any()
-        state, moved = displaced(state, idle, level, parameters)
+        scale_field = self._charged.of(self.scale_field(parameters, state.scale), state.scale, state.charges)
+        idle = idle_steps_of(state, scale_field, parameters)
+        repulsion_gone = not (idle < FADED).any()
+        state, moved = displaced(state, idle, scale_field, parameters)
         if len(state.particles):
-            state = self._populate(state, moved, cold, level, parameters)
-        return judged(state, level, self.regions)
+            state = self._populate(state, moved, repulsion_gone, scale_field, parameters)
+        return advance(state, scale_field, self.regions)
 
     def forces(
         self,
@@ -219,18 +221,20 @@ class Engine:
             friction also takes the speed along the edge at once. None of this is a force.
         """
         state = self._taken_up(state, parameters, charges)
-        level = self.level(parameters, state.scale)
-        charged = self._charged.of(level, state.scale, state.charges)
+        scale_field = self.scale_field(parameters, state.scale)
+        charged = self._charged.of(scale_field, state.scale, state.charges)
         idle = idle_steps_of(state, charged, parameters)
         which = np.arange(state.count) if index is None else index
-        return forces(state, level, charged, idle, parameters, which)
+        return forces(state, scale_field, charged, idle, parameters, which)
 
     def energies(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Energies:
         """Kinetic and potential energy of the particles of a state, as `cpm_core.dynamics.energies` defines them.
 
         The potential of the fixed charges is made when it is first asked for at a scale, and kept as long as the field.
         """
-        return energies(replace(state, charges=in_order(charges)), self.level(parameters, state.scale), parameters)
+        return energies(
+            replace(state, charges=in_order(charges)), self.scale_field(parameters, state.scale), parameters
+        )
 
     def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Potential on the pixels of the image, shape (H, W) [grey levels], lowest where particles are drawn to.
@@ -238,7 +242,7 @@ class Engine:
         That of the fixed charges, eq. (7), and that of placed ones, whose unit of force counts as the mean slope of the
         former. The former is made when it is first asked for, and kept as long as the field.
         """
-        return charged_potential(self.level(parameters), at_scale(in_order(charges), 0, self.image.shape))
+        return charged_potential(self.scale_field(parameters), at_scale(in_order(charges), 0, self.image.shape))
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
         """Put more particles into a run.
@@ -303,10 +307,10 @@ class Engine:
         Result
             In px of the image.
         """
-        scale, shape, level = state.scale, self.image.shape, self.level(parameters, state.scale)
+        scale, shape, scale_field = state.scale, self.image.shape, self.scale_field(parameters, state.scale)
         # an edge that nobody is on may have been cleared by the user, and is then not walked along
         filled = state.converged and not state.charges and not state.erased
-        found, bridged = find_contours(state.particles.position, level, parameters, at_rest=filled)
+        found, bridged = find_contours(state.particles.position, scale_field, parameters, at_rest=filled)
         size = 2.0**scale
         contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
         bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
@@ -324,15 +328,17 @@ class Engine:
             bridges=bridges,
         )
 
-    def _populate(self, state: State, moved: Moved, cold: bool, level: Level, parameters: Parameters) -> State:
+    def _populate(
+        self, state: State, moved: Moved, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
+    ) -> State:
         """Population of a step, by itself for the experiments that do without."""
-        return populated(state, moved, cold, level, parameters)
+        return populated(state, moved, repulsion_gone, scale_field, parameters)
 
     def _taken_up(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
         """A state as a step takes it up, under other parameters, regions or charges than its last one or the same."""
         if state.steering != parameters.steering or state.regions != self.regions:
             state = replace(
-                interventions.heated(interventions.within(state, self.regions)), steering=parameters.steering
+                interventions.reactivated(interventions.within(state, self.regions)), steering=parameters.steering
             )
         placed = in_order(charges)
-        return state if state.charges == placed else interventions.woken(state, placed)
+        return state if state.charges == placed else interventions.reactivated_near(state, placed)

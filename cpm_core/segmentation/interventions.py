@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.field.placed_charges import REACH, Charges, at_scale, changed
 from cpm_core.image.pyramid import to_scale
 from cpm_core.image.regions import Regions
-from cpm_core.particles.coverage import renewed, with_news
+from cpm_core.particles.coverage import renewed, renewed_near
 from cpm_core.particles.starting_points import allowed_by, starting_points
 from cpm_core.particles.state import State
 
@@ -19,17 +19,17 @@ Array = NDArray[np.float64]
 Chosen = NDArray[np.bool_] | Callable[[Array], ArrayLike]
 
 
-def heated(state: State) -> State:
+def reactivated(state: State) -> State:
     """Set all particles going again: what has come to rest must be able to obey."""
     return replace(
         state,
-        ground=renewed(state.ground, state.step_of_scale),
+        coverage=renewed(state.coverage, state.step_of_scale),
         annealed=1.0,
         erased=False,
-        heated=state.step_of_scale,
+        reactivated=state.step_of_scale,
         idle=0,
         quiet=0,
-        launches=0,
+        reseedings=0,
         far=None,
     )
 
@@ -42,7 +42,7 @@ def within(state: State, regions: Regions | None) -> State:
     return replace(state, particles=state.particles.where(allowed), regions=regions)
 
 
-def woken(state: State, charges: Charges) -> State:
+def reactivated_near(state: State, charges: Charges) -> State:
     """Go on with other placed charges, and set the particles going again that feel, or felt, one that is another.
 
     Parameters
@@ -59,10 +59,10 @@ def woken(state: State, charges: Charges) -> State:
     """
     step, others = state.step_of_scale, changed(state.charges, charges)
     places = at_scale(others, state.scale, state.shape)[:, :2]
-    ground = with_news(state.ground, places, REACH * 0.5**state.scale, step)
+    coverage = renewed_near(state.coverage, places, REACH * 0.5**state.scale, step)
     served = state.far is not None and len(state.far.force) > 0  # else everybody may have been asleep
     far = state.far if served else None
-    return replace(state, charges=charges, ground=ground, annealed=1.0, heated=step, quiet=0, far=far)
+    return replace(state, charges=charges, coverage=coverage, annealed=1.0, reactivated=step, quiet=0, far=far)
 
 
 def joined(state: State, seeds: ArrayLike, regions: Regions | None) -> State:
@@ -75,7 +75,7 @@ def joined(state: State, seeds: ArrayLike, regions: Regions | None) -> State:
         start=np.concatenate([state.start, points]),
         next_identity=state.next_identity + len(points),
     )
-    return heated(joined).resumed()
+    return reactivated(joined).resumed()
 
 
 def erased(state: State, inside: Chosen) -> State:

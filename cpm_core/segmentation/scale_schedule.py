@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from cpm_core.dynamics.equilibrium import IDLE_STEPS, QUIET_STEPS, is_quiet
-from cpm_core.field.scale_field import Level
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.regions import Regions
-from cpm_core.particles.coverage import unvisited
+from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.starting_points import allowed_by, inside_image
 from cpm_core.particles.state import Particles, State
-from cpm_core.segmentation.completion import launched, settled, without_stragglers
+from cpm_core.segmentation.completion import reseeded, without_off_edge, without_resting_off_edge
 
 _STEPS_A_PIXEL = 2.0
 """Steps that a scale may take, for each pixel of the longest side: a front advances about two pixels a step."""
@@ -22,30 +22,30 @@ _LEAST_STEPS = 400
 """Steps that a scale may take however small it is."""
 
 
-def judged(state: State, level: Level, regions: Regions | None) -> State:
+def advance(state: State, scale_field: ScaleField, regions: Regions | None) -> State:
     """Rest, the way to the next scale, and the bound on steps."""
     quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
     state = replace(state, quiet=state.quiet + 1 if quiet else 0)
-    most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(level.shape)))
-    overdue = state.step_of_scale - state.heated >= most
+    most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(scale_field.shape)))
+    overdue = state.step_of_scale - state.reactivated >= most
     if state.scale > 0:
         if state.count == 0 or state.idle >= IDLE_STEPS or overdue:
-            return entered(settled(state, level, and_drawn=True), state.scale - 1, regions)
+            return start_scale(without_off_edge(state, scale_field, and_drawn=True), state.scale - 1, regions)
         return state
     if state.count == 0:
         return state.stopped("all particles left the image")
     if state.quiet >= QUIET_STEPS:
-        going_on = launched(state, level)
+        going_on = reseeded(state, scale_field)
         if going_on is not None:
             return going_on
         reason = f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps"
-        return without_stragglers(state, level).stopped(reason, True)
+        return without_resting_off_edge(state, scale_field).stopped(reason, True)
     if overdue:
         return state.stopped(f"not at rest after {most} steps at full size")
     return state
 
 
-def entered(state: State, scale: int, regions: Regions | None) -> State:
+def start_scale(state: State, scale: int, regions: Regions | None) -> State:
     """Begin a scale with what the coarser one found and with the drawing itself."""
     found = to_scale(to_image(state.particles.position, state.scale, state.shape), scale, state.shape)
     drawn = to_scale(state.start, scale, state.shape)
@@ -60,12 +60,12 @@ def entered(state: State, scale: int, regions: Regions | None) -> State:
         scale=scale,
         step_of_scale=0,
         next_identity=first + len(position),
-        ground=unvisited(shape),
+        coverage=no_coverage(shape),
         annealed=1.0,
-        heated=0,
+        reactivated=0,
         idle=0,
         quiet=0,
-        launches=0,
+        reseedings=0,
         far=None,
         epsilon=float("nan"),
     )

@@ -37,7 +37,7 @@ class Area:
         """The same displaced by (rows, cols)."""
         return replace(self, points=polyline.moved(self.points, by))  # type: ignore[type-var]
 
-    def grown(self: A, by: float) -> A:
+    def resized(self: A, by: float) -> A:
         """The same enlarged around its middle, so that its farthest corner goes so many px outwards."""
         middle = np.mean(self.points, axis=0)
         farthest = max(math.dist(middle, point) for point in self.points)
@@ -49,9 +49,9 @@ class Area:
         """Its corners; there are none of one with so many that they would hide it."""
         return self.points if len(self.points) <= MOST_HANDLES else ()
 
-    def led(self: A, handle: Position, to: Position) -> A:
+    def with_handle_at(self: A, handle: Position, to: Position) -> A:
         """The same with the corner next to a handle led to a position."""
-        return replace(self, points=polyline.led(self.points, handle, to))  # type: ignore[type-var]
+        return replace(self, points=polyline.with_handle_at(self.points, handle, to))  # type: ignore[type-var]
 
     def distance(self, position: Position) -> float:
         """Distance of a position from its line [px]."""

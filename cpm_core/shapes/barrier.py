@@ -35,7 +35,7 @@ class Barrier:
         """The same barrier displaced by (rows, cols)."""
         return Barrier(polyline.moved(self.points, by))
 
-    def grown(self, by: float) -> Barrier:
+    def resized(self, by: float) -> Barrier:
         """Itself: its corners are what it is reshaped by."""
         return self
 
@@ -43,9 +43,9 @@ class Barrier:
         """Its corners; there are none of one with so many that they would hide it."""
         return self.points if len(self.points) <= MOST_HANDLES else ()
 
-    def led(self, handle: Position, to: Position) -> Barrier:
+    def with_handle_at(self, handle: Position, to: Position) -> Barrier:
         """The same barrier with the corner next to a handle led to a position."""
-        return Barrier(polyline.led(self.points, handle, to))
+        return Barrier(polyline.with_handle_at(self.points, handle, to))
 
     def distance(self, position: Position) -> float:
         """Distance of a position from its line [px]."""

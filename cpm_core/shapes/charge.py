@@ -49,7 +49,7 @@ class Charge:
         """The same charge displaced by (rows, cols)."""
         return Charge((self.position[0] + by[0], self.position[1] + by[1]), self.strength)
 
-    def grown(self, by: float) -> Charge:
+    def resized(self, by: float) -> Charge:
         """The same place with a charge that is stronger by so many steps of a half."""
         size = min(max(abs(self.strength) + _STEP * by, WEAKEST), STRONGEST)
         return Charge(self.position, math.copysign(size, self.strength))
@@ -58,7 +58,7 @@ class Charge:
         """It is dragged as a whole, so there are none."""
         return ()
 
-    def led(self, handle: Position, to: Position) -> Charge:
+    def with_handle_at(self, handle: Position, to: Position) -> Charge:
         """Itself, for it has no handles."""
         return self
 

@@ -49,7 +49,7 @@ class Circle:
         """The same circle displaced by (rows, cols)."""
         return Circle((self.center[0] + by[0], self.center[1] + by[1]), self.radius)
 
-    def grown(self, by: float) -> Circle:
+    def resized(self, by: float) -> Circle:
         """The same centre with the radius changed by so many px."""
         return Circle(self.center, max(self.radius + by, SMALLEST_RADIUS))
 
@@ -58,7 +58,7 @@ class Circle:
         (row, col), radius = self.center, self.radius
         return ((row - radius, col), (row, col + radius), (row + radius, col), (row, col - radius))
 
-    def led(self, handle: Position, to: Position) -> Circle:
+    def with_handle_at(self, handle: Position, to: Position) -> Circle:
         """The same centre with the rim led through a position, whichever handle is dragged there."""
         return Circle(self.center, max(math.dist(self.center, to), SMALLEST_RADIUS))
 

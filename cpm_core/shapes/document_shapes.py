@@ -11,7 +11,7 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.shapes import Barrier, Charge, Region, Shape, Start
-from cpm_core.shapes.image_starts import Sowable, Sower
+from cpm_core.shapes.image_starts import ImageStart, SeedCache
 
 
 def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
@@ -46,7 +46,7 @@ def seeds_of(shapes: Iterable[Shape], image: Image, smoothing: float | str) -> N
     """
     drawn = tuple(shapes)
     starts = starts_of(drawn)
-    sowable = [start for start in starts if isinstance(start, Sowable)]
-    sown = Sower(image).sow(sowable, smoothing, regions_of(drawn)) if sowable else {}
-    found = [sown[start] if isinstance(start, Sowable) else start.seeds() for start in starts]
+    sowable = [start for start in starts if isinstance(start, ImageStart)]
+    image_seeds = SeedCache(image).seeds_for(sowable, smoothing, regions_of(drawn)) if sowable else {}
+    found = [image_seeds[start] if isinstance(start, ImageStart) else start.seeds() for start in starts]
     return np.concatenate([np.empty((0, 2)), *found])

@@ -59,7 +59,7 @@ class Ellipse:
         """The same ellipse displaced by (rows, cols)."""
         return Ellipse((self.center[0] + by[0], self.center[1] + by[1]), self.radii, self.angle)
 
-    def grown(self, by: float) -> Ellipse:
+    def resized(self, by: float) -> Ellipse:
         """The same centre with both radii changed by so many px."""
         return self._with_radii(self.radii[0] + by, self.radii[1] + by)
 
@@ -74,7 +74,7 @@ class Ellipse:
             self._at(along, _ARM * first + _OUT),
         )
 
-    def led(self, handle: Position, to: Position) -> Ellipse:
+    def with_handle_at(self, handle: Position, to: Position) -> Ellipse:
         """The same centre with a radius led as far as a position, or the direction led towards it."""
         handles = self.handles()
         which = min(range(len(handles)), key=lambda index: math.dist(handles[index], handle))

@@ -46,7 +46,9 @@ class Everywhere:
         """Whether its positions depend on the smoothing."""
         return self.kind == "edges"
 
-    def sow(self, values: NDArray[np.float64], strength: Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
+    def seeds_for(
+        self, values: NDArray[np.float64], strength: Callable[[], NDArray[np.float64]]
+    ) -> NDArray[np.float64]:
         """Positions of its particles on an image, shape (N, 2).
 
         Parameters
@@ -71,7 +73,7 @@ class Everywhere:
         """Itself, for it has no place."""
         return self
 
-    def grown(self, by: float) -> Everywhere:
+    def resized(self, by: float) -> Everywhere:
         """Itself, for it has no size."""
         return self
 
@@ -79,7 +81,7 @@ class Everywhere:
         """It has no size to drag, so there are none."""
         return ()
 
-    def led(self, handle: Position, to: Position) -> Everywhere:
+    def with_handle_at(self, handle: Position, to: Position) -> Everywhere:
         """Itself, for it has no handles."""
         return self
 

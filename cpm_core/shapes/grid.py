@@ -44,7 +44,7 @@ class Grid(Area):
         found = places[polyline.inside(self.points, places)]
         return np.asarray(found if len(found) else np.mean(self.points, axis=0)[None])
 
-    def grown(self, by: float) -> Grid:
+    def resized(self, by: float) -> Grid:
         """The same area with so many px more between the particles."""
         return replace(self, spacing=min(max(self.spacing + by, FINEST), COARSEST))
 

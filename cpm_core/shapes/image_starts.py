@@ -15,16 +15,16 @@ from cpm_core.shapes import Everywhere, Threshold
 
 Array = NDArray[np.float64]
 
-Sowable = Everywhere | Threshold
+ImageStart = Everywhere | Threshold
 """Starts whose positions depend on the image."""
 
-Sown = Mapping[Sowable, Array]
+ImageSeeds = Mapping[ImageStart, Array]
 """Positions of the particles of such starts, shape (N, 2) each."""
 
-NOWHERE: Sown = MappingProxyType({})
+NO_SEEDS: ImageSeeds = MappingProxyType({})
 
 
-class Sower:
+class SeedCache:
     """Positions on one image.
 
     Parameters
@@ -36,10 +36,12 @@ class Sower:
     def __init__(self, image: Image) -> None:
         self._image = image
         self._automatic: float | None = None
-        self._kept: dict[Sowable, tuple[float, Array]] = {}
+        self._kept: dict[ImageStart, tuple[float, Array]] = {}
         self._strength: tuple[float, Array] | None = None
 
-    def sow(self, starts: Iterable[Sowable], smoothing: float | str, regions: Regions | None = None) -> Sown:
+    def seeds_for(
+        self, starts: Iterable[ImageStart], smoothing: float | str, regions: Regions | None = None
+    ) -> ImageSeeds:
         """Positions for each of the starts, those in the regions of interest only.
 
         Parameters
@@ -59,11 +61,11 @@ class Sower:
         }
         return {start: _within(regions, positions) for start, positions in found.items()}
 
-    def _positions(self, start: Sowable, smoothing: float) -> Array:
+    def _positions(self, start: ImageStart, smoothing: float) -> Array:
         key = smoothing if start.follows_smoothing else 0.0
         if start not in self._kept or self._kept[start][0] != key:
             # What was found with another smoothing is not asked for again soon.
-            self._kept[start] = (key, start.sow(self._image.values, lambda: self._edges(smoothing)))
+            self._kept[start] = (key, start.seeds_for(self._image.values, lambda: self._edges(smoothing)))
         return self._kept[start][1]
 
     def _edges(self, smoothing: float) -> Array:

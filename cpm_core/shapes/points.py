@@ -41,7 +41,7 @@ class Points:
         """The same points displaced by (rows, cols)."""
         return Points(tuple((row + by[0], col + by[1]) for row, col in self.positions))
 
-    def grown(self, by: float) -> Points:
+    def resized(self, by: float) -> Points:
         """Themselves, for they have no size."""
         return self
 
@@ -49,7 +49,7 @@ class Points:
         """Points have no size to drag, so there are none."""
         return ()
 
-    def led(self, handle: Position, to: Position) -> Points:
+    def with_handle_at(self, handle: Position, to: Position) -> Points:
         """Themselves, for they have no handles."""
         return self
 

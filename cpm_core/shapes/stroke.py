@@ -40,7 +40,7 @@ class Stroke:
         """The same stroke displaced by (rows, cols)."""
         return Stroke(polyline.moved(self.points, by))
 
-    def grown(self, by: float) -> Stroke:
+    def resized(self, by: float) -> Stroke:
         """Itself: its corners are what it is reshaped by."""
         return self
 
@@ -48,9 +48,9 @@ class Stroke:
         """Its corners; there are none of one with so many that they would hide it."""
         return self.points if len(self.points) <= MOST_HANDLES else ()
 
-    def led(self, handle: Position, to: Position) -> Stroke:
+    def with_handle_at(self, handle: Position, to: Position) -> Stroke:
         """The same stroke with the corner next to a handle led to a position."""
-        return Stroke(polyline.led(self.points, handle, to))
+        return Stroke(polyline.with_handle_at(self.points, handle, to))
 
     def distance(self, position: Position) -> float:
         """Distance of a position from its line [px]."""

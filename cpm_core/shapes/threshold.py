@@ -36,8 +36,10 @@ class Threshold(Area):
     points: tuple[Position, ...]
     fraction: float = 0.3
 
-    def sow(self, values: NDArray[np.float64], strength: Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
-        """Positions of its particles on an image, shape (N, 2); see `Everywhere.sow`."""
+    def seeds_for(
+        self, values: NDArray[np.float64], strength: Callable[[], NDArray[np.float64]]
+    ) -> NDArray[np.float64]:
+        """Positions of its particles on an image, shape (N, 2); see `Everywhere.seeds_for`."""
         corner = np.array(values.shape) - 1
         low = np.clip(np.ceil(np.min(self.points, axis=0)), 0, corner).astype(int)
         high = np.clip(np.floor(np.max(self.points, axis=0)), 0, corner).astype(int)
@@ -46,6 +48,6 @@ class Threshold(Area):
         within = polyline.inside(self.points, pixels.astype(float)).reshape(window.shape)
         return above(np.where(within, window, 0.0), self.fraction) + low if within.any() else np.empty((0, 2))
 
-    def grown(self, by: float) -> Threshold:
+    def resized(self, by: float) -> Threshold:
         """The same area with a threshold that is higher by so many steps of 0.02."""
         return replace(self, fraction=round(min(max(self.fraction + _STEP * by, LOWEST), HIGHEST), 6))

@@ -31,7 +31,7 @@ def test_level_after_a_parameter_has_moved(benchmark, timed, name, step):
 
     def move():
         moved.append(replace(moved[-1], **{name: getattr(moved[-1], name) + step}))
-        return engine.level(moved[-1])
+        return engine.scale_field(moved[-1])
 
-    level = benchmark.pedantic(move, rounds=30 if timed else 1, warmup_rounds=1)
-    assert level.shape == engine.image.shape
+    scale_field = benchmark.pedantic(move, rounds=30 if timed else 1, warmup_rounds=1)
+    assert scale_field.shape == engine.image.shape

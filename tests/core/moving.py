@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core import Parameters
-from cpm_core.dynamics.edge_contact import Standing, seats
-from cpm_core.field.scale_field import Level
+from cpm_core.dynamics.edge_contact import EdgeContact, contact_at
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.particles.cell_list import build_cells
 
 Array = NDArray[np.float64]
@@ -16,23 +16,23 @@ LONELY = 8.0
 """Distance to anybody that counts at most, in d_min + d_max."""
 
 
-def survey(positions: Array, level: Level, distance: float) -> Standing:
+def survey(positions: Array, scale_field: ScaleField, distance: float) -> EdgeContact:
     """How particles stand, with neighbours up to a distance."""
-    return Standing(*seats(positions, level), build_cells(positions, *level.shape, distance))
+    return EdgeContact(*contact_at(positions, scale_field), build_cells(positions, *scale_field.shape, distance))
 
 
-def even_level(
+def even_scale_field(
     shape: tuple[int, int],
     lorentz: tuple[float, float],
     normal: tuple[float, float] = (0.0, 0.0),
     strength: float = 0.0,
     floor: float = 1.0,
-) -> Level:
+) -> ScaleField:
     """A level on which the Lorentz force, the gradient and the edge strength are the same everywhere."""
-    felt = np.zeros((*shape, 5), np.float32)
-    felt[..., :2], felt[..., 2:4], felt[..., 4] = lorentz, normal, strength
-    return Level(
-        felt=felt,
+    packed = np.zeros((*shape, 5), np.float32)
+    packed[..., :2], packed[..., 2:4], packed[..., 4] = lorentz, normal, strength
+    return ScaleField(
+        packed=packed,
         gradient=np.broadcast_to(np.array(normal)[:, None, None], (2, *shape)),
         edge_map=np.full(shape, strength),
         values=np.zeros(shape),

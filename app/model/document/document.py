@@ -17,7 +17,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.shapes import Points, Region, Shape, Start
 from cpm_core.shapes.document_shapes import charges_of, regions_of, starts_of
-from cpm_core.shapes.image_starts import NOWHERE, Sowable, Sown
+from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart
 
 Mode = Literal["shape", "automatic", "skeleton"]
 """What a person is after; see `app.model.document.modes`."""
@@ -82,9 +82,9 @@ class Document:
         return starts_of(self.shapes)
 
     @property
-    def sowable(self) -> tuple[Sowable, ...]:
+    def sowable(self) -> tuple[ImageStart, ...]:
         """The starts whose positions depend on the image."""
-        return tuple(shape for shape in self.shapes if isinstance(shape, Sowable))
+        return tuple(shape for shape in self.shapes if isinstance(shape, ImageStart))
 
     @property
     def sowing(self) -> tuple[object, ...]:
@@ -100,12 +100,12 @@ class Document:
         """What holds particles back; None when nothing of the kind is drawn."""
         return regions_of(self.shapes)
 
-    def seeds(self, sown: Sown = NOWHERE) -> NDArray[np.float64]:
+    def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> NDArray[np.float64]:
         """Positions of the particles that the drawing gives, shape (N, 2), in px of the image.
 
         Parameters
         ----------
-        sown : mapping of start to ndarray
+        image_seeds : mapping of start to ndarray
             For each of `sowable` its positions on the image, which the document does not hold.
 
         Raises
@@ -115,7 +115,9 @@ class Document:
         """
         if not self.starts:
             raise ValueError(NOTHING_TO_START_FROM)
-        return np.concatenate([sown[start] if isinstance(start, Sowable) else start.seeds() for start in self.starts])
+        return np.concatenate(
+            [image_seeds[start] if isinstance(start, ImageStart) else start.seeds() for start in self.starts]
+        )
 
     @property
     def charges(self) -> tuple[PlacedCharge, ...]:

@@ -59,7 +59,7 @@ WORDS: Mapping[str, Words] = MappingProxyType(
                         "<i>s</i> = <i>S</i> − 1, …, 0"),
         "edge_floor": Words(tr("Ignore faint edges"), tr("charge {charge} only where {law}").format(
             charge="−<i>f</i>", law="<i>f</i> ≥ <i>f</i><sub>min</sub> · max <i>f</i>")),
-        "max_frame": Words(tr("Ignore a frame"), tr("a rim no wider than {law}").format(
+        "max_border": Words(tr("Ignore a frame"), tr("a rim no wider than {law}").format(
             law="<i>m</i><sub>max</sub> · min(<i>H</i>, <i>W</i>)")),
         "max_gap": Words(tr("Bridge gaps"), tr("loose ends joined where {law}").format(
             law="|<i>r</i>₁ − <i>r</i>₂| ≤ <i>g</i><sub>max</sub>")),

@@ -16,7 +16,7 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.state.status import RunStatus
 from app.model.text.language import tr
-from app.session.worker.commands.run import Command, SetParameters, Sow
+from app.session.worker.commands.run import Command, FindSeeds, SetParameters
 from app.session.worker.commands.steering import Erase, Join, Limit, PlaceCharges
 from cpm_core.numerics.polyline import Position
 from cpm_core.shapes import Points, Region, Shape, Start
@@ -76,9 +76,9 @@ class Live:
 
         What has only been added joins the run.
         """
-        judged, obeyed, lost = self._judged
+        advance, obeyed, lost = self._judged
         # A window asks many times a second, and many thousand points take a while to go through.
-        if judged is not document.shapes or obeyed is not self._obeyed:
+        if advance is not document.shapes or obeyed is not self._obeyed:
             lost = bool(self._obeyed - document.sources)
             self._judged = (document.shapes, self._obeyed, lost)
         return lost or document.late != self._late
@@ -90,7 +90,7 @@ class Live:
             session.post(SetParameters(after.parameters))
         if after.sowable and before.sowing != after.sowing:
             self._busy("sowing", tr("Looking for places to start from…"))
-            session.post(Sow(session.image_generation, after))
+            session.post(FindSeeds(session.image_generation, after))
         if before.charges != after.charges:
             session.post(PlaceCharges(session.image_generation, after.charges))
         if not session.status.started:

@@ -18,7 +18,7 @@ from cpm_core.image.image import Image
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
-from cpm_core.shapes.image_starts import Sown
+from cpm_core.shapes.image_starts import ImageSeeds
 
 Array = NDArray[np.float64]
 
@@ -175,11 +175,11 @@ class WentOn(Report):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Sowing(Report):
+class SeedsFound(Report):
     """Positions from which particles start all over the image opened as `generation`, or why there are none."""
 
     generation: int
-    sown: Sown
+    image_seeds: ImageSeeds
     sentence: str = ""
 
 

@@ -20,7 +20,7 @@ from cpm_core.contours.review import apply
 from cpm_core.image.image import Image
 from cpm_core.numerics.parallel import cores
 from cpm_core.segmentation.engine import Engine
-from cpm_core.shapes.image_starts import Sower
+from cpm_core.shapes.image_starts import SeedCache
 
 if TYPE_CHECKING:
     from app.session.session import Session
@@ -144,7 +144,7 @@ class _Runs:
         self._document = document
         self._task = task
         self._dice = dice
-        self._sower = Sower(image)
+        self._seed_cache = SeedCache(image)
         self._engines: dict[int, Engine] = {}
         self._lock = threading.Lock()
 
@@ -159,11 +159,11 @@ class _Runs:
     def _result(self, tile: Tile) -> Result | None:
         parameters, document = tile.parameters, self._document
         with self._lock:  # places to start from and engine are kept for the other tiles
-            sown = self._sower.sow(document.sowable, parameters.smoothing, document.regions)
+            image_seeds = self._seed_cache.seeds_for(document.sowable, parameters.smoothing, document.regions)
             if parameters.scales not in self._engines:
                 self._engines[parameters.scales] = Engine(self._image, parameters, document.regions)
             engine = self._engines[parameters.scales]
-        state = engine.start(document.seeds(sown))
+        state = engine.start(document.seeds(image_seeds))
         while not state.stop_reason:
             if self._task.cancelled:
                 return None

@@ -157,6 +157,6 @@ def _arrays(state: State) -> Iterator[NDArray[np.generic]]:
     yield particles.force
     yield particles.distance
     yield particles.identity
-    yield from state.ground
+    yield from state.coverage
     if state.far is not None:
         yield state.far.force

@@ -24,7 +24,7 @@ from cpm_core.numerics.polyline import Position
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
-from cpm_core.shapes.image_starts import NOWHERE, Sower, Sown
+from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, SeedCache
 
 RESTING_SPEED = 0.1
 """Speed under which a particle is shown as resting [px per unit of time]."""
@@ -61,7 +61,7 @@ class Run:
         self._reconstructor = reconstructor
         self._engine: Engine | None = None
         self._charges: tuple[PlacedCharge, ...] = ()
-        self._sower: Sower | None = None
+        self._seed_cache: SeedCache | None = None
         self._state: State | None = None
         self._parameters = Parameters()
         self._recorder = Recorder()
@@ -94,7 +94,7 @@ class Run:
         self.discard(generation)
         self.image_generation = generation
         self._engine, self._charges, self._parameters = engine, (), parameters
-        self._sower = Sower(engine.image)
+        self._seed_cache = SeedCache(engine.image)
         self._refresh_overlays()
 
     def start(self, generation: int, document: Document) -> None:
@@ -102,7 +102,7 @@ class Run:
         self.discard(generation)
         if self._engine is None:
             raise ValueError("There is no image to run on: open one first.")
-        seeds = document.seeds(self.sow(document))
+        seeds = document.seeds(self.seeds_for(document))
         self._parameters, self._charges = document.parameters, document.charges
         if document.parameters.scales != self._engine.scales:
             self._engine = self._build(self._engine.image, document.parameters, document.regions)
@@ -113,11 +113,11 @@ class Run:
         self.chronicle.begin(self._engine, self._state, self._recorder)
         self._send()
 
-    def sow(self, document: Document) -> Sown:
+    def seeds_for(self, document: Document) -> ImageSeeds:
         """Positions from which a document starts all over the image."""
-        if self._sower is None:
-            return NOWHERE
-        return self._sower.sow(document.sowable, document.parameters.smoothing, document.regions)
+        if self._seed_cache is None:
+            return NO_SEEDS
+        return self._seed_cache.seeds_for(document.sowable, document.parameters.smoothing, document.regions)
 
     def go(self, steps: int | None) -> None:
         """Step from now on, `steps` times or until told otherwise; a run that has ended only with other parameters."""
@@ -167,7 +167,7 @@ class Run:
         if self._engine is None or self._state is None:
             return False
         ended = bool(self._state.stop_reason)
-        self._do(Joined(document.seeds(self.sow(document)).tobytes(), self._engine.regions))
+        self._do(Joined(document.seeds(self.seeds_for(document)).tobytes(), self._engine.regions))
         return ended and self._keep_going()
 
     def erase(self, path: tuple[Position, ...], radius: float) -> None:

@@ -161,8 +161,8 @@ class Stage(QWidget):
     def _grow(self, index: int, by: float) -> None:
         shape = self._session.document.shapes[index]
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
-        name, grown = verb.format(shape=describe(shape)), shape.grown(by)
-        self._session.edit(name, lambda document: edits.replace_shape(document, index, grown), f"grow {index}")
+        name, resized = verb.format(shape=describe(shape)), shape.resized(by)
+        self._session.edit(name, lambda document: edits.replace_shape(document, index, resized), f"grow {index}")
 
     def _place_hint(self) -> None:
         size = self.canvas.size()

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 from PySide6.QtCore import QObject
 
-from app.session.exchange.messages import Overlays, Report, Sowing
+from app.session.exchange.messages import Overlays, Report, SeedsFound
 from app.session.features.contour_review import Curation
 from app.session.session import Session
 from app.session.signals import Announcements
@@ -55,11 +55,11 @@ class Told(QObject):
         self._session = session
         self._image: tuple[object, object] | None = None
         self._overlays: Overlays | None = None
-        self._sown: object = None
+        self._image_seeds: object = None
         self._reports: dict[type[Report], Report] = {}
         session.image_changed.connect(self._keep_image)
         session.overlays_changed.connect(self._keep_overlays)
-        session.sown_changed.connect(self._keep_sown)
+        session.image_seeds_changed.connect(self._keep_image_seeds)
         session.reported.connect(self._keep_report)
 
     def tell(self, understudy: Understudy) -> None:
@@ -67,8 +67,8 @@ class Told(QObject):
         if self._image is not None:
             understudy.image_changed.emit(*self._image)
         understudy.document_changed.emit(self._session.document)
-        if self._sown is not None:
-            understudy.sown_changed.emit(self._sown)
+        if self._image_seeds is not None:
+            understudy.image_seeds_changed.emit(self._image_seeds)
         understudy.status_changed.emit()
 
     def tell_what_lies_over(self, understudy: Understudy) -> None:
@@ -79,15 +79,15 @@ class Told(QObject):
             understudy.overlays_changed.emit(self._overlays)
 
     def _keep_image(self, image: object, shades: object) -> None:
-        self._image, self._overlays, self._sown = (image, shades), None, None
+        self._image, self._overlays, self._image_seeds = (image, shades), None, None
         self._reports.clear()
 
     def _keep_overlays(self, overlays: Overlays) -> None:
         self._overlays = overlays
 
-    def _keep_sown(self, sown: object) -> None:
-        self._sown = sown
+    def _keep_image_seeds(self, image_seeds: object) -> None:
+        self._image_seeds = image_seeds
 
     def _keep_report(self, report: Report) -> None:
-        if not isinstance(report, FrameTaken | Compared | Sowing):
+        if not isinstance(report, FrameTaken | Compared | SeedsFound):
             self._reports[type(report)] = report

@@ -76,5 +76,5 @@ def _levels(patience: Patience) -> Iterator[Measurement]:
     engine = Engine(values, start)
     for name, step in (("smoothing", 0.01), ("edge_floor", 0.0001), ("beta", 0.001)):
         moved = [replace(start, **{name: getattr(start, name) + step * k}) for k in range(1, patience.repeats + 2)]
-        (anew,) = milliseconds_of(patience, lambda: engine.level(moved.pop()))  # noqa: B023  # done with by then
+        (anew,) = milliseconds_of(patience, lambda: engine.scale_field(moved.pop()))  # noqa: B023  # done with by then
         yield Measurement("field", f"the finest scale for another {name}", anew, "ms", "all that is felt", ours)

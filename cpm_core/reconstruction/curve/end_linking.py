@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import lengths_along
 from cpm_core.contours.graph import Graph
-from cpm_core.field.scale_field import FAINTEST, Level
+from cpm_core.field.scale_field import FAINTEST, ScaleField
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -24,7 +24,7 @@ _SAMPLES = 7
 """Places across a gap at which the edge map is read."""
 
 
-def close_gaps(graph: Graph, level: Level, reach: float) -> None:
+def close_gaps(graph: Graph, scale_field: ScaleField, reach: float) -> None:
     """Join loose ends to each other, and to curves that they run into.
 
     The nearest pairs come first. A gap must be no wider than `reach` and have an edge of the image across it; it lies
@@ -34,7 +34,7 @@ def close_gaps(graph: Graph, level: Level, reach: float) -> None:
     ----------
     graph : Graph
         Changed in place.
-    level : Level
+    scale_field : ScaleField
         Fields of the scale.
     reach : float
         Widest gap [px].
@@ -50,7 +50,7 @@ def close_gaps(graph: Graph, level: Level, reach: float) -> None:
     gap = np.linalg.norm(graph.points[end] - graph.points[other], axis=1)
     open_ = (_way_between(graph, end, other) > _DETOUR * gap) & (end != other)
     end, other, gap = end[open_], other[open_], gap[open_]
-    held = _edge_between(graph.points[end], graph.points[other], level)
+    held = _edge_between(graph.points[end], graph.points[other], scale_field)
     end, other, gap = end[held], other[held], gap[held]
     cost = np.where(graph.degrees[other] == 1, gap, _SIDE * gap)
     order = np.lexsort((other, end, cost))
@@ -73,9 +73,9 @@ def _way_between(graph: Graph, end: Index, other: Index) -> Array:
     return np.where(behind, ways.lengths[own], length)
 
 
-def _edge_between(a: Array, b: Array, level: Level) -> NDArray[np.bool_]:
+def _edge_between(a: Array, b: Array, scale_field: ScaleField) -> NDArray[np.bool_]:
     """Whether the edge map stays up on the ways from a to b, shapes (N, 2), and no wall is in them."""
     along = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, _SAMPLES)[:, None]
-    strength = level.strength(along.reshape(-1, 2)).reshape(-1, _SAMPLES)
+    strength = scale_field.strength(along.reshape(-1, 2)).reshape(-1, _SAMPLES)
     goes_on = strength.min(axis=1) >= FAINTEST * np.minimum(strength[:, 0], strength[:, -1])
-    return np.asarray(goes_on & ~level.walls.crossed(a, b))
+    return np.asarray(goes_on & ~scale_field.barrier_map.crossed(a, b))

@@ -19,7 +19,7 @@ from skimage.graph import MCP_Geometric
 from cpm_core.contours.bridge import Bridge
 from cpm_core.contours.contour import Contour, lengths_along
 from cpm_core.contours.graph import Graph
-from cpm_core.field.scale_field import Level
+from cpm_core.field.scale_field import ScaleField
 
 Array = NDArray[np.float64]
 
@@ -61,7 +61,9 @@ class _Way:
     path: Array
 
 
-def bridge_gaps(graph: Graph, level: Level, longest: float, spacing: float, least: float) -> tuple[Bridge, ...]:
+def bridge_gaps(
+    graph: Graph, scale_field: ScaleField, longest: float, spacing: float, least: float
+) -> tuple[Bridge, ...]:
     """Join loose ends that are at most `longest` apart, or that far from the side of a contour.
 
     The cheapest bridges come first. None leads across a contour or a wall, or turns back. A curve that ends because it
@@ -71,7 +73,7 @@ def bridge_gaps(graph: Graph, level: Level, longest: float, spacing: float, leas
     ----------
     graph : Graph
         Changed in place: a bridge's vertices are added to it.
-    level : Level
+    scale_field : ScaleField
         Fields of the scale.
     longest : float
         Widest gap [px]; 0 for none.
@@ -85,10 +87,10 @@ def bridge_gaps(graph: Graph, level: Level, longest: float, spacing: float, leas
     tuple of Bridge
         What was built, cheapest first.
     """
-    ends = _ends(graph, level, least) if longest > 0.0 else {}
+    ends = _ends(graph, scale_field, least) if longest > 0.0 else {}
     if not ends:
         return ()
-    ground = _Ground(graph, level)
+    ground = _Ground(graph, scale_field)
     ways = [*_between_ends(graph, ground, ends, longest), *_to_sides(graph, ground, ends, longest)]
     built = []
     for way in sorted(ways, key=lambda way: (way.cost, way.end, way.other)):
@@ -99,7 +101,7 @@ def bridge_gaps(graph: Graph, level: Level, longest: float, spacing: float, leas
         if ground.free(path, (way.end, way.other)):
             ground.build(way.end, path[1:-1], way.other)
             length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-            built.append(Bridge(path, length, float(level.strength(path).mean())))
+            built.append(Bridge(path, length, float(scale_field.strength(path).mean())))
     return tuple(built)
 
 
@@ -114,22 +116,22 @@ def bridges_of(bridges: tuple[Bridge, ...], contours: tuple[Contour, ...]) -> tu
 class _Ground:
     """What bridges are built on: the edge map, and what they must not cross."""
 
-    def __init__(self, graph: Graph, level: Level) -> None:
+    def __init__(self, graph: Graph, scale_field: ScaleField) -> None:
         self.graph = graph
-        self.level = level
+        self.scale_field = scale_field
         self._edges = graph.edges()
         a, b = graph.points[self._edges].swapaxes(0, 1)
-        self._blocked = np.zeros(level.shape, np.bool_)
+        self._blocked = np.zeros(scale_field.shape, np.bool_)
         for t in np.linspace(0.0, 1.0, 5):
             places = np.rint(a + t * (b - a)).astype(np.int64)
-            self._blocked[tuple(np.clip(places, 0, np.array(level.shape) - 1).T)] = True
-        if len(level.walls.segments):
-            self._blocked |= level.walls.clearance <= 0.0
+            self._blocked[tuple(np.clip(places, 0, np.array(scale_field.shape) - 1).T)] = True
+        if len(scale_field.barrier_map.segments):
+            self._blocked |= scale_field.barrier_map.clearance <= 0.0
 
     def costs(self, low: Array, high: Array, strength: float) -> tuple[Array, Array]:
         """Cost of a step on every pixel from `low` to `high`, without what is in the way; and the pixels' places."""
         window = tuple(slice(int(a), int(b) + 1) for a, b in zip(low, high, strict=True))
-        costs = 1.0 / (1.0 + _EASE * self.level.edge_map[window] / max(strength, self.level.floor))
+        costs = 1.0 / (1.0 + _EASE * self.scale_field.edge_map[window] / max(strength, self.scale_field.floor))
         places = np.moveaxis(np.indices(costs.shape), 0, -1) + low
         return costs, places
 
@@ -142,7 +144,7 @@ class _Ground:
 
     def window(self, points: Array, margin: float) -> tuple[Array, Array]:
         """First and last pixel of the image around points."""
-        last = np.array(self.level.shape) - 1.0
+        last = np.array(self.scale_field.shape) - 1.0
         return (
             np.clip(np.floor(points.min(axis=0) - margin), 0.0, last),
             np.clip(np.ceil(points.max(axis=0) + margin), 0.0, last),
@@ -170,7 +172,9 @@ class _Ground:
 
     def free(self, path: Array, spared: tuple[int, ...]) -> bool:
         """Whether a path crosses no contour and no wall."""
-        return not self.level.walls.crossed(path[:-1], path[1:]).any() and self.crossing(path, spared) is None
+        return (
+            not self.scale_field.barrier_map.crossed(path[:-1], path[1:]).any() and self.crossing(path, spared) is None
+        )
 
 
 def _between_ends(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
@@ -187,7 +191,7 @@ def _between_ends(graph: Graph, ground: _Ground, ends: dict[int, Array], longest
         guide = _continuation(graph.points[a], ends[a], graph.points[b], ends[b])
         joined = graph.points[[a, b]]
         low, high = ground.window(guide, 0.5 * gap + 3.0)
-        costs, places = ground.costs(low, high, min(_strength(graph, ground.level, v) for v in (a, b)))
+        costs, places = ground.costs(low, high, min(_strength(graph, ground.scale_field, v) for v in (a, b)))
         off = scipy.spatial.cKDTree(guide).query(places)[0]
         search = MCP_Geometric(costs + _LEAVING * off + ground.obstacles(places, joined))
         total, path = _cheapest(search, low, joined[0], joined[1:])
@@ -214,7 +218,7 @@ def _to_sides(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: fl
         if not len(near):
             continue
         low, high = ground.window(np.concatenate([place[None], graph.points[near]]), 3.0)
-        costs, places = ground.costs(low, high, _strength(graph, ground.level, end))
+        costs, places = ground.costs(low, high, _strength(graph, ground.scale_field, end))
         away = places - place
         forward = away @ direction
         off = np.linalg.norm(away - forward[..., None] * direction, axis=-1)
@@ -284,12 +288,12 @@ def _continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
     )
 
 
-def _ends(graph: Graph, level: Level, least: float) -> dict[int, Array]:
+def _ends(graph: Graph, scale_field: ScaleField, least: float) -> dict[int, Array]:
     """Loose ends, and their directions, of curves that are long enough and do not end at a wall."""
     ends = [end for end in graph.ends().tolist() if _reaches(graph, end, least)]
     direction = np.array([_direction(graph, end) for end in ends]).reshape(-1, 2)
     place = graph.points[ends]
-    walled = level.walls.crossed(place, place + _AHEAD * least * direction)
+    walled = scale_field.barrier_map.crossed(place, place + _AHEAD * least * direction)
     return {end: way for end, way, wall in zip(ends, direction, walled, strict=True) if not wall}
 
 
@@ -319,9 +323,9 @@ def _direction(graph: Graph, end: int) -> Array:
     return np.asarray(way / max(float(np.linalg.norm(way)), 1e-300))
 
 
-def _strength(graph: Graph, level: Level, end: int) -> float:
+def _strength(graph: Graph, scale_field: ScaleField, end: int) -> float:
     """Edge strength near a loose end."""
-    return float(level.strength(graph.points[_last_stretch(graph, end, _BACK_STRENGTH)]).max())
+    return float(scale_field.strength(graph.points[_last_stretch(graph, end, _BACK_STRENGTH)]).max())
 
 
 def _length(path: Array) -> float:

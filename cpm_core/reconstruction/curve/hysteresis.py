@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
 from cpm_core.field.region_contrast import Sides
-from cpm_core.field.scale_field import Level
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.parameters import Parameters
 
 Array = NDArray[np.float64]
@@ -46,7 +46,7 @@ class Ratings(NamedTuple):
     rating: Array
 
 
-def drop_weak(graph: Graph, level: Level, parameters: Parameters) -> None:
+def drop_weak(graph: Graph, scale_field: ScaleField, parameters: Parameters) -> None:
     """Take weak contours out of a graph, with hysteresis.
 
     Contours under `min_strength` or `min_contrast` go, and of those that end loose the stretches under it. What is left
@@ -56,17 +56,17 @@ def drop_weak(graph: Graph, level: Level, parameters: Parameters) -> None:
     ----------
     graph : Graph
         Changed in place.
-    level : Level
+    scale_field : ScaleField
         Fields of the scale.
     parameters : Parameters
         For `min_strength`, `sure_edge` and `min_contrast`.
     """
     if parameters.min_strength > 0.0:
-        drop_under(graph, ratings(graph, level.strength), parameters.min_strength)
+        drop_under(graph, ratings(graph, scale_field.strength), parameters.min_strength)
     if parameters.min_contrast > 0.0:
-        drop_under(graph, ratings(graph, level.contrast), parameters.min_contrast)
+        drop_under(graph, ratings(graph, scale_field.contrast), parameters.min_contrast)
     if parameters.sure_edge > 0.0:
-        drop_unconnected(graph, level.strength(graph.points), parameters.sure_edge * level.strongest)
+        drop_unconnected(graph, scale_field.strength(graph.points), parameters.sure_edge * scale_field.strongest)
 
 
 def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
@@ -121,19 +121,19 @@ def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
     graph.drop_ways(strongest[part] < sure)
 
 
-def shortest(level: Level, parameters: Parameters) -> float:
+def shortest(scale_field: ScaleField, parameters: Parameters) -> float:
     """Length under which a contour is none, whatever the least length asked for [px]."""
-    return max(LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * level.smoothing)
+    return max(LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * scale_field.smoothing)
 
 
-def choose(contours: tuple[Contour, ...], level: Level, parameters: Parameters) -> tuple[Contour, ...]:
+def choose(contours: tuple[Contour, ...], scale_field: ScaleField, parameters: Parameters) -> tuple[Contour, ...]:
     """Measure contours and leave out the short and the degenerate.
 
     Parameters
     ----------
     contours : tuple of Contour
         Contours of a graph.
-    level : Level
+    scale_field : ScaleField
         Fields of the scale.
     parameters : Parameters
         For `d_min` and `min_length`.
@@ -143,15 +143,15 @@ def choose(contours: tuple[Contour, ...], level: Level, parameters: Parameters) 
     tuple of Contour
         Those that stay, with their strength.
     """
-    least = max(shortest(level, parameters), parameters.min_length)
+    least = max(shortest(scale_field, parameters), parameters.min_length)
     chosen = [c for c in contours if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)]
     if not chosen:
         return ()
     points = np.concatenate([c.points for c in chosen])
     bounds = np.cumsum([0, *(len(c.points) for c in chosen)])
-    strength, normals = level.strength(points), level.normals(points)
+    strength, normals = scale_field.strength(points), scale_field.normals(points)
     measured = []
     for contour, a, b in zip(chosen, bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
-        sides = Sides(level.values, contour.points, normals[a:b], level.smoothing)
+        sides = Sides(scale_field.values, contour.points, normals[a:b], scale_field.smoothing)
         measured.append(replace(contour, strength=float(strength[a:b].mean()), sides=sides))
     return tuple(measured)

@@ -9,7 +9,7 @@ from cpm_core.contours.bridge import Bridge
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
 from cpm_core.dynamics.deletion import deletion
-from cpm_core.field.scale_field import Level
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.end_linking import close_gaps
 from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps, bridges_of
@@ -34,7 +34,7 @@ _BRIDGE_SPACING = 2.0
 
 
 def find_contours(
-    positions: Array, level: Level, parameters: Parameters, at_rest: bool = False
+    positions: Array, scale_field: ScaleField, parameters: Parameters, at_rest: bool = False
 ) -> tuple[tuple[Contour, ...], tuple[Bridge, ...]]:
     """Contours that particles have found.
 
@@ -42,7 +42,7 @@ def find_contours(
     ----------
     positions : ndarray, shape (N, 2)
         Particles [px of the scale].
-    level : Level
+    scale_field : ScaleField
         Fields of the scale.
     parameters : Parameters
         For `d_min`, `d_max`, `max_gap`, `min_strength`, `sure_edge`, `min_contrast` and `min_length`.
@@ -56,23 +56,25 @@ def find_contours(
     bridges : tuple of Bridge
         Gaps that were bridged in them.
     """
-    seated = positions[level.strength(positions) >= level.floor]
-    points, found = crest(seated, level)
-    points = points[found & ~level.walls.crossed(seated, points)]
-    kept = deletion(points, level.strength(points), level.shape, parameters.d_min)
+    on_edge = positions[scale_field.strength(positions) >= scale_field.floor]
+    points, found = crest(on_edge, scale_field)
+    points = points[found & ~scale_field.barrier_map.crossed(on_edge, points)]
+    kept = deletion(points, scale_field.strength(points), scale_field.shape, parameters.d_min)
     reach = max(parameters.d_min + parameters.d_max, _LEAST_REACH * parameters.d_min)
-    graph = Graph(*trace(points[kept], level, parameters.d_min, at_rest))
+    graph = Graph(*trace(points[kept], scale_field, parameters.d_min, at_rest))
     graph.drop_specks(_SPECK * parameters.d_min)
-    close_gaps(graph, level, reach)
+    close_gaps(graph, scale_field, reach)
     graph.drop_spurs(_SPUR * parameters.d_min)
-    graph.merge_junctions(max(_MERGED, level.smoothing))
+    graph.merge_junctions(max(_MERGED, scale_field.smoothing))
     if max(parameters.min_strength, parameters.sure_edge, parameters.min_contrast) > 0.0:
-        drop_weak(graph, level, parameters)
+        drop_weak(graph, scale_field, parameters)
         graph.drop_spurs(_SPUR * parameters.d_min)
     if parameters.max_gap == 0.0:  # else a short branch may be one side of a gap
-        graph.drop_spurs(max(shortest(level, parameters), parameters.min_length))
-    graph.drop_ties(shortest(level, parameters))
+        graph.drop_spurs(max(shortest(scale_field, parameters), parameters.min_length))
+    graph.drop_ties(shortest(scale_field, parameters))
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
-    bridges = bridge_gaps(graph, level, parameters.max_gap, spacing, LEAST_LENGTH * parameters.d_min)
-    contours = choose(graph.contours(max(shortest(level, parameters), parameters.min_length)), level, parameters)
+    bridges = bridge_gaps(graph, scale_field, parameters.max_gap, spacing, LEAST_LENGTH * parameters.d_min)
+    contours = choose(
+        graph.contours(max(shortest(scale_field, parameters), parameters.min_length)), scale_field, parameters
+    )
     return contours, bridges_of(bridges, contours)

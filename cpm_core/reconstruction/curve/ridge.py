@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.scale_field import SPLINE_MARGIN, Level
+from cpm_core.field.scale_field import SPLINE_MARGIN, ScaleField
 from cpm_core.numerics.jit import compiled, inlined
 
 Array = NDArray[np.float64]
@@ -27,7 +27,7 @@ class Ridge(NamedTuple):
     strength : ndarray, shape (H, W)
         Edge map.
     spline : ndarray, shape (H + 6, W + 6)
-        Coefficients of its cubic spline, `Level.spline`.
+        Coefficients of its cubic spline, `ScaleField.spline`.
     down, right : ndarray, shape (H, W)
         The two parts of the image gradient.
     """
@@ -38,10 +38,10 @@ class Ridge(NamedTuple):
     right: Array
 
 
-def ridge_of(level: Level) -> Ridge:
+def ridge_of(scale_field: ScaleField) -> Ridge:
     """The landscape of a scale; nothing is copied."""
-    down, right = level.gradient
-    return Ridge(level.edge_map, level.spline, down, right)
+    down, right = scale_field.gradient
+    return Ridge(scale_field.edge_map, scale_field.spline, down, right)
 
 
 @compiled

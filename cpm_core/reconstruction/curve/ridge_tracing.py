@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.scale_field import FAINTEST, Level
-from cpm_core.image.barriers import Walls
+from cpm_core.field.scale_field import FAINTEST, ScaleField
+from cpm_core.image.barriers import BarrierMap
 from cpm_core.numerics.parallel import share
 from cpm_core.reconstruction.curve.ridge import Ridge, ridge_of
 from cpm_core.reconstruction.curve.ridge_tracing_kernels import Reach, Seeds, settle, walk
@@ -42,14 +42,14 @@ _FADING = 1.6
 a sudden end is blurred to."""
 
 
-def trace(points: Array, level: Level, d_min: float, at_rest: bool = False) -> tuple[Array, Index]:
+def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = False) -> tuple[Array, Index]:
     """Join points on the crest along it.
 
     Parameters
     ----------
     points : ndarray, shape (N, 2)
         Distinct points on the crest, `crest` [px].
-    level : Level
+    scale_field : ScaleField
         Fields of the scale.
     d_min : float
         Spacing of particles [px]. From a point up to ten of it are walked to the next one, and five of it are kept
@@ -70,12 +70,12 @@ def trace(points: Array, level: Level, d_min: float, at_rest: bool = False) -> t
         loose=_LOOSE * d_min,
         dip=_DIP * d_min,
         fading=0.5 * _FADING * d_min,
-        floor=level.floor,
-        faintest=FAINTEST * level.floor,
+        floor=scale_field.floor,
+        faintest=FAINTEST * scale_field.floor,
     )
-    ridge = ridge_of(level)
-    seeds = _sown(points, ridge, reach)
-    walks = _Walks(ridge, level.walls, seeds, reach)
+    ridge = ridge_of(scale_field)
+    seeds = _image_seeds(points, ridge, reach)
+    walks = _Walks(ridge, scale_field.barrier_map, seeds, reach)
     everybody = np.arange(len(points))
     following = walks.go(everybody, 1.0, loose=False)
     followed = np.zeros(len(points), np.bool_)
@@ -87,7 +87,7 @@ def trace(points: Array, level: Level, d_min: float, at_rest: bool = False) -> t
     return walks.graph()
 
 
-def _sown(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
+def _image_seeds(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
     """Points as seeds, moved onto the very crest."""
     place = np.array(points, dtype=float)
     ahead = np.zeros_like(place)
@@ -107,8 +107,8 @@ def _sown(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
 class _Walks:
     """Ways from seed to seed, as they are found."""
 
-    def __init__(self, ridge: Ridge, walls: Walls, seeds: Seeds, reach: Reach) -> None:
-        self._ground = ridge, walls, seeds, reach
+    def __init__(self, ridge: Ridge, barrier_map: BarrierMap, seeds: Seeds, reach: Reach) -> None:
+        self._ground = ridge, barrier_map, seeds, reach
         self._longest = int(2.0 * reach.longest / reach.step) + 2
         self._vertices, self._edges = [seeds.place], [np.empty((0, 2), np.int64)]
         self._count = len(seeds.place)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.scale_field import FAINTEST
-from cpm_core.image.barriers import Walls, crosses
+from cpm_core.image.barriers import BarrierMap, crosses
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.reconstruction.curve.ridge import Ridge, height, slope
 
@@ -83,7 +83,7 @@ def settle(ridge: Ridge, place: Array, ahead: Array, step: float, first: int, la
 @compiled
 def walk(
     ridge: Ridge,
-    walls: Walls,
+    barrier_map: BarrierMap,
     seeds: Seeds,
     reach: Reach,
     numbers: Index,
@@ -104,7 +104,7 @@ def walk(
     added, joined = 0, 0
     while first < last and added + len(way) < len(vertices) and joined + len(way) < len(edges):
         i = numbers[first]
-        steps, other = _follow(ridge, walls, seeds, i, sign, reach, way)
+        steps, other = _follow(ridge, barrier_map, seeds, i, sign, reach, way)
         met[first] = other
         first += 1
         if other >= 0:
@@ -141,7 +141,9 @@ def _straight_to(way: Array, first: int, last: int) -> int:
 
 
 @inlined
-def _follow(ridge: Ridge, walls: Walls, seeds: Seeds, i: int, sign: float, reach: Reach, way: Array) -> tuple[int, int]:
+def _follow(
+    ridge: Ridge, barrier_map: BarrierMap, seeds: Seeds, i: int, sign: float, reach: Reach, way: Array
+) -> tuple[int, int]:
     """Walk from seed `i` ahead, or back, to the next one.
 
     Writes place, edge strength and length so far to `way`, the seed's own first. Returns the number of steps and the
@@ -150,7 +152,7 @@ def _follow(ridge: Ridge, walls: Walls, seeds: Seeds, i: int, sign: float, reach
     row, col = seeds.place[i, 0], seeds.place[i, 1]
     down, right = sign * seeds.ahead[i, 0], sign * seeds.ahead[i, 1]
     way[0, 0], way[0, 1], way[0, 2], way[0, 3] = row, col, height(ridge.strength, row, col), 0.0
-    walled = len(walls.segments) > 0
+    walled = len(barrier_map.segments) > 0
     steps, loose, behind, before = 0, 0, 0, 0
     length, under, leaving = 0.0, 0.0, False
     while length < reach.longest and steps < len(way) - 2 and not leaving:
@@ -158,7 +160,7 @@ def _follow(ridge: Ridge, walls: Walls, seeds: Seeds, i: int, sign: float, reach
             break
         found, leaving, row, col, down, right = _advance(ridge, row, col, down, right, sign, reach.step)
         way[steps + 1, 0], way[steps + 1, 1] = row, col
-        if not found or (walled and crosses(walls, way[steps], way[steps + 1])):
+        if not found or (walled and crosses(barrier_map, way[steps], way[steps + 1])):
             break
         steps += 1
         step = np.sqrt((row - way[steps - 1, 0]) ** 2 + (col - way[steps - 1, 1]) ** 2)
@@ -176,7 +178,7 @@ def _follow(ridge: Ridge, walls: Walls, seeds: Seeds, i: int, sign: float, reach
         if good and length <= reach.loose and loose == steps - 1:
             loose = steps
         met = _meets(seeds, i, sign, row, col, down, right, length, reach.step)
-        if met >= 0 and not (walled and crosses(walls, way[steps], seeds.place[met])):
+        if met >= 0 and not (walled and crosses(barrier_map, way[steps], seeds.place[met])):
             beyond = (row - seeds.place[met, 0]) * down + (col - seeds.place[met, 1]) * right
             return steps - 1 if beyond > 0.0 else steps, met
     return loose, -1

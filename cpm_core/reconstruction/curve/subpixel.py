@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.scale_field import Level
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.reconstruction.curve.ridge import PROBE, Ridge, ridge_of, spline_height, uphill
@@ -26,7 +26,7 @@ _SHARE = 500
 """Points worth a thread."""
 
 
-def crest(positions: Array, level: Level) -> tuple[Array, NDArray[np.bool_]]:
+def crest(positions: Array, scale_field: ScaleField) -> tuple[Array, NDArray[np.bool_]]:
     """Move points across the edge to the maximum of the cubic interpolated edge map.
 
     Each point is moved along the image gradient, by the vertex of the parabola through the edge strength at three
@@ -36,7 +36,7 @@ def crest(positions: Array, level: Level) -> tuple[Array, NDArray[np.bool_]]:
     ----------
     positions : ndarray, shape (N, 2)
         Points near edges [px].
-    level : Level
+    scale_field : ScaleField
         Fields of the scale.
 
     Returns
@@ -46,14 +46,14 @@ def crest(positions: Array, level: Level) -> tuple[Array, NDArray[np.bool_]]:
     found : ndarray of bool, shape (N,)
         Whether there was a crest within `FARTHEST` of the point.
     """
-    ridge = ridge_of(level)
+    ridge = ridge_of(scale_field)
     place = np.array(positions, dtype=float)
     move, bend = np.full(len(place), np.inf), np.zeros(len(place))
     for _ in range(_ITERATIONS):
         share(lambda first, last: _climb(ridge, place, move, bend, first, last), len(place), _SHARE)
         if np.abs(move).max(initial=0.0) < _DONE:
             break
-    inside = ((place >= 0.0) & (place <= np.array(level.shape) - 1.0)).all(axis=1)
+    inside = ((place >= 0.0) & (place <= np.array(scale_field.shape) - 1.0)).all(axis=1)
     near = np.linalg.norm(place - positions, axis=1) < FARTHEST
     return place, inside & (bend < 0.0) & (np.abs(move) < 0.1) & near
 

@@ -20,7 +20,7 @@ from app.views.canvas.items.discs import Discs
 from app.views.theme import colour_maps, theme
 from cpm_core import Engine, Parameters
 from cpm_core.dynamics.equilibrium import epsilon
-from cpm_core.particles.coverage import unvisited
+from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.state import Particles, State
 from tests.app.conftest import disc
 
@@ -36,7 +36,7 @@ def moment(count: int = 0, seed: int = 0) -> State:
         force=rng.normal(size=(count, 2, 2)),
         distance=np.where(np.arange(count)[:, None] < count - 1, rng.uniform(0, 1, (count, 4)), np.nan),
     )
-    return State(particles, particles.position, (64, 64), 0, unvisited(()), step=7)
+    return State(particles, particles.position, (64, 64), 0, no_coverage(()), step=7)
 
 
 @pytest.mark.parametrize("name", QUANTITIES)

@@ -37,7 +37,7 @@ def test_a_moved_circle_keeps_its_radius_and_a_resized_one_its_center(circle: Ci
     assert isinstance(moved, Circle)
     assert moved.radius == circle.radius
     assert moved.center == (circle.center[0] + by[0], circle.center[1] + by[1])
-    resized = circle.led(circle.handles()[0], (circle.center[0] + 30.0, circle.center[1] + 40.0))
+    resized = circle.with_handle_at(circle.handles()[0], (circle.center[0] + 30.0, circle.center[1] + 40.0))
     assert isinstance(resized, Circle)
     assert resized.center == circle.center
     assert resized.radius == pytest.approx(50.0)
@@ -50,11 +50,11 @@ def test_the_seeds_are_those_of_every_shape_in_the_order_drawn() -> None:
 
 def test_every_kind_of_start_gives_seeds_and_no_limit_does() -> None:
     line = ((10.0, 10.0), (10.0, 30.0))
-    sown = {Everywhere("grid"): np.array([[1.0, 1.0], [9.0, 9.0]])}
+    image_seeds = {Everywhere("grid"): np.array([[1.0, 1.0], [9.0, 9.0]])}
     document = Document(shapes=(Barrier(line), Stroke(line), Region((*line, (40.0, 30.0))), Everywhere("grid")))
     assert document.starts == (Stroke(line), Everywhere("grid"))
-    seeds = document.seeds(sown)
-    assert seeds[-2:].tolist() == sown[Everywhere("grid")].tolist()
+    seeds = document.seeds(image_seeds)
+    assert seeds[-2:].tolist() == image_seeds[Everywhere("grid")].tolist()
     stroke = seeds[:-2]
     assert (stroke[:, 0] == 10.0).all()
     assert np.diff(stroke[:, 1]) == pytest.approx(2.0, abs=0.2)

@@ -17,7 +17,7 @@ from app.session.worker.run_record import Recorder
 from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
-from cpm_core.particles.coverage import unvisited
+from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.initialization import circle
 from cpm_core.particles.state import Particles, State
 
@@ -27,7 +27,7 @@ AMPLE = 10**9
 def toy(count: int = 5) -> State:
     """A state that costs next to nothing to step."""
     position = np.arange(2.0 * count).reshape(count, 2)
-    return State(Particles.at_rest(position), position, (64, 64), 1, unvisited((64, 64)))
+    return State(Particles.at_rest(position), position, (64, 64), 1, no_coverage((64, 64)))
 
 
 def toy_step(state: State, deed: object) -> State:
@@ -46,7 +46,7 @@ def same(one: State, other: State) -> bool:
     arrays = ("position", "velocity", "force", "distance", "identity")
     alike = all(getattr(one.particles, name).tobytes() == getattr(other.particles, name).tobytes() for name in arrays)
     fields = ("step", "step_of_scale", "scale", "annealed", "next_identity", "idle", "quiet", "stop_reason", "steering")
-    grounds = all(a.tobytes() == b.tobytes() for a, b in zip(one.ground, other.ground, strict=True))
+    grounds = all(a.tobytes() == b.tobytes() for a, b in zip(one.coverage, other.coverage, strict=True))
     return alike and grounds and all(getattr(one, name) == getattr(other, name) for name in fields)
 
 
@@ -136,7 +136,7 @@ class TimelineMachine(RuleBasedStateMachine):
         arrays = {
             id(array): array.nbytes
             for state in kept
-            for array in (*(getattr(state.particles, name) for name in Particles.__slots__), *state.ground)
+            for array in (*(getattr(state.particles, name) for name in Particles.__slots__), *state.coverage)
         }
         assert timeline.used == sum(arrays.values())
 

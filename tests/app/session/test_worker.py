@@ -16,15 +16,15 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.session.core_functions import Core
 from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Failed, Opened, Snapshot, Sowing, Trouble, WentOn
+from app.session.exchange.messages import Failed, Opened, SeedsFound, Snapshot, Trouble, WentOn
 from app.session.exchange.pacing import Pacer
-from app.session.worker.commands.run import Adopt, Discard, Go, Halt, SetPace, SetParameters, Sow, Start, WarmUp
+from app.session.worker.commands.run import Adopt, Discard, FindSeeds, Go, Halt, SetPace, SetParameters, Start, WarmUp
 from app.session.worker.commands.steering import PlaceCharges
 from app.session.worker.run_record import Recorder
 from app.session.worker.worker_thread import Runner
 from cpm_core import Image, Parameters, Regions, uniform_grid
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.particles.coverage import Ground, unvisited
+from cpm_core.particles.coverage import Coverage, no_coverage
 from cpm_core.particles.state import Particles, State
 from cpm_core.shapes import Barrier, Everywhere, Points, Region
 
@@ -49,7 +49,7 @@ class FakeState:
     steering: tuple[object, ...] = ()
     position: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
     particles: Particles = field(default_factory=lambda: Particles.at_rest(np.zeros((2, 2))))
-    ground: Ground = field(default_factory=lambda: unvisited((4, 4)))
+    coverage: Coverage = field(default_factory=lambda: no_coverage((4, 4)))
     far: None = None
 
     def resumed(self) -> FakeState:
@@ -305,25 +305,25 @@ def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(ben
     bench.runner.post(WarmUp())
     documents = [edits.toggle_everywhere(replace(DOCUMENT, parameters=Parameters(smoothing=s)), "grid") for s in (1, 2)]
     for document in (*documents, *documents):
-        bench.runner.post(Sow(1, document))
+        bench.runner.post(FindSeeds(1, document))
     engine_is_busy.set()
     bench.settle()
-    (sowing,) = [report for report in bench.reports if isinstance(report, Sowing)]
+    (sowing,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
     assert sowing.generation == 1
-    np.testing.assert_array_equal(sowing.sown[Everywhere("grid")], uniform_grid((64, 64)))
+    np.testing.assert_array_equal(sowing.image_seeds[Everywhere("grid")], uniform_grid((64, 64)))
 
 
 def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_run_starts(bench: Bench) -> None:
     bench.open()
     region = Region(((10.0, 10.0), (10.0, 40.0), (30.0, 40.0), (30.0, 10.0)))
     document = edits.toggle_everywhere(Document(shapes=(region,)), "grid")
-    bench.runner.post(Sow(1, document))
+    bench.runner.post(FindSeeds(1, document))
     bench.runner.post(Start(2, 1, document))
     bench.settle()
-    (sowing,) = [report for report in bench.reports if isinstance(report, Sowing)]
+    (sowing,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
     grid = uniform_grid((64, 64))
     inside = (grid[:, 0] > 10) & (grid[:, 0] < 30) & (grid[:, 1] > 10) & (grid[:, 1] < 40)
-    np.testing.assert_array_equal(sowing.sown[Everywhere("grid")], grid[inside])
+    np.testing.assert_array_equal(sowing.image_seeds[Everywhere("grid")], grid[inside])
     np.testing.assert_array_equal(bench.engines[-1].seeds, grid[inside])
 
 
@@ -408,7 +408,7 @@ def test_a_mailbox_gives_the_newest_once() -> None:
 def a_state(step: int, epsilon: float, count: int) -> State:
     """A moment of a run with so many particles."""
     particles = Particles.at_rest(np.zeros((count, 2)))
-    return State(particles, particles.position, (8, 8), 0, unvisited(()), step=step, epsilon=epsilon)
+    return State(particles, particles.position, (8, 8), 0, no_coverage(()), step=step, epsilon=epsilon)
 
 
 def test_a_trace_given_out_never_changes() -> None:

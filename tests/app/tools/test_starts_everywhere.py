@@ -33,7 +33,7 @@ def expected(kind: str, values: np.ndarray) -> np.ndarray:
 def seen(window) -> list:
     """The places that the session has told of."""
     told: list = []
-    window.session.sown_changed.connect(told.append)
+    window.session.image_seeds_changed.connect(told.append)
     return told
 
 
@@ -105,7 +105,7 @@ def test_the_window_says_that_it_is_looking_for_places_and_what_went_wrong(windo
     def fail(*_: object) -> None:
         raise RuntimeError("out of places")
 
-    monkeypatch.setattr("app.session.worker.run.Sower.sow", fail)
+    monkeypatch.setattr("app.session.worker.run.SeedCache.seeds_for", fail)
     hand.key(*KEYS["centers"])
     assert window.panels["run"].status.state.startswith("Looking for places")
     hand.wait(lambda: window.session.idle)

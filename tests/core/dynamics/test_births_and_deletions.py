@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 
 from cpm_core import Parameters, Regions
 from cpm_core.dynamics.deletion import deletion, thinned
-from cpm_core.dynamics.edge_contact import seats
+from cpm_core.dynamics.edge_contact import contact_at
 from cpm_core.dynamics.insertion import insertion, search_range
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.scale_field import build_level
+from cpm_core.field.scale_field import build_scale_field
 from cpm_core.numerics import parallel
 from cpm_core.particles.state import Particles
 
-from ..moving import even_level, survey
+from ..moving import even_scale_field, survey
 from ..scenes import disk, ring
 
 SHAPE = (40, 48)
@@ -32,7 +32,7 @@ def upright(contrast=100.0):
 
 @pytest.fixture(scope="module")
 def edge():
-    return build_level(upright(), 1.0, 0.0)
+    return build_scale_field(upright(), 1.0, 0.0)
 
 
 def apart(points):
@@ -96,24 +96,26 @@ def test_among_those_at_rest_who_have_been_thinned_only_the_stirred_need_be_look
     everybody = np.concatenate([points[rest], more])
     strength = np.concatenate([strength[: len(points)][rest], strength[len(points) :]])
     stirred = np.arange(len(everybody)) >= rest.sum()
-    standing = replace(survey(everybody, even_level(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=strength)
+    contact = replace(
+        survey(everybody, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=strength
+    )
     truth = deletion(everybody, strength, SHAPE, 2.0)
-    np.testing.assert_array_equal(thinned(standing, stirred, 2.0), truth)
+    np.testing.assert_array_equal(thinned(contact, stirred, 2.0), truth)
 
 
 @pytest.mark.parametrize("distance", [0.25, 0.6, 0.99, 1.01])
 def test_neither_of_two_too_near_has_to_have_moved_first(distance):
     """It is enough that one of them has, whichever it is."""
     pair = np.array([(10.0, 10.0), (10.0, 10.0 + distance)])
-    standing = replace(
-        survey(pair, even_level(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=np.array([1.0, 2.0])
+    contact = replace(
+        survey(pair, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=np.array([1.0, 2.0])
     )
     for stirred in ([True, False], [False, True], [True, True]):
-        assert thinned(standing, np.array(stirred), 2.0).tolist() == [distance > 1.0, True]
+        assert thinned(contact, np.array(stirred), 2.0).tolist() == [distance > 1.0, True]
 
 
 @pytest.mark.parametrize(
-    ("lorentz", "strength", "seated"),
+    ("lorentz", "strength", "on_edge"),
     [
         ((0.0, 0.1), 5.0, True),
         ((0.0, -1.0), 5.0, False),
@@ -124,11 +126,11 @@ def test_neither_of_two_too_near_has_to_have_moved_first(distance):
     ],
     ids=str,
 )
-def test_a_seat_asks_for_a_weak_force_and_an_edge_that_is_strong_enough(lorentz, strength, seated):
-    level = even_level((20, 30), lorentz, strength=strength, floor=2.0)
+def test_a_seat_asks_for_a_weak_force_and_an_edge_that_is_strong_enough(lorentz, strength, on_edge):
+    scale_field = even_scale_field((20, 30), lorentz, strength=strength, floor=2.0)
     points = np.array([(3.2, 4.7), (10.0, 29.5), (-0.5, -0.5)])
-    assert seats(points, level)[1].tolist() == [seated] * 3
-    assert survey(points, level, search_range(Parameters())).seated.tolist() == [seated] * 3
+    assert contact_at(points, scale_field)[1].tolist() == [on_edge] * 3
+    assert survey(points, scale_field, search_range(Parameters())).on_edge.tolist() == [on_edge] * 3
 
 
 def test_seats_are_told_by_the_field_between_the_pixels(edge):
@@ -138,17 +140,17 @@ def test_seats_are_told_by_the_field_between_the_pixels(edge):
     clear = (np.abs(force - 0.93) > 1e-5) & (np.abs(strength - edge.floor) > 1e-4)
     truth = (force < 0.93) & (strength >= edge.floor)
     assert 50 < truth.sum() < 1000
-    np.testing.assert_array_equal(seats(points, edge)[1][clear], truth[clear])
-    standing = survey(points, edge, search_range(Parameters()))
-    np.testing.assert_array_equal(standing.seated, seats(points, edge)[1])
-    np.testing.assert_allclose(standing.strength, strength, rtol=1e-6, atol=1e-6 * edge.strongest)
+    np.testing.assert_array_equal(contact_at(points, edge)[1][clear], truth[clear])
+    contact = survey(points, edge, search_range(Parameters()))
+    np.testing.assert_array_equal(contact.on_edge, contact_at(points, edge)[1])
+    np.testing.assert_allclose(contact.strength, strength, rtol=1e-6, atol=1e-6 * edge.strongest)
 
 
 def births_of(
-    level,
+    scale_field,
     points,
     d_max=3.0,
-    seated=True,
+    on_edge=True,
     looking=True,
     ahead=True,
     present=True,
@@ -160,17 +162,17 @@ def births_of(
     """New particles of those at some points; all sit, look for places and are there unless told otherwise."""
     points = np.array(points, dtype=float).reshape(-1, 2)
     asked = Parameters(d_min=d_min, d_max=max(d_max, 3.0), **parameters)
-    masks = (seated, looking, ahead, present, thorough)
-    seats, lookers, scouts, there, careful = (
+    masks = (on_edge, looking, ahead, present, thorough)
+    contact_at, lookers, scouts, there, careful = (
         np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy() for mask in masks
     )
-    standing = replace(survey(points, level, search_range(asked)), seated=seats)
-    return insertion(standing, there, lookers, careful, scouts, level, d_max, asked, turn)
+    contact = replace(survey(points, scale_field, search_range(asked)), on_edge=contact_at)
+    return insertion(contact, there, lookers, careful, scouts, scale_field, d_max, asked, turn)
 
 
-def births_between(level, points, d_max=3.0, seated=True, d_min=2.0):
+def births_between(scale_field, points, d_max=3.0, on_edge=True, d_min=2.0):
     """New particles by the rule for pairs alone: nobody looks ahead."""
-    return births_of(level, points, d_max, seated, ahead=False, d_min=d_min)
+    return births_of(scale_field, points, d_max, on_edge, ahead=False, d_min=d_min)
 
 
 @pytest.mark.parametrize("distance", [2.21, 2.5, 3.7, 5.0])
@@ -193,14 +195,16 @@ def test_range_shrinks_with_annealing_and_grows_with_d_min(edge):
     assert len(births_between(edge, pair, d_min=3.6).position) == 0
 
 
-@pytest.mark.parametrize("seated", [(True, False), (False, True), (False, False)], ids=str)
-def test_a_pair_of_which_one_does_not_sit_gets_none(edge, seated):
-    assert len(births_between(edge, [(15.0, EDGE), (18.0, EDGE)], seated=seated).position) == 0
+@pytest.mark.parametrize("on_edge", [(True, False), (False, True), (False, False)], ids=str)
+def test_a_pair_of_which_one_does_not_sit_gets_none(edge, on_edge):
+    assert len(births_between(edge, [(15.0, EDGE), (18.0, EDGE)], on_edge=on_edge).position) == 0
 
 
 def test_a_pair_around_another_particle_gets_none(edge):
     assert (
-        len(births_between(edge, [(15.0, EDGE), (18.0, EDGE), (16.4, EDGE + 0.2)], seated=(True, True, False)).position)
+        len(
+            births_between(edge, [(15.0, EDGE), (18.0, EDGE), (16.4, EDGE + 0.2)], on_edge=(True, True, False)).position
+        )
         == 0
     )
 
@@ -241,11 +245,11 @@ def test_newborn_lie_midway_between_parents_within_range_and_apart_from_everybod
         assert apart(np.concatenate([points, births.position]))[len(points) :].min() >= 1.0
 
 
-def grown(level, start, rounds, d_min=2.0):
+def grown(scale_field, start, rounds, d_min=2.0):
     """Particles after rounds of births from those at `start`, all of whom sit and look ahead."""
     points = np.array(start, dtype=float)
     for _ in range(rounds):
-        points = np.concatenate([points, births_of(level, points, d_max=0.0, d_min=d_min).position])
+        points = np.concatenate([points, births_of(scale_field, points, d_max=0.0, d_min=d_min).position])
     return points
 
 
@@ -269,12 +273,12 @@ def test_a_front_covers_an_edge_from_end_to_end_and_nothing_else(edge):
 @pytest.mark.parametrize("angle", [0.0, 1.0, 2.5, 4.4])
 def test_a_front_goes_all_the_way_round_a_disk(angle):
     scene = disk((56, 60), (27.4, 30.2), 19.0)
-    level = build_level(scene.values, 1.0, 0.0)
+    scale_field = build_scale_field(scene.values, 1.0, 0.0)
     start = np.array([(27.4 + 19.0 * np.sin(angle), 30.2 + 19.0 * np.cos(angle))])
-    points = grown(level, start, 60)
+    points = grown(scale_field, start, 60)
     assert scene.distance(points).max() < 1.0
     assert np.linalg.norm(scene.boundary[:, None] - points, axis=2).min(axis=1).max() < 2.0
-    again = grown(level, points, 1)
+    again = grown(scale_field, points, 1)
     assert len(again) == len(points)
 
 
@@ -282,20 +286,20 @@ def test_nothing_breeds_on_an_edge_below_the_floor():
     """Two upright edges: beside one of full contrast, one of 5 percent counts as none."""
     image = upright()
     image[:, 40:] += 5.0
-    level = build_level(image, 1.0, 0.0)
-    assert len(grown(level, [(20.0, 39.5)], 3)) == 1
+    scale_field = build_scale_field(image, 1.0, 0.0)
+    assert len(grown(scale_field, [(20.0, 39.5)], 3)) == 1
 
 
 def test_a_front_stops_where_the_edge_fades():
     contrast = np.interp(np.arange(40.0), [15.0, 22.0], [100.0, 0.0])
-    level = build_level(upright(contrast), 1.0, 0.0)
-    points = grown(level, [(6.0, EDGE)], 40)
+    scale_field = build_scale_field(upright(contrast), 1.0, 0.0)
+    points = grown(scale_field, [(6.0, EDGE)], 40)
     at = points[points[:, 0] > 3.0]
     assert at[:, 0].max() > 14.0
     assert not np.any((np.abs(points[:, 1] - EDGE) < 4.0) & (points[:, 0] > 26.0))
 
 
-@pytest.mark.parametrize("missing", ["seated", "looking", "ahead", "present"])
+@pytest.mark.parametrize("missing", ["on_edge", "looking", "ahead", "present"])
 def test_nobody_looks_ahead_who_is_not_asked_to(edge, missing):
     assert len(births_of(edge, [(20.0, EDGE)]).position) > 1
     assert len(births_of(edge, [(20.0, EDGE)], **{missing: False}).position) == 0
@@ -322,17 +326,17 @@ def test_who_has_gone_is_no_parent_and_in_nobodys_way(edge):
 
 def test_nobody_breeds_across_a_barrier():
     """Neither between two on both sides of it, nor ahead."""
-    level = build_level(upright(), 1.0, 0.0, Regions(barriers=(((20.2, 0.0), (20.2, 47.0)),)))
-    assert len(births_of(level, [(19.0, EDGE), (22.0, EDGE)], ahead=False).position) == 0
-    assert len(births_of(level, [(15.0, EDGE), (18.0, EDGE)], ahead=False).position) == 1
-    points = grown(level, [(12.0, EDGE)], 40)
+    scale_field = build_scale_field(upright(), 1.0, 0.0, Regions(barriers=(((20.2, 0.0), (20.2, 47.0)),)))
+    assert len(births_of(scale_field, [(19.0, EDGE), (22.0, EDGE)], ahead=False).position) == 0
+    assert len(births_of(scale_field, [(15.0, EDGE), (18.0, EDGE)], ahead=False).position) == 1
+    points = grown(scale_field, [(12.0, EDGE)], 40)
     assert points[:, 0].max() < 20.2
     assert points[:, 0].max() > 17.0
 
 
 @pytest.fixture(scope="module")
 def curved():
-    return build_level(ring((60, 64), (29.4, 31.2), 14.0, 22.0).values, 1.0, 0.0)
+    return build_scale_field(ring((60, 64), (29.4, 31.2), 14.0, 22.0).values, 1.0, 0.0)
 
 
 def on_the_ring(seed, count=120):
@@ -397,7 +401,7 @@ def test_cells_reach_as_far_as_a_step_looks(d_min, d_max):
     assert reach >= d_min + d_max
     assert reach >= 0.5 * (d_min + d_max) + 1.5 * d_min
     assert reach >= (0.9 + 1.5) * d_min
-    assert survey(np.zeros((1, 2)), even_level(SHAPE, (0.0, 0.0)), search_range(parameters)).cells.size >= reach
+    assert survey(np.zeros((1, 2)), even_scale_field(SHAPE, (0.0, 0.0)), search_range(parameters)).cells.size >= reach
 
 
 @settings(max_examples=20, deadline=None)
@@ -415,17 +419,17 @@ def test_the_order_of_the_particles_does_not_matter_where_nobody_vies_for_a_plac
 
 def test_births_and_deletions_are_the_same_bits_at_every_call_and_on_any_number_of_cores(monkeypatch):
     scene = ring((400, 400), (199.3, 201.2), 130.0, 180.0)
-    level = build_level(scene.values, 1.0, 0.0)
+    scale_field = build_scale_field(scene.values, 1.0, 0.0)
     points = scene.boundary + np.random.default_rng(0).normal(0.0, 0.4, scene.boundary.shape)
     points = np.concatenate([points, points[:400] + 0.1])
     assert len(points) > 1500
     found = []
     for cores in (1, 2, 3, 3):
         monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
-        standing = survey(points, level, search_range(Parameters()))
-        kept = thinned(standing, np.ones(len(points), bool), 2.0)
-        births = births_of(level, points, present=kept)
-        arrays = (standing.strength, standing.seated, kept, births.position, births.parent, births.other)
+        contact = survey(points, scale_field, search_range(Parameters()))
+        kept = thinned(contact, np.ones(len(points), bool), 2.0)
+        births = births_of(scale_field, points, present=kept)
+        arrays = (contact.strength, contact.on_edge, kept, births.position, births.parent, births.other)
         found.append([array.tobytes() for array in arrays])
     assert len(births.position) > 0
     assert found[0] == found[1] == found[2] == found[3]
@@ -503,10 +507,10 @@ def test_who_has_others_on_both_sides_looks_only_if_thorough(edge):
 
 def test_directions_that_are_not_along_the_edge_take_turns():
     """Where there is room everywhere but along the edge, which others have taken: across it and aslant in turn."""
-    level = even_level(SHAPE, (0.0, 0.0), (1.0, 0.0), 1.0, 0.5)
+    scale_field = even_scale_field(SHAPE, (0.0, 0.0), (1.0, 0.0), 1.0, 0.5)
     points = [(20.0, 20.0), (20.0, 23.0), (20.0, 17.0)]
     for turn in range(8):
-        births = births_of(level, points, d_max=0.0, looking=(True, False, False), turn=turn)
+        births = births_of(scale_field, points, d_max=0.0, looking=(True, False, False), turn=turn)
         places = births.position - 20.0
         np.testing.assert_allclose(np.linalg.norm(places, axis=1), 1.8)
         angles = np.degrees(np.arctan2(places[:, 0], places[:, 1])) % 180.0

@@ -73,12 +73,12 @@ def test_an_unknown_epsilon_is_no_quiet():
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 100), st.integers(0, 10**5))
-def test_nothing_new_is_idle_and_more_news_never_more_idle(new, ground):
-    assert is_idle(0, ground)
-    if is_idle(new, ground):
-        assert is_idle(new // 2, ground)
-        assert is_idle(new, 2 * ground)
-    assert not is_idle(ground // 2 + 1, ground)
+def test_nothing_new_is_idle_and_more_news_never_more_idle(new, coverage):
+    assert is_idle(0, coverage)
+    if is_idle(new, coverage):
+        assert is_idle(new // 2, coverage)
+        assert is_idle(new, 2 * coverage)
+    assert not is_idle(coverage // 2 + 1, coverage)
 
 
 def test_still_is_finer_than_what_eyes_see():

@@ -78,8 +78,8 @@ def test_the_forces_are_those_of_eq_12(engine, states):
     for state in scales_of(states):
         forces = engine.forces(state, PARAMETERS, CHARGES)
         position, velocity = state.particles.position, state.particles.velocity
-        level = engine.level(PARAMETERS, state.scale)
-        idle = idle_steps_of(state, engine._charged.of(level, state.scale, state.charges), PARAMETERS)
+        scale_field = engine.scale_field(PARAMETERS, state.scale)
+        idle = idle_steps_of(state, engine._charged.of(scale_field, state.scale, state.charges), PARAMETERS)
         left = np.array([repulsion_left(int(steps)) for steps in idle])[:, None]
         beta = np.array([damping(PARAMETERS.beta, int(steps)) for steps in idle])[:, None]
         both = engine.field(PARAMETERS, state.scale, CHARGES)
@@ -98,7 +98,7 @@ def test_friction_has_no_part_across_the_edge(engine, states):
     for state in scales_of(states)[-3:]:
         forces = engine.forces(state, PARAMETERS, CHARGES)
         moving = np.linalg.norm(forces.total - forces.damping, axis=1) > 0.0
-        normal = engine.level(PARAMETERS, state.scale).normals(state.particles.position)
+        normal = engine.scale_field(PARAMETERS, state.scale).normals(state.particles.position)
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
         across = np.einsum("ni,ni->n", forces.friction, normal)
         np.testing.assert_allclose(across[moving], 0.0, atol=1e-5)
@@ -140,8 +140,8 @@ def test_the_potential_is_the_sum_over_all_other_pixels():
 
 def test_placed_charges_add_to_the_potential_by_the_mean_slope_of_the_fixed_ones(engine):
     fixed = engine.potential(PARAMETERS)
-    level = engine.level(PARAMETERS)
-    np.testing.assert_array_equal(fixed, convolved_potential(level.charges))
+    scale_field = engine.scale_field(PARAMETERS)
+    np.testing.assert_array_equal(fixed, convolved_potential(scale_field.charges))
     mean = np.hypot(*np.gradient(fixed)).mean()
     both = engine.potential(PARAMETERS, CHARGES) - fixed
     slope = -np.stack(np.gradient(both)) / mean
@@ -156,8 +156,8 @@ def test_the_energies_are_the_sums_over_particles_and_near_pairs(engine, states)
         got = engine.energies(state, PARAMETERS, CHARGES)
         size = 2.0**state.scale
         assert got.kinetic == pytest.approx(0.5 * ((size * velocity) ** 2).sum(), rel=1e-12)
-        level = engine.level(PARAMETERS, state.scale)
-        fixed = interpolate(level.potential[None], position).sum() / level.slope
+        scale_field = engine.scale_field(PARAMETERS, state.scale)
+        fixed = interpolate(scale_field.potential[None], position).sum() / scale_field.slope
         away = np.hypot(*(position[:, None] - position).transpose(2, 0, 1))[np.triu_indices(len(position), 1)]
         reach = PARAMETERS.d_min + PARAMETERS.d_max
         near = np.maximum(away[away < reach], 0.1)

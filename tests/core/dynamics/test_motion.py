@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from cpm_core import Parameters
 from cpm_core.dynamics.equations import damped_series, damping, is_stuck, repulsion_left
 from cpm_core.dynamics.integrator import far_force_for, move
-from cpm_core.field.scale_field import GATE, build_level
+from cpm_core.field.scale_field import GATE, build_scale_field
 from cpm_core.numerics import parallel
 from cpm_core.particles.coulomb.mesh_force import NOTHING_FAR, far_force
 from cpm_core.particles.state import MEMORY, Particles
 
-from ..moving import coulomb, even_level, repulsion, spacing, survey
+from ..moving import coulomb, even_scale_field, repulsion, spacing, survey
 
 SHAPE = (70, 90)
 LORENTZ = (0.6, -0.8)
@@ -27,11 +27,11 @@ SINGLE = 2e-4
 """Error that single precision leaves in a force of unit size, of particles no nearer than a tenth of a pixel."""
 
 
-def moved(points, parameters=DEFAULT, far=NOTHING_FAR, shape=SHAPE, level=None, idle=0):
+def moved(points, parameters=DEFAULT, far=NOTHING_FAR, shape=SHAPE, scale_field=None, idle=0):
     """Particles, given as such or by their places, after a step; `idle` steps after there was news around each."""
     particles = points if isinstance(points, Particles) else Particles.at_rest(points)
-    level = level or even_level(shape, LORENTZ)
-    after = move(particles, np.full(len(particles), idle), far, level, parameters)
+    scale_field = scale_field or even_scale_field(shape, LORENTZ)
+    after = move(particles, np.full(len(particles), idle), far, scale_field, parameters)
     return after.particles, after.motion
 
 
@@ -45,7 +45,7 @@ def cloud(count, seed=0, shape=SHAPE):
     return np.random.default_rng(seed).uniform(-0.5, np.array(shape) - 0.5, (count, 2))
 
 
-def settled(points, seed=0, speed=0.5):
+def without_off_edge(points, seed=0, speed=0.5):
     """Particles that have been there for long, with motion and history."""
     rng = np.random.default_rng(seed)
     count = len(points)
@@ -105,12 +105,12 @@ def test_force_on_a_cloud_by_way_of_a_mesh_is_as_good_as_the_mesh(reach):
 
 def test_a_mesh_is_made_where_there_are_many_particles_only():
     few, many = Particles.at_rest(cloud(20)), Particles.at_rest(cloud(2000))
-    level = even_level(SHAPE, LORENTZ)
-    assert far_force_for(few, np.zeros(20, int), level, DEFAULT) is NOTHING_FAR
-    far = far_force_for(many, np.zeros(2000, int), level, DEFAULT)
+    scale_field = even_scale_field(SHAPE, LORENTZ)
+    assert far_force_for(few, np.zeros(20, int), scale_field, DEFAULT) is NOTHING_FAR
+    far = far_force_for(many, np.zeros(2000, int), scale_field, DEFAULT)
     assert len(far.force)
     assert far.reach == 2.0 * (DEFAULT.d_min + DEFAULT.d_max)
-    assert far_force_for(many, np.full(2000, 1000), level, DEFAULT) is NOTHING_FAR  # nobody feels any of it
+    assert far_force_for(many, np.full(2000, 1000), scale_field, DEFAULT) is NOTHING_FAR  # nobody feels any of it
 
 
 def test_nearest_particles_beyond_the_reach_of_a_mesh_are_found():
@@ -203,7 +203,7 @@ def test_coordinates_far_from_the_origin_cost_digits_and_no_more():
 def test_step_is_eq_14_and_15_damped_by_what_the_ground_tells(beta, idle):
     """Force history, repulsion left and damping as they are after so many steps without news."""
     parameters = Parameters(beta=beta, time_step=0.3)
-    before = settled(cloud(40, 7), seed=8)
+    before = without_off_edge(cloud(40, 7), seed=8)
     after, motion = moved(before, parameters, idle=idle)
     force = force_truth(before.position, parameters, repulsion_left(idle))
     np.testing.assert_allclose(after.force[:, 0], force, rtol=0, atol=SINGLE)
@@ -220,7 +220,7 @@ def test_step_is_eq_14_and_15_damped_by_what_the_ground_tells(beta, idle):
 
 
 def test_history_of_distances_is_shifted_by_one():
-    before = settled(cloud(30, 1))
+    before = without_off_edge(cloud(30, 1))
     after, _ = moved(before)
     np.testing.assert_array_equal(after.distance[:, 1:], before.distance[:, :-1])
     np.testing.assert_allclose(after.distance[:, 0], np.hypot(*after.position.T), rtol=1e-14)
@@ -229,7 +229,7 @@ def test_history_of_distances_is_shifted_by_one():
 
 def test_each_particle_obeys_its_own_steps_without_news():
     """The repulsion that is left, the damping and the friction are those of each by itself, not of who is near."""
-    before = settled(cloud(60, 12), seed=13)
+    before = without_off_edge(cloud(60, 12), seed=13)
     idle = np.random.default_rng(14).integers(0, 300, 60)
     after, _ = moved(before, idle=idle)
     left = np.array([repulsion_left(steps) for steps in idle])
@@ -245,10 +245,10 @@ def on_edge(before, angle, size, idle):
     normal = np.array([np.sin(angle), np.cos(angle)])
     lorentz = size * normal
     parameters = Parameters(beta=0.0, time_step=0.3)
-    level = even_level(SHAPE, tuple(lorentz), tuple(7.0 * normal))
-    after, _ = moved(before, parameters, level=level, idle=idle)
+    scale_field = even_scale_field(SHAPE, tuple(lorentz), tuple(7.0 * normal))
+    after, _ = moved(before, parameters, scale_field=scale_field, idle=idle)
     left = repulsion_left(idle)
-    whole = force_truth(before.position, parameters, left, level.felt[0, 0, :2].astype(float))
+    whole = force_truth(before.position, parameters, left, scale_field.packed[0, 0, :2].astype(float))
     return after, whole, normal
 
 
@@ -256,7 +256,7 @@ def on_edge(before, angle, size, idle):
 @given(st.integers(0, 10**6), st.floats(0.0, 3.0), st.floats(-1.0, 1.0), st.sampled_from([0, 10, 20]))
 def test_friction_takes_what_goes_along_the_edge_or_nothing(seed, angle, size, idle):
     """Of force, velocity and history; from those who sit, are slow along the edge and pulled little along it."""
-    before = settled(8.0 * cloud(30, seed, (8, 8)) + 4.0, seed)
+    before = without_off_edge(8.0 * cloud(30, seed, (8, 8)) + 4.0, seed)
     after, whole, normal = on_edge(before, angle, size, idle)
     tangent = np.array([-normal[1], normal[0]])
     pull, speed = np.abs(whole @ tangent), np.abs(before.velocity @ tangent)
@@ -281,7 +281,7 @@ def test_friction_holds_the_slow_on_an_edge_alone(size, speed, held):
     """Nobody is near enough to push the one on a level edge along it."""
     before = Particles.at_rest(np.array([(30.0, 40.0)]))
     before.velocity[:, 1] = speed
-    after, _ = moved(before, level=even_level(SHAPE, (size, 0.0), (5.0, 0.0)))
+    after, _ = moved(before, scale_field=even_scale_field(SHAPE, (size, 0.0), (5.0, 0.0)))
     assert (after.position[0, 1] == 40.0) == (after.velocity[0, 1] == 0.0) == held
     assert (after.position[0, 0] - 30.0) * size > 0.0
 
@@ -290,17 +290,17 @@ def test_friction_without_a_normal_holds_the_slow_under_a_small_force_and_nobody
     """Where there is no gradient, as between two attractions that balance, all directions are alike."""
     grid = 4.0 + 3.0 * np.argwhere(np.ones((20, 20), bool))
     points = grid + np.random.default_rng(1).uniform(0.0, 1.2, grid.shape)
-    level = even_level(SHAPE, (0.0, 0.0))
+    scale_field = even_scale_field(SHAPE, (0.0, 0.0))
     pull = np.hypot(*force_truth(points, lorentz=(0.0, 0.0)).T)
     weak, strong = pull < 0.24 * DEFAULT.w1, pull > 0.26 * DEFAULT.w1
     assert weak.sum() > 10
     assert strong.sum() > 10
-    _, motion = moved(points, level=level)
+    _, motion = moved(points, scale_field=scale_field)
     assert not motion[weak].any()
     assert motion[strong].all()
     flying = Particles.at_rest(points)
     flying.velocity[:] = 1.0
-    after, motion = moved(flying, level=level)
+    after, motion = moved(flying, scale_field=scale_field)
     assert np.all(motion > 0.1)
     np.testing.assert_allclose(after.force[:, 0], force_truth(points, lorentz=(0.0, 0.0)), rtol=0, atol=SINGLE)
 
@@ -309,7 +309,7 @@ def with_sleepers(speed=0.0):
     """Particles, and steps without news around each: those in the lower half may sleep."""
     points = np.stack(np.meshgrid(np.arange(6.0, 64.0, 3.0), np.arange(6.0, 84.0, 3.0), indexing="ij"), axis=-1)
     points = points.reshape(-1, 2) + np.random.default_rng(2).normal(0.0, 0.4, (points.size // 2, 2))
-    return settled(points, speed=speed), np.where(points[:, 0] > 40.0, 100, 20)
+    return without_off_edge(points, speed=speed), np.where(points[:, 0] > 40.0, 100, 20)
 
 
 def test_sleepers_do_not_move():
@@ -351,7 +351,7 @@ def test_who_sleeps_is_slow_and_old_and_has_no_repulsion_left(idle, speed, young
 
 @pytest.mark.parametrize("mesh", [False, True])
 def test_same_bits_on_any_number_of_cores(monkeypatch, mesh):
-    before = settled(cloud(1700, 9))
+    before = without_off_edge(cloud(1700, 9))
     far = far_force(before.position, SHAPE, 10.0) if mesh else NOTHING_FAR
     bits = []
     for cores in (1, 2, 3):
@@ -364,7 +364,7 @@ def test_same_bits_on_any_number_of_cores(monkeypatch, mesh):
 
 @pytest.mark.parametrize("mesh", [False, True])
 def test_the_order_of_particles_does_not_matter_but_for_rounding(mesh):
-    before = settled(cloud(500, 10))
+    before = without_off_edge(cloud(500, 10))
     order = np.random.default_rng(11).permutation(500)
     far = far_force(before.position, SHAPE, 10.0) if mesh else NOTHING_FAR
     one, _ = moved(before, far=far)
@@ -375,7 +375,7 @@ def test_the_order_of_particles_does_not_matter_but_for_rounding(mesh):
 
 
 def test_a_step_leaves_the_particles_that_it_starts_from_alone():
-    before = settled(cloud(50))
+    before = without_off_edge(cloud(50))
     kept = [getattr(before, name).copy() for name in ("position", "velocity", "force", "distance")]
     moved(before)
     for name, quantity in zip(("position", "velocity", "force", "distance"), kept, strict=True):
@@ -399,16 +399,16 @@ def test_a_step_tells_how_everybody_stands_after_it():
     """As a survey of the same places does, whether they sleep or not; also behind a wall, and of those who are left."""
     image = np.zeros((40, 48))
     image[:, 22:] = 100.0
-    level = build_level(image, 1.0, 0.0)
+    scale_field = build_scale_field(image, 1.0, 0.0)
     points = cloud(60, 3, (39, 47))
     sleepers = replace(Particles.at_rest(points), distance=np.ones((60, 4)))
     for idle in (0, 500):
-        after = move(sleepers, np.full(60, idle), NOTHING_FAR, level, DEFAULT)
-        standing = survey(after.particles.position, level, 5.0)
-        np.testing.assert_array_equal(after.strength, standing.strength)
-        np.testing.assert_array_equal(after.seated, standing.seated)
-        held = after.held_at(Particles.at_rest(points), points, level)
-        np.testing.assert_array_equal(held.seated, survey(points, level, 5.0).seated)
+        after = move(sleepers, np.full(60, idle), NOTHING_FAR, scale_field, DEFAULT)
+        contact = survey(after.particles.position, scale_field, 5.0)
+        np.testing.assert_array_equal(after.strength, contact.strength)
+        np.testing.assert_array_equal(after.on_edge, contact.on_edge)
+        held = after.held_at(Particles.at_rest(points), points, scale_field)
+        np.testing.assert_array_equal(held.on_edge, survey(points, scale_field, 5.0).on_edge)
         assert not held.motion.any()
         some = points[:, 0] > 20.0
         np.testing.assert_array_equal(after.where(some).strength, after.strength[some])

@@ -24,7 +24,7 @@ from cpm_core.image.pyramid import to_image
 from cpm_core.particles.coverage import idle_at
 from cpm_core.particles.state import Particles
 
-from ..moving import even_level
+from ..moving import even_scale_field
 from ..scenes import antialiased, disk
 
 SHAPE = (160, 160)
@@ -117,13 +117,15 @@ def test_the_force_at_a_place_of_the_image_is_the_same_at_all_scales(scale):
 def test_a_level_with_charges_is_the_same_however_they_came_to_be_there(engine):
     generator = np.random.default_rng(4)
     placed = [PlacedCharge(tuple(generator.uniform(-10, 200, 2)), q) for q in generator.uniform(-9, 9, 12)]
-    level = engine.level(PARAMETERS)
-    want = level.lorentz + np.moveaxis(placed_force(at_scale(placed, 0, TWO.shape), RADIUS, (0, 128, 0, 256)), -1, 0)
+    scale_field = engine.scale_field(PARAMETERS)
+    want = scale_field.lorentz + np.moveaxis(
+        placed_force(at_scale(placed, 0, TWO.shape), RADIUS, (0, 128, 0, 256)), -1, 0
+    )
     for some in (placed[:3], placed[2:9], placed[::-1], placed[5:6], placed):
-        got = engine._charged.of(level, 0, in_order(some)).lorentz.copy()
+        got = engine._charged.of(scale_field, 0, in_order(some)).lorentz.copy()
     np.testing.assert_allclose(got, want, atol=1e-6)
     np.testing.assert_allclose(engine.field(PARAMETERS, 0, placed), want, atol=1e-6)
-    assert engine._charged.of(level, 0, ()) is level
+    assert engine._charged.of(scale_field, 0, ()) is scale_field
 
 
 @pytest.mark.parametrize("strength", [2.0, 6.0, 10.0])
@@ -142,16 +144,16 @@ def test_a_particle_far_from_all_edges_comes_to_rest_at_an_attracting_charge(str
 
 
 def test_a_repelling_charge_pushes_a_particle_straight_away():
-    level = even_level((160, 160), (0.0, 0.0))
+    scale_field = even_scale_field((160, 160), (0.0, 0.0))
     engine_of = Engine(disk((160, 160), (79.5, 79.5), 75.0).values, PARAMETERS)._charged
     for angle in (0.3, 2.0, 3.7):
         away = np.array([np.sin(angle), np.cos(angle)])
         particles = Particles.at_rest(79.5 + 10.0 * away[None])
-        charged = engine_of.of(level, 0, (PlacedCharge((79.5, 79.5), -3.0),))
+        charged = engine_of.of(scale_field, 0, (PlacedCharge((79.5, 79.5), -3.0),))
         idle = np.zeros(1, np.int64)
         for _ in range(30):
             particles = move(
-                particles, idle, far_force_for(particles, idle, level, PARAMETERS), charged, PARAMETERS
+                particles, idle, far_force_for(particles, idle, scale_field, PARAMETERS), charged, PARAMETERS
             ).particles
         offset = particles.position[0] - 79.5
         assert offset @ away > 2.0 * RADIUS
@@ -198,8 +200,8 @@ def test_a_charge_that_comes_moves_or_goes_wakes_those_in_reach_and_nobody_else(
         step = state.resumed()
         places = [charge.position for charge in changed(state.charges, after)]
         far = np.min([np.hypot(*(state.position - place).T) for place in places], axis=0)
-        idle = idle_at(engine.step(step, PARAMETERS, after).ground, state.position, step.step_of_scale, -1)
-        was = idle_at(step.ground, state.position, step.step_of_scale, -1)
+        idle = idle_at(engine.step(step, PARAMETERS, after).coverage, state.position, step.step_of_scale, -1)
+        was = idle_at(step.coverage, state.position, step.step_of_scale, -1)
         assert (idle[far < REACH] <= 0).all()
         assert (idle[far > REACH + 6.0] == was[far > REACH + 6.0]).all()
         assert (was > 25).all()
@@ -215,7 +217,7 @@ def test_a_charge_that_is_not_moved_keeps_nobody_awake(engine, resting):
     last = run(engine, resting.resumed(), PARAMETERS, placed)
     assert last.converged
     again = engine.step(last.resumed(), PARAMETERS, placed[::-1])
-    assert again.heated == last.heated
+    assert again.reactivated == last.reactivated
     assert again.moving == 0
 
 

@@ -98,7 +98,9 @@ def test_flat_background_has_no_strength():
 def test_more_noise_never_gives_less_automatic_smoothing():
     scene = disk((96, 96), (47.0, 48.0), 25.0).values
     noise = np.random.default_rng(7).normal(size=scene.shape)
-    chosen = [automatic_smoothing(scene + level * noise) for level in (0.0, 5.0, 20.0, 40.0, 60.0, 80.0, 120.0)]
+    chosen = [
+        automatic_smoothing(scene + scale_field * noise) for scale_field in (0.0, 5.0, 20.0, 40.0, 60.0, 80.0, 120.0)
+    ]
     assert chosen == sorted(chosen)
     assert chosen[-1] > chosen[0] + 1.0
     assert chosen[0] == min(chosen) == automatic_smoothing(np.zeros((20, 20)))

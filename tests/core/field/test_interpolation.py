@@ -68,20 +68,20 @@ def test_nobody_feels_nothing():
     assert interpolate(random_field((5, 6), 3, 0), np.zeros((0, 2))).shape == (0, 3)
 
 
-def felt_at(felt, place):
+def felt_at(packed, place):
     """All components of what is felt, shape (H, W, C), at a place."""
-    corner = between(felt, *place)
-    return [component(felt, c, corner) for c in range(felt.shape[2])]
+    corner = between(packed, *place)
+    return [component(packed, c, corner) for c in range(packed.shape[2])]
 
 
 @settings(max_examples=60, deadline=None)
 @given(st.tuples(st.integers(1, 7), st.integers(1, 7)), st.integers(1, 5), st.integers(0, 10**6))
 def test_what_is_felt_at_a_place_is_bilinear_also_beyond_the_border(shape, channels, seed):
     field = random_field(shape, channels, seed).astype(np.float32)
-    felt = np.ascontiguousarray(np.moveaxis(field, 0, -1))
+    packed = np.ascontiguousarray(np.moveaxis(field, 0, -1))
     for place in np.random.default_rng(seed + 1).uniform(-3.0, np.array(shape) + 2.0, (10, 2)):
         truth = [ndimage.map_coordinates(part.astype(float), place[:, None], order=1, mode="nearest") for part in field]
-        np.testing.assert_allclose(felt_at(felt, place), np.ravel(truth), rtol=0, atol=1e-6)
+        np.testing.assert_allclose(felt_at(packed, place), np.ravel(truth), rtol=0, atol=1e-6)
 
 
 @settings(max_examples=60, deadline=None)
@@ -96,6 +96,6 @@ def test_a_place_lies_between_the_pixels_that_it_is_said_to(y, x):
 
 
 def test_pixels_are_felt_as_they_are():
-    felt = np.ascontiguousarray(np.moveaxis(random_field((5, 6), 3, 0), 0, -1).astype(np.float32))
+    packed = np.ascontiguousarray(np.moveaxis(random_field((5, 6), 3, 0), 0, -1).astype(np.float32))
     for row, col in np.ndindex(5, 6):
-        np.testing.assert_array_equal(felt_at(felt, (float(row), float(col))), felt[row, col])
+        np.testing.assert_array_equal(felt_at(packed, (float(row), float(col))), packed[row, col])

@@ -5,9 +5,9 @@ import pytest
 from scipy import ndimage, special
 
 from cpm_core import circle, edge_map, electric_field, segment
-from cpm_core.field import scale_field as level_of
+from cpm_core.field import scale_field as scale_field_module
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.scale_field import WEAKEST_EDGE, build_level
+from cpm_core.field.scale_field import WEAKEST_EDGE, build_scale_field
 
 from ..scenes import disk, outline_distance, ring, u_shape
 
@@ -29,14 +29,14 @@ def uneven_edge():
 
 
 def test_force_on_an_edge_has_no_part_along_it():
-    level = build_level(uneven_edge(), 1.0, 0.0)
-    summit = ndimage.maximum_filter(level.edge_map, size=5)
-    crest = (level.edge_map > 0.9 * summit) & (summit > 0.5 * level.edge_map.max())
+    scale_field = build_scale_field(uneven_edge(), 1.0, 0.0)
+    summit = ndimage.maximum_filter(scale_field.edge_map, size=5)
+    crest = (scale_field.edge_map > 0.9 * summit) & (summit > 0.5 * scale_field.edge_map.max())
     # the ends of the edge at the border are no straight edge
     crest[:5] = crest[-5:] = False
-    normal = level.gradient / np.maximum(np.hypot(*level.gradient), 1e-30)
-    along = level.lorentz[0] * normal[1] - level.lorentz[1] * normal[0]
-    field = electric_field(level.edge_map)
+    normal = scale_field.gradient / np.maximum(np.hypot(*scale_field.gradient), 1e-30)
+    along = scale_field.lorentz[0] * normal[1] - scale_field.lorentz[1] * normal[0]
+    field = electric_field(scale_field.edge_map)
     plain = (field[0] * normal[1] - field[1] * normal[0]) / np.hypot(*field)
     assert crest.sum() > 40
     assert np.abs(plain[crest]).max() > 0.1  # it would have one otherwise
@@ -46,26 +46,26 @@ def test_force_on_an_edge_has_no_part_along_it():
 @pytest.mark.parametrize("angle", [0.0, 0.3, 0.8, 1.4, 2.5])
 def test_force_is_a_unit_vector_of_the_field_away_from_edges(angle):
     """To single precision; seen: 1e-6 at most."""
-    level = build_level(straight_edge((50, 56), angle, 0.3), 1.0, 0.0)
-    field = electric_field(level.edge_map)
-    away = ndimage.maximum_filter(level.edge_map, size=7) < 0.05 * level.edge_map.max()
+    scale_field = build_scale_field(straight_edge((50, 56), angle, 0.3), 1.0, 0.0)
+    field = electric_field(scale_field.edge_map)
+    away = ndimage.maximum_filter(scale_field.edge_map, size=7) < 0.05 * scale_field.edge_map.max()
     assert away.sum() > 500
-    np.testing.assert_allclose(level.lorentz[:, away], (field / np.hypot(*field))[:, away], rtol=0, atol=SINGLE)
+    np.testing.assert_allclose(scale_field.lorentz[:, away], (field / np.hypot(*field))[:, away], rtol=0, atol=SINGLE)
 
 
 @pytest.mark.parametrize("image", [uneven_edge(), disk((60, 50), (29.3, 25.1), 17.0).values], ids=["edge", "disk"])
 def test_force_is_at_most_of_unit_size(image):
-    level = build_level(image, 1.0, 0.0)
-    assert np.hypot(*level.lorentz).max() <= 1.0 + SINGLE
+    scale_field = build_scale_field(image, 1.0, 0.0)
+    assert np.hypot(*scale_field.lorentz).max() <= 1.0 + SINGLE
 
 
 @pytest.mark.parametrize("offset", [-0.4, -0.2, 0.0, 0.25, 0.5])
 def test_force_points_to_a_straight_edge_and_vanishes_on_it(offset):
     """Its zero lies within 0.1 px of the edge, wherever between the pixels that is."""
-    level = build_level(straight_edge((61, 61), 0.0, offset), 1.0, 0.0)
+    scale_field = build_scale_field(straight_edge((61, 61), 0.0, offset), 1.0, 0.0)
     edge = 30.0 + offset
     col = np.linspace(edge - 6.0, edge + 6.0, 481)
-    across = interpolate(level.lorentz, np.stack([np.full(481, 30.0), col], axis=1))[:, 1]
+    across = interpolate(scale_field.lorentz, np.stack([np.full(481, 30.0), col], axis=1))[:, 1]
     assert np.all(across[col < edge - 0.1] > 0.0)
     assert np.all(across[col > edge + 0.1] < 0.0)
 
@@ -74,10 +74,10 @@ def test_edge_floor_removes_weak_charges_and_no_others():
     image = np.zeros((48, 64))
     image[:, 20:] += 100.0
     image[:, 44:] += 30.0
-    whole, some = build_level(image, 1.0, 0.0), build_level(image, 1.0, 0.5)
+    whole, some = build_scale_field(image, 1.0, 0.0), build_scale_field(image, 1.0, 0.5)
     f = edge_map(image, 1.0)
-    for level in (whole, some):  # what is known of the edges between the charges does not change
-        np.testing.assert_array_equal(level.edge_map, f)
+    for scale_field in (whole, some):  # what is known of the edges between the charges does not change
+        np.testing.assert_array_equal(scale_field.edge_map, f)
     np.testing.assert_array_equal(whole.charges, f)
     np.testing.assert_array_equal(some.charges, np.where(f >= 0.5 * f.max(), f, 0.0))
     assert whole.charges[24, 44] > 0.0
@@ -90,37 +90,41 @@ def test_edge_floor_removes_weak_charges_and_no_others():
 
 def test_floor_is_above_the_background_of_a_noisy_image():
     image = disk((96, 96), (48.0, 47.0), 25.0).values + np.random.default_rng(0).normal(0.0, 15.0, (96, 96))
-    level = build_level(image, 1.0, 0.0)
+    scale_field = build_scale_field(image, 1.0, 0.0)
     away = np.hypot(*(np.indices(image.shape) - 47.5)) > 32.0
-    assert np.mean(level.edge_map[away] > level.floor) < 0.005
-    assert level.floor >= WEAKEST_EDGE * level.edge_map.max()
-    assert level.floor < 0.5 * level.edge_map.max()
+    assert np.mean(scale_field.edge_map[away] > scale_field.floor) < 0.005
+    assert scale_field.floor >= WEAKEST_EDGE * scale_field.edge_map.max()
+    assert scale_field.floor < 0.5 * scale_field.edge_map.max()
 
 
 def test_all_that_is_felt_at_a_pixel_lies_side_by_side_in_single_precision():
-    level = build_level(disk((40, 44), (20.0, 21.0), 11.0).values, 1.0, 0.0)
-    assert level.felt.shape == (40, 44, 5)
-    assert level.felt.dtype == np.float32
-    assert level.felt.flags.c_contiguous
-    np.testing.assert_array_equal(np.moveaxis(level.felt[..., :2], -1, 0), level.lorentz)
-    np.testing.assert_array_equal(np.moveaxis(level.felt[..., 2:4], -1, 0), level.gradient.astype(np.float32))
-    np.testing.assert_array_equal(level.felt[..., 4], level.edge_map.astype(np.float32))
-    assert level.edge_map.dtype == level.gradient.dtype == np.float64
-    assert level.shape == (40, 44)
+    scale_field = build_scale_field(disk((40, 44), (20.0, 21.0), 11.0).values, 1.0, 0.0)
+    assert scale_field.packed.shape == (40, 44, 5)
+    assert scale_field.packed.dtype == np.float32
+    assert scale_field.packed.flags.c_contiguous
+    np.testing.assert_array_equal(np.moveaxis(scale_field.packed[..., :2], -1, 0), scale_field.lorentz)
+    np.testing.assert_array_equal(
+        np.moveaxis(scale_field.packed[..., 2:4], -1, 0), scale_field.gradient.astype(np.float32)
+    )
+    np.testing.assert_array_equal(scale_field.packed[..., 4], scale_field.edge_map.astype(np.float32))
+    assert scale_field.edge_map.dtype == scale_field.gradient.dtype == np.float64
+    assert scale_field.shape == (40, 44)
 
 
 def test_gradient_is_that_of_the_smoothed_image_and_the_edge_map_its_length():
-    level = build_level(disk((40, 44), (20.0, 21.0), 11.0).values, 1.0, 0.0)
-    np.testing.assert_allclose(np.hypot(*level.gradient), edge_map(level.values, 1.0), rtol=1e-12, atol=1e-9)
-    np.testing.assert_array_equal(level.edge_map, edge_map(level.values, 1.0))
+    scale_field = build_scale_field(disk((40, 44), (20.0, 21.0), 11.0).values, 1.0, 0.0)
+    np.testing.assert_allclose(
+        np.hypot(*scale_field.gradient), edge_map(scale_field.values, 1.0), rtol=1e-12, atol=1e-9
+    )
+    np.testing.assert_array_equal(scale_field.edge_map, edge_map(scale_field.values, 1.0))
 
 
 def test_mirrored_and_turned_images_have_such_forces():
     image = disk((40, 47), (18.3, 21.7), 11.0).values + np.random.default_rng(1).normal(0.0, 5.0, (40, 47))
-    row, col = build_level(image, 1.0, 0.0).lorentz
-    np.testing.assert_allclose(build_level(image[::-1], 1.0, 0.0).lorentz, [-row[::-1], col[::-1]], atol=SINGLE)
-    np.testing.assert_allclose(build_level(image.T, 1.0, 0.0).lorentz, [col.T, row.T], atol=SINGLE)
-    turned = build_level(np.rot90(image), 1.0, 0.0).lorentz
+    row, col = build_scale_field(image, 1.0, 0.0).lorentz
+    np.testing.assert_allclose(build_scale_field(image[::-1], 1.0, 0.0).lorentz, [-row[::-1], col[::-1]], atol=SINGLE)
+    np.testing.assert_allclose(build_scale_field(image.T, 1.0, 0.0).lorentz, [col.T, row.T], atol=SINGLE)
+    turned = build_scale_field(np.rot90(image), 1.0, 0.0).lorentz
     np.testing.assert_allclose(turned, [-np.rot90(col), np.rot90(row)], atol=SINGLE)
 
 
@@ -136,7 +140,7 @@ def test_mirrored_and_turned_images_have_such_forces():
 def test_single_precision_of_the_field_moves_contours_by_less_than_a_thousandth_of_a_pixel(monkeypatch, values, seeds):
     """Seen: 1e-4 at most."""
     single = segment(values, seeds).contours
-    monkeypatch.setattr(level_of, "_FIELD_PRECISION", np.float64)
+    monkeypatch.setattr(scale_field_module, "_FIELD_PRECISION", np.float64)
     double = segment(values, seeds).contours
     assert len(single) == len(double)
     apart = np.concatenate([outline_distance(one.points, outlines(double)) for one in single])

@@ -8,9 +8,9 @@ from threading import Thread
 import numpy as np
 import pytest
 
-from cpm_core.field import scale_field as level_of
-from cpm_core.field import scale_space as levels_of
-from cpm_core.field.scale_space import Levels
+from cpm_core.field import scale_field as scale_field_module
+from cpm_core.field import scale_space as scale_space_module
+from cpm_core.field.scale_space import ScaleSpace
 from cpm_core.image.regions import Regions
 from cpm_core.parameters import PARAMETERS, Parameters
 
@@ -35,17 +35,17 @@ def calls(monkeypatch):
 
         monkeypatch.setattr(module, name, counting)
 
-    for name in ("pyramid", "build_level", "prepared", "automatic_smoothing"):
-        count(levels_of, name)
-    for name in ("convolved_field", "build_walls", "inside_frame"):
-        count(level_of, name)
-    smoothed_along = level_of.gradient
+    for name in ("pyramid", "build_scale_field", "prepared", "automatic_smoothing"):
+        count(scale_space_module, name)
+    for name in ("convolved_field", "build_barrier_map", "inside_border"):
+        count(scale_field_module, name)
+    smoothed_along = scale_field_module.gradient
 
     def gradient(values, smoothing):
         counted["gradient"] += smoothing > 0.0  # the slope of the edge map itself is part of the force
         return smoothed_along(values, smoothing)
 
-    monkeypatch.setattr(level_of, "gradient", gradient)
+    monkeypatch.setattr(scale_field_module, "gradient", gradient)
     return counted
 
 
@@ -67,7 +67,7 @@ def others(calls):
     "name", [name for name, info in PARAMETERS.items() if info.invalidates == "nothing" or name == "scales"]
 )
 def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
-    levels = Levels(IMAGE, 3)
+    levels = ScaleSpace(IMAGE, 3)
     before = [levels.at(scale, START) for scale in range(3)]
     calls.clear()
     other = replace(START, scales=2) if name == "scales" else changed(name)
@@ -76,34 +76,34 @@ def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
 
 
 def test_every_parameter_that_makes_the_field_stale_builds_a_level():
-    levels = Levels(IMAGE, 1)
+    levels = ScaleSpace(IMAGE, 1)
     names = [name for name, info in PARAMETERS.items() if info.invalidates == "field"]
     assert len(names) == 3
     built = [levels.at(0, START), *(levels.at(0, changed(name)) for name in names)]
-    assert len({id(level) for level in built}) == 4
+    assert len({id(scale_field) for scale_field in built}) == 4
 
 
 def test_another_smoothing_leaves_pyramid_and_walls(calls):
-    levels = Levels(IMAGE, 2, REGIONS)
+    levels = ScaleSpace(IMAGE, 2, REGIONS)
     levels.prepare(START)
     assert others(calls) == {"pyramid": 1} | dict.fromkeys(
-        ("build_level", "gradient", "convolved_field", "build_walls", "inside_frame"), 2
+        ("build_scale_field", "gradient", "convolved_field", "build_barrier_map", "inside_border"), 2
     )
     levels.at(1, replace(START, smoothing=2.0))
-    assert others(calls) == dict.fromkeys(("build_level", "gradient", "convolved_field", "inside_frame"), 1)
+    assert others(calls) == dict.fromkeys(("build_scale_field", "gradient", "convolved_field", "inside_border"), 1)
 
 
-@pytest.mark.parametrize("change", [{"edge_floor": 0.3}, {"max_frame": 0.1}], ids=str)
+@pytest.mark.parametrize("change", [{"edge_floor": 0.3}, {"max_border": 0.1}], ids=str)
 def test_another_edge_floor_or_frame_leaves_the_gradient_too(calls, change):
-    levels = Levels(IMAGE, 2, REGIONS)
+    levels = ScaleSpace(IMAGE, 2, REGIONS)
     levels.prepare(START)
     calls.clear()
     levels.at(0, replace(START, **change))
-    assert others(calls) == dict.fromkeys(("build_level", "convolved_field", "inside_frame"), 1)
+    assert others(calls) == dict.fromkeys(("build_scale_field", "convolved_field", "inside_border"), 1)
 
 
 def test_going_back_costs_nothing(calls):
-    levels = Levels(IMAGE, 3)
+    levels = ScaleSpace(IMAGE, 3)
     before = [levels.at(scale, START) for scale in range(3)]
     levels.prepare(replace(START, smoothing=2.0))
     calls.clear()
@@ -112,7 +112,7 @@ def test_going_back_costs_nothing(calls):
 
 
 def test_noise_is_looked_at_once(calls):
-    levels = Levels(IMAGE, 2)
+    levels = ScaleSpace(IMAGE, 2)
     for floor in (0.0, 0.1, 0.2, 0.3):
         levels.prepare(replace(START, smoothing="auto", edge_floor=floor))
     assert (calls["prepared"], calls["automatic_smoothing"]) == (1, 1)  # the coarser scale has its own
@@ -122,53 +122,53 @@ def test_noise_is_looked_at_once(calls):
 @pytest.mark.parametrize("regions", [None, REGIONS], ids=["whole", "regions"])
 @pytest.mark.parametrize("smoothing", [1.5, "auto"])
 def test_a_level_is_the_same_however_it_was_come_by(regions, smoothing):
-    wanted = Parameters(smoothing=smoothing, edge_floor=0.2, max_frame=0.1)
-    levels = Levels(IMAGE, 2, regions)
-    for before in (START, replace(wanted, edge_floor=0.0), replace(wanted, max_frame=0.0)):
+    wanted = Parameters(smoothing=smoothing, edge_floor=0.2, max_border=0.1)
+    levels = ScaleSpace(IMAGE, 2, regions)
+    for before in (START, replace(wanted, edge_floor=0.0), replace(wanted, max_border=0.0)):
         levels.prepare(before)
     for scale in range(2):
-        roundabout, straight = levels.at(scale, wanted), Levels(IMAGE, 2, regions).at(scale, wanted)
-        np.testing.assert_array_equal(roundabout.felt, straight.felt)
-        np.testing.assert_array_equal(roundabout.walls.segments, straight.walls.segments)
+        roundabout, straight = levels.at(scale, wanted), ScaleSpace(IMAGE, 2, regions).at(scale, wanted)
+        np.testing.assert_array_equal(roundabout.packed, straight.packed)
+        np.testing.assert_array_equal(roundabout.barrier_map.segments, straight.barrier_map.segments)
         assert roundabout.floor == straight.floor
         assert roundabout.smoothing == straight.smoothing
 
 
 def test_not_more_is_kept_than_the_last_two_settings(calls):
-    levels = Levels(IMAGE, 2)
+    levels = ScaleSpace(IMAGE, 2)
     for smoothing in (1.0, 2.0, 3.0, 4.0):
         levels.prepare(replace(START, smoothing=smoothing))
     calls.clear()
     for smoothing in (4.0, 3.0):
         levels.prepare(replace(START, smoothing=smoothing))
-    assert calls["build_level"] == 0
+    assert calls["build_scale_field"] == 0
     levels.prepare(START)
-    assert calls["build_level"] == 2
+    assert calls["build_scale_field"] == 2
 
 
 def test_many_threads_get_the_same_level(calls):
-    levels, seen = Levels(IMAGE, 2), []
+    levels, seen = ScaleSpace(IMAGE, 2), []
     threads = [Thread(target=lambda: seen.append(levels.at(0, START))) for _ in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     assert len(seen) == 8
-    assert len({id(level) for level in seen}) == 1
-    assert calls["build_level"] == 1
+    assert len({id(scale_field) for scale_field in seen}) == 1
+    assert calls["build_scale_field"] == 1
 
 
 def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
     """Lines computed side by side are those of the whole: no seam, to the last bit."""
     image = np.random.default_rng(2).normal(0.0, 20.0, (150, 140)) + disk((150, 140), (70.0, 72.0), 40.0).values
-    monkeypatch.setattr(level_of, "_PART", 40 * 140)
-    pieces = Levels(image, 1).at(0, START)
+    monkeypatch.setattr(scale_field_module, "_PART", 40 * 140)
+    pieces = ScaleSpace(image, 1).at(0, START)
 
     def alone(work, count, _least):
         work(0, count)
 
-    monkeypatch.setattr(level_of, "_PART", image.size)
+    monkeypatch.setattr(scale_field_module, "_PART", image.size)
 
     for name in ("cpm_core.field.scale_field", "cpm_core.field.edge_map"):
         monkeypatch.setattr(sys.modules[name], "share", alone)
-    np.testing.assert_array_equal(Levels(image, 1).at(0, START).felt, pieces.felt)
+    np.testing.assert_array_equal(ScaleSpace(image, 1).at(0, START).packed, pieces.packed)

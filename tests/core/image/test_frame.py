@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cpm_core.field.edge_map import gradient, magnitude
-from cpm_core.image.border import inside_frame
+from cpm_core.image.border import inside_border
 from cpm_core.parameters import Parameters
 from cpm_core.particles.initialization import uniform_grid
 from cpm_core.segmentation.segment import segment
@@ -26,7 +26,7 @@ def framed(width, level=20.0, sides=("top", "bottom", "left", "right")):
 
 
 def inside_of(grad, widest):
-    return inside_frame(grad, magnitude(grad), 1.0, widest)
+    return inside_border(grad, magnitude(grad), 1.0, widest)
 
 
 @pytest.mark.parametrize("level", [20.0, 250.0])
@@ -57,7 +57,7 @@ def test_an_object_at_the_border_is_no_frame():
 
 def test_contours_of_an_object_do_not_depend_on_a_frame():
     seeds = uniform_grid((160, 200))
-    parameters = Parameters(w1=0.6, w2=0.7, beta=0.4, max_frame=0.1)
+    parameters = Parameters(w1=0.6, w2=0.7, beta=0.4, max_border=0.1)
     alone = segment(framed(0, sides=()), seeds, parameters).contours
     (contour,) = segment(framed(8), seeds, parameters).contours
     assert contour.closed

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, Regions, circle, segment, uniform_grid
-from cpm_core.field.scale_field import build_level
-from cpm_core.image.barriers import build_walls
+from cpm_core.field.scale_field import build_scale_field
+from cpm_core.image.barriers import build_barrier_map
 from cpm_core.image.pyramid import pyramid, to_image
 
 from ..scenes import disk, outline_distance, ring
@@ -125,18 +125,18 @@ def test_particles_faster_than_any_region_is_wide_stay_in_it(beta):
 @given(st.lists(polygons, min_size=1, max_size=3), st.integers(0, 10**6))
 def test_the_rim_parts_the_inside_of_a_union_from_its_outside_and_nothing_else(interest, seed):
     regions = Regions(interest=tuple(interest))
-    walls = build_walls(regions, SHAPE)
+    barrier_map = build_barrier_map(regions, SHAPE)
     rng = np.random.default_rng(seed)
     start = rng.uniform(-5.0, 65.0, (60, 2))
     end = start + rng.normal(0.0, 1.0, (60, 2)) * rng.choice([1.0, 20.0], (60, 1))
-    crossed = walls.crossed(start, end)
+    crossed = barrier_map.crossed(start, end)
     along = np.linspace(0.0, 1.0, 200)[:, None]
     on_the_way = np.array([in_union(interest, a + along * (b - a)) for a, b in zip(start, end, strict=True)])
     within = ((np.minimum(start, end) >= 0) & (np.maximum(start, end) <= np.array(SHAPE) - 1)).all(axis=1)
     assert not (within & ~crossed & (on_the_way != on_the_way[:, :1]).any(axis=1)).any()
     # every rim that is crossed is one: just before or behind it lies the outside
     for a, b in zip(start[crossed], end[crossed], strict=True):
-        sides = [s for s in walls.segments if crossing(a, b, s[:2], s[2:])]
+        sides = [s for s in barrier_map.segments if crossing(a, b, s[:2], s[2:])]
         for p, q in ((s[:2], s[2:]) for s in sides if np.linalg.norm(s[2:] - s[:2]) > 1e-3):
             normal = (q - p)[::-1] * (1.0, -1.0) / np.linalg.norm(q - p)
             middle = 0.5 * (p + q)
@@ -155,22 +155,22 @@ def test_the_middle_of_two_regions_that_overlap_or_touch_is_no_rim():
     left, right = ((5, 5), (5, 30), (40, 30), (40, 5)), ((10, 20), (10, 50), (35, 50), (35, 20))
     beside = ((5, 30), (5, 50), (40, 50), (40, 30))
     for one, other in ((left, right), (left, beside)):
-        walls = build_walls(Regions((one, other)), SHAPE)
-        assert not walls.crossed(np.array([(20.0, 15.0)]), np.array([(20.0, 45.0)])).any()
-        assert walls.crossed(np.array([(20.0, 15.0)]), np.array([(20.0, 55.0)])).all()
+        barrier_map = build_barrier_map(Regions((one, other)), SHAPE)
+        assert not barrier_map.crossed(np.array([(20.0, 15.0)]), np.array([(20.0, 45.0)])).any()
+        assert barrier_map.crossed(np.array([(20.0, 15.0)]), np.array([(20.0, 55.0)])).all()
 
 
 def test_moves_are_judged_alike_near_and_far_from_walls():
     """The clearance only spares work: with it or without, the same moves cross."""
     regions = Regions(barriers=(((3.2, 4.1), (30.7, 33.3), (31.0, 80.0)), ((50.1, -3.0), (40.2, 20.9))))
-    walls = build_walls(regions, SHAPE)
+    barrier_map = build_barrier_map(regions, SHAPE)
     rng = np.random.default_rng(3)
     start = rng.uniform(0.0, 55.0, (4000, 2))
     end = start + rng.normal(0.0, 1.0, start.shape) * rng.choice([0.5, 3.0, 15.0], (4000, 1))
-    slow = walls._replace(clearance=np.zeros((1, 1)))
-    np.testing.assert_array_equal(walls.crossed(start, end), slow.crossed(start, end))
-    truth = np.any([crossing(start, end, s[:2], s[2:]) for s in walls.segments], axis=0)
-    np.testing.assert_array_equal(walls.crossed(start, end), truth)
+    slow = barrier_map._replace(clearance=np.zeros((1, 1)))
+    np.testing.assert_array_equal(barrier_map.crossed(start, end), slow.crossed(start, end))
+    truth = np.any([crossing(start, end, s[:2], s[2:]) for s in barrier_map.segments], axis=0)
+    np.testing.assert_array_equal(barrier_map.crossed(start, end), truth)
 
 
 ONE, OTHER = disk((80, 110), (36.3, 30.2), 18.0), disk((80, 110), (42.0, 80.4), 20.0)
@@ -256,8 +256,8 @@ def test_the_rim_is_no_edge():
 def test_fixed_charges_outside_pull_nobody():
     """The force inside is that of an image without the other object."""
     inside = AROUND_ONE.pixels(ONE.values.shape)
-    with_other = build_level(BOTH, 1.0, 0.0, AROUND_ONE).lorentz[:, inside]
-    without = build_level(ONE.values, 1.0, 0.0, AROUND_ONE).lorentz[:, inside]
+    with_other = build_scale_field(BOTH, 1.0, 0.0, AROUND_ONE).lorentz[:, inside]
+    without = build_scale_field(ONE.values, 1.0, 0.0, AROUND_ONE).lorentz[:, inside]
     np.testing.assert_allclose(with_other, without, atol=1e-6)
 
 
@@ -282,7 +282,7 @@ def test_a_run_goes_on_under_other_regions():
     engine = Engine(SCENE.values, Parameters(), Regions((polygon,)))
     state = engine.step(state.resumed(), Parameters())
     assert in_union([polygon], state.position).all()
-    assert state.heated == state.step_of_scale - 1
+    assert state.reactivated == state.step_of_scale - 1
     while not state.stop_reason:
         state = engine.step(state, Parameters())
     assert state.converged

@@ -38,16 +38,16 @@ def test_the_memory_of_a_state_is_that_of_its_arrays(states):
     state = states[6]
     particles = sum(getattr(state.particles, name).nbytes for name in ARRAYS)
     assert particles == state.count * 8 * (2 + 2 + 4 + 4 + 1)
-    rest = state.start.nbytes + state.ground.found.nbytes + state.ground.news.nbytes
+    rest = state.start.nbytes + state.coverage.found.nbytes + state.coverage.latest.nbytes
     rest += state.far.force.nbytes + state.far.bend.nbytes
     assert state.nbytes == particles + rest
 
 
 def test_an_array_that_is_there_twice_counts_once(states):
     state = states[0]
-    assert state.ground.found is state.ground.news
+    assert state.coverage.found is state.coverage.latest
     particles = sum(getattr(state.particles, name).nbytes for name in ARRAYS)
-    assert state.nbytes == particles + state.start.nbytes + state.ground.found.nbytes
+    assert state.nbytes == particles + state.start.nbytes + state.coverage.found.nbytes
     shared = replace(state, start=state.particles.position)
     assert shared.nbytes == state.nbytes - state.start.nbytes
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, Regions, circle
 from cpm_core.contours.graph import Graph
-from cpm_core.field.scale_field import build_level
+from cpm_core.field.scale_field import build_scale_field
 from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps
 
 from ..scenes import outline_distance
@@ -91,16 +91,16 @@ def test_at_a_coarser_scale_bridges_are_told_in_px_and_grey_levels_of_the_image(
     assert bridge.strength < 0.2 * result.contours[0].strength
 
 
-def level_of(boundary, contrast, regions=None):
+def scale_field_module(boundary, contrast, regions=None):
     """Fields of an image that is bright above `boundary`, a row for every column, by `contrast` in every column."""
     row, col = np.indices(SHAPE, dtype=float)
     away = np.clip(row - boundary(col) + 0.5, 0.0, 1.0)
-    return build_level(128.0 + contrast(col) * (0.5 - away), 1.0, 0.0, regions)
+    return build_scale_field(128.0 + contrast(col) * (0.5 - away), 1.0, 0.0, regions)
 
 
 def flat(regions=None):
     """Fields with a single edge, far below all that is joined here."""
-    return level_of(lambda col: 80.0 + 0.0 * col, lambda col: 100.0 + 0.0 * col, regions)
+    return scale_field_module(lambda col: 80.0 + 0.0 * col, lambda col: 100.0 + 0.0 * col, regions)
 
 
 def curves(*lines):
@@ -118,8 +118,8 @@ def straight(a, b, spacing=1.5):
     return a + (b - a) * np.linspace(0.0, 1.0, count + 1)[:, None]
 
 
-def bridged(graph, level, longest=25.0):
-    return bridge_gaps(graph, level, longest, 2.0, 8.0)
+def bridged(graph, scale_field, longest=25.0):
+    return bridge_gaps(graph, scale_field, longest, 2.0, 8.0)
 
 
 def test_a_faint_edge_in_the_gap_is_followed():
@@ -129,7 +129,7 @@ def test_a_faint_edge_in_the_gap_is_followed():
         return 40.0 + 7.0 * np.exp(-(((col - 60.0) / 9.0) ** 2)) * (np.abs(col - 60.0) < 25.0)
 
     def step(faint):
-        return level_of(boundary, lambda col: np.where(np.abs(col - 60.0) < 19.0, faint, 100.0))
+        return scale_field_module(boundary, lambda col: np.where(np.abs(col - 60.0) < 19.0, faint, 100.0))
 
     found = {}
     for faint in (4.0, 0.0):

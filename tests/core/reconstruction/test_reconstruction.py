@@ -11,7 +11,7 @@ from scipy.spatial import Delaunay, Voronoi
 
 from cpm_core import reconstruct_curve
 from cpm_core.contours.graph import Graph
-from cpm_core.field.scale_field import build_level
+from cpm_core.field.scale_field import build_scale_field
 from cpm_core.reconstruction.curve.crust import crust
 from cpm_core.reconstruction.curve.end_linking import close_gaps
 from cpm_core.reconstruction.curve.subpixel import crest
@@ -337,7 +337,7 @@ def test_crest_of_a_straight_edge_is_the_edge(angle, offset):
     along = np.linspace(-12.0, 12.0, 25)
     normal, tangent = np.array([np.sin(angle), np.cos(angle)]), np.array([np.cos(angle), -np.sin(angle)])
     start = 20.0 + along[:, None] * tangent + (offset + np.linspace(-0.8, 0.8, 25))[:, None] * normal
-    place, found = crest(start, build_level(image, 1.0, 0.0))
+    place, found = crest(start, build_scale_field(image, 1.0, 0.0))
     assert found.all()
     assert np.abs(across(place)).max() < 0.02
     np.testing.assert_allclose((place - start) @ tangent, 0.0, atol=0.1)
@@ -352,7 +352,7 @@ def test_crest_of_a_disk_is_its_boundary_but_for_the_shift_by_smoothing(center, 
     below 0.007 px and a deviation of 0.005 to 0.02 px. At R = 28 and sigma = 1 the mean is within 0.03 px of the truth.
     """
     scene = disk((70, 72), center, radius)
-    place, found = crest(circle_points(center, radius + 0.4, 200), build_level(scene.values, smoothing, 0.0))
+    place, found = crest(circle_points(center, radius + 0.4, 200), build_scale_field(scene.values, smoothing, 0.0))
     outwards = np.hypot(*(place - center).T) - radius
     assert found.all()
     assert outwards.mean() == pytest.approx(-(smoothing**2 + 1.0 / 12.0 + 1.0 / 3.0) / (2.0 * radius), abs=0.012)
@@ -361,7 +361,7 @@ def test_crest_of_a_disk_is_its_boundary_but_for_the_shift_by_smoothing(center, 
 
 def test_far_from_any_edge_no_crest_is_found():
     image, _ = smooth_step((41, 41), 0.0, 0.0)
-    _, found = crest(np.array([(20.0, 5.0), (10.0, 35.0), (20.0, 26.0)]), build_level(image, 1.0, 0.0))
+    _, found = crest(np.array([(20.0, 5.0), (10.0, 35.0), (20.0, 26.0)]), build_scale_field(image, 1.0, 0.0))
     assert not found.any()
 
 
@@ -376,13 +376,13 @@ def two_pieces(gap, spacing=2.0):
 
 def test_ends_are_joined_along_an_edge_within_reach():
     image, _ = smooth_step((41, 41), 0.0, 0.0)
-    level = build_level(image, 1.0, 0.0)
+    scale_field = build_scale_field(image, 1.0, 0.0)
     graph, bridge = two_pieces(4.0)
     before = edges_of(graph)
-    close_gaps(graph, level, 5.0)
+    close_gaps(graph, scale_field, 5.0)
     assert edges_of(graph) - before == {bridge}
     graph, _ = two_pieces(4.0)
-    close_gaps(graph, level, 3.5)
+    close_gaps(graph, scale_field, 3.5)
     assert edges_of(graph) == before
 
 
@@ -391,7 +391,7 @@ def test_an_end_is_not_joined_to_its_own_curve_behind_it():
     image, _ = smooth_step((41, 41), 0.0, 0.0)
     graph, bridge = two_pieces(3.0, spacing=1.0)
     before = edges_of(graph)
-    close_gaps(graph, build_level(image, 1.0, 0.0), 5.0)
+    close_gaps(graph, build_scale_field(image, 1.0, 0.0), 5.0)
     assert edges_of(graph) - before == {bridge}
 
 
@@ -401,7 +401,7 @@ def test_ends_are_not_joined_where_the_edge_has_a_gap():
     image = 50.0 + (image - 50.0) * (np.abs(rows - 21.0) > 3.0)[:, None]
     graph, _ = two_pieces(6.0)
     before = edges_of(graph)
-    close_gaps(graph, build_level(image, 0.5, 0.0), 7.0)
+    close_gaps(graph, build_scale_field(image, 0.5, 0.0), 7.0)
     assert edges_of(graph) == before
 
 
@@ -413,6 +413,6 @@ def test_an_end_beside_a_curve_joins_it_in_a_junction():
     right = np.stack([np.full(6, 19.5), np.arange(24.0, 36.0, 2.0)], axis=1)
     edges = [(i, i + 1) for i in range(15)] + [(16 + i, 17 + i) for i in range(5)]
     graph = Graph(np.concatenate([upright, right]), np.array(edges))
-    close_gaps(graph, build_level(image, 1.0, 0.0), 5.0)
+    close_gaps(graph, build_scale_field(image, 1.0, 0.0), 5.0)
     assert len(edges_of(graph)) == len(edges) + 1
     assert len([c for c in graph.contours() if any(c.junctions)]) == 3

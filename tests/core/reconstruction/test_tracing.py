@@ -12,7 +12,7 @@ from scipy import ndimage
 from cpm_core import Engine, Parameters, circle, segment, uniform_grid
 from cpm_core.contours.graph import Graph
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.scale_field import SPLINE_MARGIN, build_level
+from cpm_core.field.scale_field import SPLINE_MARGIN, build_scale_field
 from cpm_core.reconstruction.curve import ridge_tracing
 from cpm_core.reconstruction.curve.ridge import Ridge, height, ridge_of, spline_height, uphill
 from cpm_core.reconstruction.curve.ridge_tracing import trace
@@ -46,15 +46,15 @@ def test_the_gradient_is_interpolated_as_for_particles(seed, rows, cols):
 
 
 def test_the_ridge_is_as_high_as_the_edge_map_on_every_pixel_those_of_the_border_included():
-    level = build_level(np.random.default_rng(0).normal(size=(12, 15)), 1.0, 0.0)
-    ridge = ridge_of(level)
+    scale_field = build_scale_field(np.random.default_rng(0).normal(size=(12, 15)), 1.0, 0.0)
+    ridge = ridge_of(scale_field)
     heights = [[spline_height(ridge.spline, row, col) for col in range(15)] for row in range(12)]
-    np.testing.assert_allclose(heights, level.edge_map, rtol=1e-12)
+    np.testing.assert_allclose(heights, scale_field.edge_map, rtol=1e-12)
 
 
-def traced(level, points, d_min=2.0):
+def traced(scale_field, points, d_min=2.0):
     """Contours of traced points, after a check that the points are the first vertices."""
-    vertices, edges = trace(points, level, d_min)
+    vertices, edges = trace(points, scale_field, d_min)
     np.testing.assert_allclose(vertices[: len(points)], points, atol=0.11)
     assert edges.min() >= 0
     assert edges.max() < len(vertices)
@@ -69,17 +69,17 @@ def test_few_points_on_a_disk_make_its_whole_outline(radius, row, col, seed, den
     Smoothing moves the crest inwards; its scatter is that of a pixel's antialiasing. Sides may deviate by 0.03 px.
     """
     center = (36.0 + row, 36.0 + col)
-    level = build_level(disk((73, 73), center, radius).values, 1.0, 0.0)
+    scale_field = build_scale_field(disk((73, 73), center, radius).values, 1.0, 0.0)
     rng = np.random.default_rng(seed)
     most = 2.0 * np.pi * radius / 2.0
     angle = np.sort(rng.uniform(0.0, 2.0 * np.pi, 1 + int(density * most)))
     gaps = np.diff([*angle, angle[0] + 2.0 * np.pi]) * radius
     angle = angle[(gaps > 1.1) | (len(angle) == 1)]
     angle = np.concatenate([angle, np.arange(0.0, 2.0 * np.pi, 18.0 / radius)]) if gaps.max() > 18.0 else angle
-    points, found = crest(circle_points(center, radius, 1)[0] * 0.0 + _on(center, radius, angle), level)
+    points, found = crest(circle_points(center, radius, 1)[0] * 0.0 + _on(center, radius, angle), scale_field)
     assert found.all()
     kept = [n for n in range(len(points)) if n == 0 or np.linalg.norm(points[:n] - points[n], axis=1).min() > 1.0]
-    (contour,) = traced(level, points[kept])
+    (contour,) = traced(scale_field, points[kept])
     assert contour.closed
     away = np.hypot(*(contour.points - center).T)
     expected = radius - (1.0 + 1.0 / 12.0 + 1.0 / 3.0) / (2.0 * radius)
@@ -93,9 +93,9 @@ def _on(center, radius, angle):
 
 def test_a_trace_goes_no_farther_than_five_spacings_beyond_the_last_point():
     image = 255.0 * (np.indices((80, 200))[0] >= 40)
-    level = build_level(image, 1.0, 0.0)
+    scale_field = build_scale_field(image, 1.0, 0.0)
     points = np.stack([np.full(11, 39.5), np.linspace(90.0, 110.0, 11)], axis=1)
-    (contour,) = traced(level, points)
+    (contour,) = traced(scale_field, points)
     assert not contour.closed
     np.testing.assert_allclose(contour.points[:, 0], 39.5, atol=1e-3)
     np.testing.assert_allclose(sorted(contour.points[[0, -1], 1]), [80.0, 120.0], atol=0.41)
@@ -103,19 +103,19 @@ def test_a_trace_goes_no_farther_than_five_spacings_beyond_the_last_point():
 
 def test_points_with_more_than_ten_spacings_between_them_are_not_joined():
     image = 255.0 * (np.indices((80, 200))[0] >= 40)
-    level = build_level(image, 1.0, 0.0)
+    scale_field = build_scale_field(image, 1.0, 0.0)
     for gap, count in ((18.0, 1), (22.0, 2)):
         points = np.array([(39.5, 90.0), (39.5, 90.0 + gap)])
-        assert len(traced(level, points)) == count
+        assert len(traced(scale_field, points)) == count
 
 
 def test_where_the_edge_ends_the_trace_ends():
     """A step that is there on the left only: within a pixel or so of the place where it stops."""
     row, col = np.indices((60, 100))
     image = np.where(col < 50, 255.0 * (row >= 30), 127.5)
-    level = build_level(image, 1.0, 0.0)
+    scale_field = build_scale_field(image, 1.0, 0.0)
     points = np.stack([np.full(15, 29.5), np.linspace(14.0, 42.0, 15)], axis=1)
-    contours = traced(level, points)
+    contours = traced(scale_field, points)
     assert max(c.points[np.abs(c.points[:, 0] - 29.5) < 0.5, 1].max() for c in contours) < 51.5
 
 
@@ -133,30 +133,30 @@ def test_an_edge_across_the_image_is_found_up_to_the_border(angle):
 @pytest.fixture(scope="module")
 def loose_ends():
     """Fields of noise, with some hundreds of points on crests that mostly lead to no other."""
-    level = build_level(100.0 * np.random.default_rng(7).normal(size=(200, 200)), 1.0, 0.0)
-    level = replace(level, floor=0.2 * level.floor)
-    points, found = crest(uniform_grid((200, 200), spacing=8.0), level)
-    return level, points[found]
+    scale_field = build_scale_field(100.0 * np.random.default_rng(7).normal(size=(200, 200)), 1.0, 0.0)
+    scale_field = replace(scale_field, floor=0.2 * scale_field.floor)
+    points, found = crest(uniform_grid((200, 200), spacing=8.0), scale_field)
+    return scale_field, points[found]
 
 
 @pytest.mark.parametrize("part", [1, 40, 10**6])
 def test_walks_do_not_depend_on_how_they_are_shared_among_the_cores(loose_ends, monkeypatch, part):
-    level, points = loose_ends
+    scale_field, points = loose_ends
     assert len(points) > 300
-    expected = trace(points, level, 2.0, at_rest=True)
+    expected = trace(points, scale_field, 2.0, at_rest=True)
 
     def share(work, count, least):
         for first in reversed(range(0, count, part)):
             work(first, min(first + part, count))
 
     monkeypatch.setattr(ridge_tracing, "share", share)
-    for found, truth in zip(trace(points, level, 2.0, at_rest=True), expected, strict=True):
+    for found, truth in zip(trace(points, scale_field, 2.0, at_rest=True), expected, strict=True):
         np.testing.assert_array_equal(found, truth)
 
 
 def test_nor_on_how_often_they_run_out_of_room(loose_ends, monkeypatch):
-    level, points = loose_ends
-    vertices, edges = trace(points, level, 2.0)
+    scale_field, points = loose_ends
+    vertices, edges = trace(points, scale_field, 2.0)
     called, most, walk = [], int(2.0 * 20.0 / 0.4) + 4, ridge_tracing.walk
 
     def in_little_room(*arguments):
@@ -165,7 +165,7 @@ def test_nor_on_how_often_they_run_out_of_room(loose_ends, monkeypatch):
         return walk(*others, new_vertices[: most + 2], new_edges[: most + 2])
 
     monkeypatch.setattr(ridge_tracing, "walk", in_little_room)
-    for found, truth in zip(trace(points, level, 2.0), (vertices, edges), strict=True):
+    for found, truth in zip(trace(points, scale_field, 2.0), (vertices, edges), strict=True):
         np.testing.assert_array_equal(found, truth)
     assert len(called) > 50
 
@@ -255,6 +255,6 @@ def test_the_sides_of_a_contour_keep_to_the_crest():
     sides = np.concatenate(
         [a + (b - a) * np.linspace(0.0, 1.0, 9)[:, None] for a, b in itertools.pairwise(contour.path)]
     )
-    place, found = crest(sides, engine.level(Parameters()))
+    place, found = crest(sides, engine.scale_field(Parameters()))
     assert found.all()
     assert np.linalg.norm(place - sides, axis=1).max() < 0.05

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from cpm_core.field.scale_field import build_level
+from cpm_core.field.scale_field import build_scale_field
 from cpm_core.image.regions import Regions
 from cpm_core.parameters import Parameters
 from cpm_core.particles.initialization import circle
-from cpm_core.segmentation.enclosed_regions import launch_places
+from cpm_core.segmentation.enclosed_regions import reseeding_places
 from cpm_core.segmentation.segment import segment
 
 ROW, COL = np.indices((120, 140))
@@ -24,13 +24,13 @@ def rim(center, radius):
 
 @pytest.mark.parametrize("known", ["hole", "outline"])
 def test_the_boundary_that_nobody_reached_gets_particles_beside_it(known):
-    level = build_level(ring(), 1.0, 0.0)
+    scale_field = build_scale_field(ring(), 1.0, 0.0)
     hole, outline = rim((60.0, 60.0), 13.5), rim((60.0, 66.0), 50.0)
-    places = launch_places(level, hole if known == "hole" else outline)
+    places = reseeding_places(scale_field, hole if known == "hole" else outline)
     center, radius = ((60.0, 66.0), 50.0) if known == "hole" else ((60.0, 60.0), 13.5)
     assert len(places) > 3
     assert np.abs(np.hypot(*(places - center).T) - radius).max() < 4.0
-    assert len(launch_places(level, np.concatenate([hole, outline]))) == 0
+    assert len(reseeding_places(scale_field, np.concatenate([hole, outline]))) == 0
 
 
 @pytest.mark.parametrize("gap", [3.0, 5.0, 8.0])
@@ -39,7 +39,7 @@ def test_a_hole_close_to_the_outline_is_missing_though_particles_are_near(gap):
     center, radius = (60.0, 66.0 + 50.0 - gap - 6.0), 6.0
     image = 200.0 * np.clip(50.5 - np.hypot(ROW - 60.0, COL - 66.0), 0.0, 1.0)
     image *= np.clip(np.hypot(ROW - center[0], COL - center[1]) - radius + 0.5, 0.0, 1.0)
-    places = launch_places(build_level(image, 1.0, 0.0), rim((60.0, 66.0), 50.0))
+    places = reseeding_places(build_scale_field(image, 1.0, 0.0), rim((60.0, 66.0), 50.0))
     assert len(places) >= 2
     assert np.abs(np.hypot(*(places - center).T) - radius).max() < 4.5
     result = segment(image, circle((60.0, 30.0), 6.0), Parameters())
@@ -49,16 +49,16 @@ def test_a_hole_close_to_the_outline_is_missing_though_particles_are_near(gap):
 
 def test_what_lies_outside_is_left_alone():
     image = ring() + 200.0 * (np.hypot(ROW - 14, COL - 126) < 9)
-    level = build_level(image, 1.0, 0.0)
+    scale_field = build_scale_field(image, 1.0, 0.0)
     found = np.concatenate([rim((60.0, 60.0), 13.5), rim((60.0, 66.0), 50.0)])
-    assert len(launch_places(level, found)) == 0
-    assert len(launch_places(level, rim((14.0, 126.0), 9.0))) == 0
-    assert len(launch_places(level, np.zeros((0, 2)))) == 0
+    assert len(reseeding_places(scale_field, found)) == 0
+    assert len(reseeding_places(scale_field, rim((14.0, 126.0), 9.0))) == 0
+    assert len(reseeding_places(scale_field, np.zeros((0, 2)))) == 0
 
 
 def test_nothing_is_launched_while_no_boundary_of_a_region_is_known():
-    level = build_level(ring(), 1.0, 0.0)
-    assert len(launch_places(level, rim((14.0, 126.0), 3.0))) == 0
+    scale_field = build_scale_field(ring(), 1.0, 0.0)
+    assert len(reseeding_places(scale_field, rim((14.0, 126.0), 3.0))) == 0
 
 
 @pytest.mark.parametrize("start", [(60.0, 60.0, 18.0), (60.0, 95.0, 6.0), (20.0, 66.0, 5.0), (60.0, 60.0, 5.0)])

@@ -39,10 +39,10 @@ def states(engine):
 
 def frozen(state):
     """Bytes of all that a state holds."""
-    apart = ("particles", "ground", "far")
+    apart = ("particles", "coverage", "far")
     figures = [repr(getattr(state, f.name)) for f in dataclasses.fields(state) if f.name not in apart]
     arrays = [getattr(state.particles, name).tobytes() for name in ARRAYS]
-    tuples = [np.asarray(part).tobytes() for whole in (state.ground, state.far or ()) for part in whole]
+    tuples = [np.asarray(part).tobytes() for whole in (state.coverage, state.far or ()) for part in whole]
     return [*figures, *tuples, state.start.tobytes(), *arrays]
 
 
@@ -354,23 +354,23 @@ def test_another_smoothing_changes_the_field_and_keeps_the_particles(engine, sta
         assert np.abs(engine.field(smoother, scale) - engine.field(Parameters(), scale)).max() > 0.1
         assert engine.edge_map(smoother, scale).max() < engine.edge_map(Parameters(), scale).max()
     # and nothing else is built anew
-    assert engine.level(Parameters()) is engine.level(Parameters(beta=0.3))
+    assert engine.scale_field(Parameters()) is engine.scale_field(Parameters(beta=0.3))
 
 
 def test_particles_that_have_come_to_rest_obey_other_parameters(states):
     """Twice the spacing thins them out, a wide smoothing carries them along; a least length leaves them be."""
-    engine, settled = Engine(SCENE.values, Parameters()), states[-2]
-    assert not settled.stop_reason
-    assert settled.moving <= 0.002 * settled.count
+    engine, without_off_edge = Engine(SCENE.values, Parameters()), states[-2]
+    assert not without_off_edge.stop_reason
+    assert without_off_edge.moving <= 0.002 * without_off_edge.count
 
     def after(parameters, steps):
-        state = settled
+        state = without_off_edge
         for _ in range(steps):
             state = engine.step(state, parameters)
         return state
 
-    assert after(Parameters(d_min=4.0), 40).count < 0.75 * settled.count
-    assert after(Parameters(smoothing=4.0), 3).moving > 0.2 * settled.count
+    assert after(Parameters(d_min=4.0), 40).count < 0.75 * without_off_edge.count
+    assert after(Parameters(smoothing=4.0), 3).moving > 0.2 * without_off_edge.count
     kept = after(Parameters(min_length=5.0, min_strength=1.0), 1)
     np.testing.assert_array_equal(kept.position, after(Parameters(), 1).position)
 

@@ -69,7 +69,7 @@ def engine(name):
     return Engine(image(name), Parameters())
 
 
-def settled(with_engine, seeds, parameters):
+def without_off_edge(with_engine, seeds, parameters):
     """Last state of a run."""
     state = with_engine.start(seeds)
     while not state.stop_reason:
@@ -84,7 +84,7 @@ START = circle((41.3, 26.6), 16.0)
 @cache
 def rest(name):
     """Last state of a run from the start."""
-    return settled(engine(name), START, Parameters())
+    return without_off_edge(engine(name), START, Parameters())
 
 
 def contours_of(name, state):
@@ -142,7 +142,7 @@ def test_the_order_of_the_particles_does_not_matter(name):
     assert all_closed(name, first)
     for seed in range(3):
         shuffled = np.random.default_rng(seed).permutation(START)
-        assert apart(first, contours_of(name, settled(engine(name), shuffled, Parameters()))) < 0.1
+        assert apart(first, contours_of(name, without_off_edge(engine(name), shuffled, Parameters()))) < 0.1
 
 
 @pytest.mark.parametrize("name", ["disk", "blob", "kidney", "square", "u"])
@@ -153,7 +153,7 @@ def test_the_start_does_not_matter(name):
     for turn in np.linspace(0.0, 2.0 * np.pi, 10, endpoint=False):
         center = CENTER + random.uniform(5.0, 10.0) * np.array([np.sin(turn), np.cos(turn)])
         start = circle(tuple(center), random.uniform(12.0, 19.0), random.uniform(1.0, 4.0))
-        found.append(contours_of(name, settled(engine(name), start, Parameters())))
+        found.append(contours_of(name, without_off_edge(engine(name), start, Parameters())))
         assert all_closed(name, found[-1])
     for k, one in enumerate(found):
         for other in found[:k]:
@@ -169,7 +169,7 @@ def test_twice_the_image_has_twice_the_contours(name):
     """
     parameters = Parameters(smoothing=2.0)
     larger = Engine(image(name, 2), parameters)
-    state = settled(larger, 2.0 * START + 0.5, parameters)
+    state = without_off_edge(larger, 2.0 * START + 0.5, parameters)
     doubled = larger.result(state, parameters).contours
     assert all_closed(name, doubled)
     single = contours_of(name, rest(name))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cpm_core import Engine, Parameters, Regions, circle
-from cpm_core.field.scale_space import Levels
+from cpm_core.field.scale_space import ScaleSpace
 
 from ..scenes import antialiased, disk
 
@@ -205,11 +205,11 @@ def test_other_barriers_leave_the_fields_as_they_are_and_other_interest_the_grad
     barred = engine.with_regions(Regions(interest=(polygon,), barriers=(((3, 3), (90, 70)),)))
     wider = barred.with_regions(Regions(interest=(((5, 5), (5, 90), (85, 90), (85, 5)),), barriers=(((3, 3), (9, 7)),)))
     for scale in range(2):
-        level, other = engine.level(parameters, scale), barred.level(parameters, scale)
-        assert other.felt is level.felt
-        assert len(other.walls.segments) == len(level.walls.segments) + 1
-        assert wider.level(parameters, scale).gradient is level.gradient
-        assert wider.level(parameters, scale).felt is not level.felt
+        scale_field, other = engine.scale_field(parameters, scale), barred.scale_field(parameters, scale)
+        assert other.packed is scale_field.packed
+        assert len(other.barrier_map.segments) == len(scale_field.barrier_map.segments) + 1
+        assert wider.scale_field(parameters, scale).gradient is scale_field.gradient
+        assert wider.scale_field(parameters, scale).packed is not scale_field.packed
 
 
 @pytest.mark.parametrize("barriers", [(), (((3.0, 3.0), (90.0, 70.0), (20.0, 60.5)),)])
@@ -225,17 +225,17 @@ def test_an_engine_with_other_regions_is_that_which_is_made_for_them(interest, b
             asked = Parameters(scales=2, smoothing=smoothing)
             moved = other.with_regions(regions)
             for scale in range(2):
-                one, two = made.level(asked, scale), moved.level(asked, scale)
-                for name in ("felt", "gradient", "edge_map"):
+                one, two = made.scale_field(asked, scale), moved.scale_field(asked, scale)
+                for name in ("packed", "gradient", "edge_map"):
                     np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
                 assert (one.floor, one.strongest, one.least_charge) == (two.floor, two.strongest, two.least_charge)
-                np.testing.assert_array_equal(one.walls.segments, two.walls.segments)
-                np.testing.assert_array_equal(one.walls.clearance, two.walls.clearance)
+                np.testing.assert_array_equal(one.barrier_map.segments, two.barrier_map.segments)
+                np.testing.assert_array_equal(one.barrier_map.clearance, two.barrier_map.clearance)
 
 
 def test_a_barrier_that_is_moved_has_nothing_of_the_fields_built(monkeypatch):
     engine = Engine(TWO, ONE_SCALE)
-    monkeypatch.setattr(Levels, "_build", lambda *_: pytest.fail("a level was built"))
+    monkeypatch.setattr(ScaleSpace, "_build", lambda *_: pytest.fail("a level was built"))
     barred = engine.with_regions(Regions(barriers=(((3, 3), (90, 70)),)))
     barred.step(barred.start(LEFT), ONE_SCALE)
 

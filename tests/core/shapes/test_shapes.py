@@ -16,7 +16,7 @@ from cpm_core.field.edge_map import automatic_smoothing, edge_map
 from cpm_core.field.placed_charges import STRONGEST
 from cpm_core.numerics import polyline
 from cpm_core.shapes import SHAPES, Charge, Circle, Ellipse, Everywhere, Grid, Points, Polygon, Region, Threshold
-from cpm_core.shapes.image_starts import Sowable, Sower
+from cpm_core.shapes.image_starts import ImageStart, SeedCache
 
 coordinates = st.floats(-100, 200, allow_nan=False).map(lambda number: round(number, 3))
 positions = st.tuples(coordinates, coordinates)
@@ -101,10 +101,10 @@ def test_an_ellipse_holds_what_lies_nearer_than_its_rim_on_the_same_ray(ellipse,
 @given(ellipses, positions)
 def test_a_handle_of_an_ellipse_changes_one_radius_or_its_direction_alone(ellipse, to) -> None:
     first, second, _, _, turning = ellipse.handles()
-    one, other = ellipse.led(first, to), ellipse.led(second, to)
+    one, other = ellipse.with_handle_at(first, to), ellipse.with_handle_at(second, to)
     assert (one.center, one.angle, one.radii[1]) == (ellipse.center, ellipse.angle, ellipse.radii[1])
     assert (other.center, other.angle, other.radii[0]) == (ellipse.center, ellipse.angle, ellipse.radii[0])
-    turned = ellipse.led(turning, to)
+    turned = ellipse.with_handle_at(turning, to)
     assert (turned.center, turned.radii) == (ellipse.center, ellipse.radii)
     if math.dist(ellipse.center, to) > 1e-3:
         end = turned.handles()[0]
@@ -115,9 +115,9 @@ def test_a_handle_of_an_ellipse_changes_one_radius_or_its_direction_alone(ellips
 @given(ellipses)
 def test_every_handle_led_where_it_lies_leaves_an_ellipse_as_it_is(ellipse) -> None:
     for handle in ellipse.handles():
-        led = ellipse.led(handle, handle)
-        assert led.radii == pytest.approx(ellipse.radii)
-        assert math.cos(led.angle - ellipse.angle) == pytest.approx(1.0)
+        with_handle_at = ellipse.with_handle_at(handle, handle)
+        assert with_handle_at.radii == pytest.approx(ellipse.radii)
+        assert math.cos(with_handle_at.angle - ellipse.angle) == pytest.approx(1.0)
 
 
 @given(radii, positions)
@@ -133,10 +133,10 @@ def test_an_ellipse_of_equal_radii_is_a_circle(radius, center) -> None:
 def test_an_area_that_is_grown_holds_its_middle_and_reaches_farther_by_so_much(shape, by) -> None:
     middle = np.mean(shape.points, axis=0)
     farthest = max(math.dist(middle, point) for point in shape.points)
-    grown = shape.grown(by)
-    np.testing.assert_allclose(np.mean(grown.points, axis=0), middle, atol=1e-6)
-    assert max(math.dist(middle, point) for point in grown.points) == pytest.approx(farthest + by)
-    np.testing.assert_allclose(grown.grown(-by).points, shape.points, atol=1e-6)
+    resized = shape.resized(by)
+    np.testing.assert_allclose(np.mean(resized.points, axis=0), middle, atol=1e-6)
+    assert max(math.dist(middle, point) for point in resized.points) == pytest.approx(farthest + by)
+    np.testing.assert_allclose(resized.resized(-by).points, shape.points, atol=1e-6)
 
 
 @given(grids)
@@ -158,11 +158,11 @@ def test_the_particles_of_a_grid_lie_in_its_area_at_its_spacing_and_leave_no_roo
 
 @given(charges, st.integers(-30, 30))
 def test_a_charge_keeps_its_sign_and_place_and_within_its_bounds_whatever_is_added(charge, steps) -> None:
-    grown = charge.grown(float(steps))
-    assert grown.position == charge.position
-    assert math.copysign(1, grown.strength) == math.copysign(1, charge.strength)
-    assert 0.5 <= abs(grown.strength) <= STRONGEST
-    assert grown.placed.strength == grown.strength
+    resized = charge.resized(float(steps))
+    assert resized.position == charge.position
+    assert math.copysign(1, resized.strength) == math.copysign(1, charge.strength)
+    assert 0.5 <= abs(resized.strength) <= STRONGEST
+    assert resized.placed.strength == resized.strength
 
 
 @pytest.fixture(scope="module")
@@ -174,32 +174,32 @@ def values() -> np.ndarray:
 
 def test_a_threshold_is_told_by_the_strongest_edge_of_its_own_area(values) -> None:
     area = Threshold(((15.0, 42.0), (15.0, 78.0), (45.0, 78.0), (45.0, 42.0)), 0.5)
-    sown = Sower(Image(values)).sow((area,), 1.0)[area]
+    image_seeds = SeedCache(Image(values)).seeds_for((area,), 1.0)[area]
     strength = edge_map(values, 1.0)
     row, col = np.indices(values.shape)
     within = (row >= 15) & (row < 45) & (col >= 42) & (col < 78)
     expected = np.argwhere(within & (strength > 0.5 * strength[within].max()))
-    np.testing.assert_array_equal(np.unique(sown, axis=0), expected)
+    np.testing.assert_array_equal(np.unique(image_seeds, axis=0), expected)
     assert len(expected) > 20
 
 
 @given(st.floats(-20, 80), st.floats(-20, 100))
 def test_a_threshold_anywhere_gives_pixels_of_the_image_alone(values, row, col) -> None:
     area = Threshold(((row, col), (row, col + 25.0), (row + 25.0, col)), 0.2)
-    sown = area.sow(values, lambda: edge_map(values, 1.0))
-    assert ((sown >= 0) & (sown < values.shape)).all()
-    assert polyline.inside(area.points, sown).all()
+    image_seeds = area.seeds_for(values, lambda: edge_map(values, 1.0))
+    assert ((image_seeds >= 0) & (image_seeds < values.shape)).all()
+    assert polyline.inside(area.points, image_seeds).all()
 
 
 def test_dragging_an_area_about_asks_for_the_edges_once(values, monkeypatch) -> None:
     asked = []
     monkeypatch.setattr("cpm_core.shapes.image_starts.edge_map", lambda *given: asked.append(given) or edge_map(*given))
-    sower = Sower(Image(values))
+    sower = SeedCache(Image(values))
     area = Threshold(((5.0, 5.0), (5.0, 40.0), (50.0, 40.0)))
     for step in range(6):
-        sower.sow((area.moved((float(step), 0.0)), Everywhere("edges")), 1.5)
+        sower.seeds_for((area.moved((float(step), 0.0)), Everywhere("edges")), 1.5)
     assert len(asked) == 1
-    sower.sow((area,), 2.0)
+    sower.seeds_for((area,), 2.0)
     assert len(asked) == 2
     assert len(sower._kept) == 2
 
@@ -208,8 +208,8 @@ def test_dragging_an_area_about_asks_for_the_edges_once(values, monkeypatch) -> 
 def test_strong_edges_are_those_of_the_smoothing_in_use(values, smoothing) -> None:
     noisy = values + np.random.default_rng(1).normal(0, 20, values.shape)
     sigma = automatic_smoothing(noisy) if smoothing == "auto" else smoothing
-    sown = Sower(Image(noisy)).sow((Everywhere("edges"),), smoothing)[Everywhere("edges")]
-    np.testing.assert_array_equal(sown, gradient_threshold(noisy, smoothing=sigma))
+    image_seeds = SeedCache(Image(noisy)).seeds_for((Everywhere("edges"),), smoothing)[Everywhere("edges")]
+    np.testing.assert_array_equal(image_seeds, gradient_threshold(noisy, smoothing=sigma))
 
 
 def test_every_shape_is_a_small_frozen_value_of_plain_numbers_under_a_name_of_its_own() -> None:
@@ -223,5 +223,5 @@ def test_every_shape_is_a_small_frozen_value_of_plain_numbers_under_a_name_of_it
     corners = ((0.0, 0.0), (0.0, 9.0), (9.0, 9.0))
     made = [Ellipse((1.0, 2.0), (3.0, 4.0)), Polygon(corners), Grid(corners), Threshold(corners), Charge((1.0, 2.0))]
     assert len({hash(shape) for shape in made}) == len(made)
-    assert [isinstance(shape, Sowable) for shape in made] == [False, False, False, True, False]
+    assert [isinstance(shape, ImageStart) for shape in made] == [False, False, False, True, False]
     assert Points(()).seeds().shape == (0, 2)

@@ -13,12 +13,12 @@ from typing import ClassVar
 
 from app.model.document.document import Document
 from app.session.exchange.error_messages import sentence
-from app.session.exchange.messages import Exported, Failed, Opened, Report, Sowing, Trouble, WarmedUp
+from app.session.exchange.messages import Exported, Failed, Opened, Report, SeedsFound, Trouble, WarmedUp
 from app.session.tasks.tasks import Task
 from app.session.worker.command_context import Workshop
 from cpm_core.contours.review import Mark, apply
 from cpm_core.parameters import Parameters
-from cpm_core.shapes.image_starts import NOWHERE
+from cpm_core.shapes.image_starts import NO_SEEDS
 
 
 class Command:
@@ -144,7 +144,7 @@ class SetOverlays(Command):
 
 
 @dataclass(frozen=True, slots=True)
-class Sow(Command):
+class FindSeeds(Command):
     """Find the positions of a document's starts that depend on the image, for showing them."""
 
     image_generation: int
@@ -155,11 +155,11 @@ class Sow(Command):
     def obey(self, shop: Workshop) -> None:
         """Find them."""
         if self.image_generation == shop.run.image_generation:
-            shop.report(Sowing(self.image_generation, shop.run.sow(self.document)))
+            shop.report(SeedsFound(self.image_generation, shop.run.seeds_for(self.document)))
 
     def refusal(self, error: Exception) -> Report:
         """There are none."""
-        return Sowing(self.image_generation, NOWHERE, sentence(error, "looking for places to start from"))
+        return SeedsFound(self.image_generation, NO_SEEDS, sentence(error, "looking for places to start from"))
 
 
 @dataclass(frozen=True, slots=True)

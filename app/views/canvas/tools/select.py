@@ -44,7 +44,9 @@ class SelectTool(Momentary):
             return
         by = (at[0] - self._anchor[0], at[1] - self._anchor[1])
         if self._part == "handle":
-            self._replace(tr("reshape {shape}").format(shape=describe(self._shape)), self._shape.led(self._anchor, at))
+            self._replace(
+                tr("reshape {shape}").format(shape=describe(self._shape)), self._shape.with_handle_at(self._anchor, at)
+            )
         else:
             self._replace(tr("move {shape}").format(shape=describe(self._shape)), self._shape.moved(by))
 

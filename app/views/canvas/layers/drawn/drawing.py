@@ -37,7 +37,7 @@ from cpm_core.shapes import (
     Stroke,
     Threshold,
 )
-from cpm_core.shapes.image_starts import NOWHERE, Sowable, Sown
+from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart
 
 _Z = 7.0
 _FAINT, _LIGHT = 0.45, 0.55
@@ -77,8 +77,8 @@ class DrawingLayer(Layer):
         self._limits = Limits(view)
         self._charges = Charges(view)
         self._draft = Draft(view)
-        self._sown: Sown = NOWHERE
-        self._shown_starts: tuple[Sowable, ...] = ()
+        self._image_seeds: ImageSeeds = NO_SEEDS
+        self._shown_starts: tuple[ImageStart, ...] = ()
         self._curves = (self._lines, self._areas, self._chosen)
         self._marks: tuple[QGraphicsItem, ...] = (
             *self._everywhere.values(),
@@ -92,11 +92,11 @@ class DrawingLayer(Layer):
         self.add(*self._curves, *self._marks)
         self._drawn: tuple[object, ...] = ()
         self._faint = 1.0
-        self._chosen_start: Sowable | None = None
+        self._chosen_start: ImageStart | None = None
         session.image_changed.connect(self._use_image)
         session.document_changed.connect(self._follow)
         session.status_changed.connect(self._follow)
-        session.sown_changed.connect(self._show_sown)
+        session.image_seeds_changed.connect(self._show_image_seeds)
 
     @property
     def everywhere(self) -> int:
@@ -112,10 +112,10 @@ class DrawingLayer(Layer):
             discs.use_shape(shape, rim)
         self._limits.use_shape(shape)
         self._charges.use_shape(shape)
-        self._sown = NOWHERE
+        self._image_seeds = NO_SEEDS
 
-    def _show_sown(self, sown: Sown) -> None:
-        self._sown = sown
+    def _show_image_seeds(self, image_seeds: ImageSeeds) -> None:
+        self._image_seeds = image_seeds
         self._draw_everywhere()
 
     def show_draft(self, corners: tuple[Position, ...], path: tuple[Position, ...], colour: str, closed: bool) -> None:
@@ -152,7 +152,7 @@ class DrawingLayer(Layer):
         x, y = to_xy(np.array(chosen.handles() if chosen else (), dtype=float).reshape(-1, 2))
         self._handles.setData(x=x, y=y)
         self._faint = _FAINT if started and not isinstance(chosen, Start) else 1.0
-        self._chosen_start = chosen if isinstance(chosen, Sowable) else None
+        self._chosen_start = chosen if isinstance(chosen, ImageStart) else None
         self.fade()
         limits = [shape for shape in document.shapes if isinstance(shape, Limit)]
         self._limits.show(limits, chosen if isinstance(chosen, Limit) else None)
@@ -181,11 +181,15 @@ class DrawingLayer(Layer):
 
     def _draw_everywhere(self) -> None:
         for kind, discs in self._everywhere.items():
-            seen = [self._sown[start] for start in self._shown_starts if start in self._sown and _kind(start) == kind]
+            seen = [
+                self._image_seeds[start]
+                for start in self._shown_starts
+                if start in self._image_seeds and _kind(start) == kind
+            ]
             discs.show(np.concatenate([NO_POSITIONS, *seen]))
 
 
-def _kind(start: Sowable) -> Kind | None:
+def _kind(start: ImageStart) -> Kind | None:
     return start.kind if isinstance(start, Everywhere) else None
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from app.views.canvas.layers.image.levels import Levels
+from app.views.canvas.layers.image.levels import ScaleSpace
 from app.views.canvas.layers.layer_form import LayerForm
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ class ImageForm(LayerForm):
     """
 
     def __init__(self, layer: ImageLayer) -> None:
-        self.levels: Levels | None = None
+        self.levels: ScaleSpace | None = None
         self._image: Image | None = None
         self._own = layer
         super().__init__(layer)
@@ -34,7 +34,7 @@ class ImageForm(LayerForm):
             self._image = self._own.image
             if self.levels is not None:
                 self.rows.removeRow(self.levels)
-            self.levels = Levels(self._image.values, self._own.ends, self._own.window)
+            self.levels = ScaleSpace(self._image.values, self._own.ends, self._own.window)
             self.levels.moved.connect(self._own.choose_window)
             self.rows.insertRow(0, self.levels)
         elif self.levels is not None:

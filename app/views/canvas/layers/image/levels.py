@@ -25,7 +25,7 @@ _HANDLE = 5.0
 _HEIGHT = 64
 
 
-class Levels(QWidget):
+class ScaleSpace(QWidget):
     """Histogram and fields.
 
     Parameters

@@ -26,7 +26,7 @@ DRAWINGS: Mapping[str, Drawing] = MappingProxyType(
         "smoothing": looking.smoothing,
         "scales": looking.scales,
         "edge_floor": looking.edge_floor,
-        "max_frame": looking.max_frame,
+        "max_border": looking.max_border,
         "max_gap": choosing.max_gap,
         "min_strength": choosing.min_strength,
         "sure_edge": choosing.sure_edge,

@@ -69,7 +69,7 @@ def edge_floor(sketch: Sketch, value: float, t: float) -> None:
     sketch.line([(4, level), (WIDTH - 4, level)], MARK, 1.2, dashed=True)
 
 
-def max_frame(sketch: Sketch, value: float, t: float) -> None:
+def max_border(sketch: Sketch, value: float, t: float) -> None:
     """An image with a bright rim: one no wider than this gives no edge."""
     rim = 5.0
     sketch.block(30, 4, 68, 64, 0.75)
