@@ -23,9 +23,9 @@ from app.session.document.editor import Editor
 from app.session.document.live_edits import Live
 from app.session.exchange.messages import Opened
 from app.session.exchange.pacing import Pacer
-from app.session.features.contour_review import Curation
+from app.session.features.contour_review import ContourReview
 from app.session.features.skeleton import Skeletons
-from app.session.signals import Announcements
+from app.session.signals import SessionSignals
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
 from app.session.updates import Progress
@@ -42,13 +42,13 @@ from app.session.worker.commands.run import (
     Start,
     WarmUp,
 )
-from app.session.worker.worker_thread import Runner
+from app.session.worker.worker_thread import WorkerThread
 
 FRAME = 16
 """Time between looks at what the worker has sent up [ms]."""
 
 
-class Session(Announcements):
+class Session(SessionSignals):
     """Document, history and run.
 
     Parameters
@@ -63,11 +63,11 @@ class Session(Announcements):
         super().__init__(parent)
         self._editor = Editor()
         core = core or Core()
-        self._runner = Runner(core)
-        self.tasks = Tasks(self._runner.report, self._wake, self)
+        self._worker_thread = WorkerThread(core)
+        self.tasks = Tasks(self._worker_thread.report, self._wake, self)
         self._opener = Opener(core, self.tasks)
-        self._progress = Progress(self, self._runner)
-        self.curation = Curation(self)
+        self._progress = Progress(self, self._worker_thread)
+        self.review = ContourReview(self)
         self._numbered = 0
         self._generation = 0
         self._image_generation = 0
@@ -136,7 +136,7 @@ class Session(Announcements):
     @property
     def idle(self) -> bool:
         """Whether nothing is going on and everything that was sent up has been shown."""
-        return self._runner.idle and self.tasks.idle
+        return self._worker_thread.idle and self.tasks.idle
 
     # Editing
 
@@ -280,14 +280,14 @@ class Session(Announcements):
 
     def post(self, command: Command) -> None:
         """Send a command to the worker."""
-        self._runner.post(command)
+        self._worker_thread.post(command)
         self._wake()
 
     def close(self) -> None:
         """Stop everything and wait for the worker to end."""
         self._timer.stop()
         self.tasks.close()
-        self._runner.close()
+        self._worker_thread.close()
 
     # What the worker has sent up leads to
 

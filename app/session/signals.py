@@ -8,7 +8,7 @@ from app.session.exchange.messages import Overlays, Reconstruction, Report, Snap
 from cpm_core.shapes.image_starts import ImageSeeds
 
 
-class Announcements(QObject):
+class SessionSignals(QObject):
     """The signals that views follow, and the methods by which they are given."""
 
     document_changed = Signal(object)
@@ -38,7 +38,7 @@ class Announcements(QObject):
 
     def show_contours(self, reconstruction: Reconstruction | None) -> None:
         """Pass contours on."""
-        self.surveyed.emit(reconstruction.survey if reconstruction else None)
+        self.surveyed.emit(reconstruction.tracked if reconstruction else None)
         self.contours_changed.emit(reconstruction.result if reconstruction else None)
 
     def show_overlays(self, overlays: Overlays) -> None:

@@ -11,20 +11,20 @@ from typing import Protocol
 from app.model.state.status import Phase, RunStatus
 from app.model.text.language import tr
 from app.session.exchange.messages import (
+    CommandFailed,
     Exported,
-    Failed,
     NotOpened,
     Opened,
     Overlays,
     Reconstruction,
     Report,
+    RunFailed,
     SeedsFound,
     Snapshot,
-    Trouble,
     WarmedUp,
     WentOn,
 )
-from app.session.worker.worker_thread import Runner
+from app.session.worker.worker_thread import WorkerThread
 from cpm_core.shapes.image_starts import ImageSeeds
 
 _FIGURES_EVERY = 0.1
@@ -77,15 +77,17 @@ class Progress:
     ----------
     audience : Audience
         Who is told.
-    runner : Runner
+    worker_thread : WorkerThread
         Where it comes from.
     clock : callable
         Seconds that only go forward.
     """
 
-    def __init__(self, audience: Audience, runner: Runner, clock: Callable[[], float] = time.perf_counter) -> None:
+    def __init__(
+        self, audience: Audience, worker_thread: WorkerThread, clock: Callable[[], float] = time.perf_counter
+    ) -> None:
         self._audience = audience
-        self._runner = runner
+        self._worker_thread = worker_thread
         self._clock = clock
         self._busy: dict[str, str] = {}
         self._told_at = 0.0
@@ -115,12 +117,12 @@ class Progress:
 
     def look(self) -> None:
         """Take what has arrived; what belongs to another run or image is dropped."""
-        for report in self._runner.reports():
+        for report in self._worker_thread.reports():
             self._take_report(report)
-        snapshot = self._runner.snapshots.take()
+        snapshot = self._worker_thread.snapshots.take()
         if snapshot is not None and snapshot.generation == self._audience.generation:
             self._take_snapshot(snapshot)
-        contours = self._runner.reconstructor.results.take()
+        contours = self._worker_thread.reconstructor.results.take()
         if contours is not None and contours.generation == self._audience.generation:
             result = contours.result
             closed = sum(contour.closed for contour in result.contours)
@@ -133,7 +135,7 @@ class Progress:
             )
             self._audience.show_contours(contours)
             self._audience.show_status()
-        overlays = self._runner.overlays.take()
+        overlays = self._worker_thread.overlays.take()
         if overlays is not None and overlays.generation == self._audience.image_generation:
             self._audience.show_overlays(overlays)
 
@@ -169,7 +171,7 @@ class Progress:
                 self._audience.say(sentence, True)
                 if otherwise is not None:
                     self._audience.open(otherwise)
-            case Failed(generation, sentence):
+            case RunFailed(generation, sentence):
                 if generation == self._audience.generation:
                     self._known = replace(self._known, phase="paused" if self._known.count else "ready")
                     self._audience.say(sentence, True)
@@ -184,7 +186,7 @@ class Progress:
                     self._audience.show_image_seeds(image_seeds)
             case Exported(path):
                 self._audience.say(tr("Written: {path}").format(path=path), False)
-            case Trouble(sentence):
+            case CommandFailed(sentence):
                 self._audience.say(sentence, True)
             case WarmedUp():
                 self._busy.pop("preparing", None)

@@ -12,25 +12,25 @@ from PySide6.QtWidgets import QAbstractButton, QMainWindow
 from app.model.text.language import tr
 from app.session.session import Session
 from app.session.storage.preferences import Preferences
+from app.views.canvas.canvas_area import CanvasArea
 from app.views.canvas.pointer_readout import PointerReadout
-from app.views.canvas.stage import Stage
-from app.views.features import PARTS
-from app.views.features.file.files import FilesPart
-from app.views.features.file.recovery import RecoveryPart
-from app.views.features.run.parameters import ParametersPart
-from app.views.features.run.running import RunningPart
-from app.views.features.view.looks import LooksPart
+from app.views.features import FEATURES
+from app.views.features.file.files import FilesFeature
+from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.run.parameters import ParametersFeature
+from app.views.features.run.running import RunningFeature
+from app.views.features.view.looks import LooksFeature
 from app.views.theme import theme
 from app.views.widgets.actions import Actions
-from app.views.widgets.entry import Entry
+from app.views.widgets.entry import ActionSpec
 from app.views.window.docks import Docks
+from app.views.window.feature import Feature, FeatureContext
 from app.views.window.garbage import GarbageCollector
 from app.views.window.menus import Menus
-from app.views.window.part import Desk, Part
 from app.views.window.tool_bar import ToolBar
 from app.views.window.tool_palette import ToolPalette
 
-P = TypeVar("P", bound=Part)
+P = TypeVar("P", bound=Feature)
 
 _SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
 """Size of the window where the screen has room for it, and what its frame may take of the screen."""
@@ -58,25 +58,25 @@ class MainWindow(QMainWindow):
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
-        self.stage = Stage(session)
-        self.setCentralWidget(self.stage)
-        desk = Desk(
+        self.canvas_area = CanvasArea(session)
+        self.setCentralWidget(self.canvas_area)
+        context = FeatureContext(
             window=self,
             session=session,
-            stage=self.stage,
+            canvas_area=self.canvas_area,
             preferences=self.preferences,
             entries=lambda: self.actions_by_name.entries,
-            preference_rows=lambda: [row for part in self.parts.values() for row in part.preferences()],
+            preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
             reveal=self._reveal,
             use_theme=self.use_theme,
         )
-        self.parts: dict[type[Part], Part] = {kind: kind(desk) for kind in PARTS}
-        entries = [entry for part in self.parts.values() for entry in part.entries()]
-        self.part(FilesPart).bring_in = self.part(ParametersPart).keeper.take_in
-        self.part(RecoveryPart).keep(self.part(FilesPart).keeper)
-        self.actions_by_name = Actions(self, (entry for entry in entries if isinstance(entry, Entry)))
+        self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
+        entries = [entry for feature in self.features.values() for entry in feature.entries()]
+        self.feature(FilesFeature).bring_in = self.feature(ParametersFeature).preset_files.take_in
+        self.feature(RecoveryFeature).keep(self.feature(FilesFeature).document_file)
+        self.actions_by_name = Actions(self, (entry for entry in entries if isinstance(entry, ActionSpec)))
         self.menus = Menus(self.menuBar(), entries, self.actions_by_name)
-        panels = [panel for part in self.parts.values() for panel in part.panels()]
+        panels = [panel for feature in self.features.values() for panel in feature.panels()]
         self.panels = {panel.name: panel.widget for panel in panels}
         self.docks = Docks(self, panels)
         restore = QAction(tr("Restore pane&ls"), self)
@@ -84,37 +84,37 @@ class MainWindow(QMainWindow):
         restore.triggered.connect(self.docks.restore)
         self.menus.add_section("View", (*(dock.toggleViewAction() for dock in self.docks), restore))
         self._palette_of_tools = ToolPalette(self.actions_by_name)
-        self._bar = ToolBar(self.actions_by_name, self.part(RunningPart).speed)
+        self._bar = ToolBar(self.actions_by_name, self.feature(RunningFeature).speed)
         self.addToolBar(self._bar)
         self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, self._palette_of_tools)
-        self.pointer_readout = PointerReadout(session, self.stage.canvas)
+        self.pointer_readout = PointerReadout(session, self.canvas_area.canvas)
         self.statusBar().addPermanentWidget(self.pointer_readout)
         session.status_changed.connect(self._show)
-        self.use_theme(self.part(LooksPart).theme())
+        self.use_theme(self.feature(LooksFeature).theme())
         self._show()
         self._restore_places()
-        self.stage.canvas.setFocus()
+        self.canvas_area.canvas.setFocus()
         self._garbage.start()
 
-    def part(self, kind: type[P]) -> P:
+    def feature(self, kind: type[P]) -> P:
         """A part by its class."""
-        part = self.parts[kind]
-        assert isinstance(part, kind)
-        return part
+        feature = self.features[kind]
+        assert isinstance(feature, kind)
+        return feature
 
     def open_image(self, path: str) -> None:
         """Open an image or a session; what was said about an earlier one is over."""
-        self.part(FilesPart).take([Path(path)])
+        self.feature(FilesFeature).take([Path(path)])
 
     def use_theme(self, used: theme.Theme) -> None:
         """Take on a theme."""
         theme.apply_theme(used)
         self.actions_by_name.use_theme(used)
         self._palette_of_tools.use_theme(used)
-        self.stage.messages.use_theme(used)
+        self.canvas_area.messages.use_theme(used)
         self.docks.use_theme(used)
-        for part in self.parts.values():
-            part.use_theme(used)
+        for feature in self.features.values():
+            feature.use_theme(used)
 
     # What Qt calls
 
@@ -133,7 +133,7 @@ class MainWindow(QMainWindow):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Disappear at once, then stop the worker; a part that has a reason may keep the window open."""
-        if not all(part.close() for part in self.parts.values()):
+        if not all(feature.close() for feature in self.features.values()):
             event.ignore()
             return
         self.preferences.put(_GEOMETRY, self.saveGeometry())
@@ -152,7 +152,7 @@ class MainWindow(QMainWindow):
     def dropEvent(self, event: QDropEvent) -> None:
         """Take in the files dropped."""
         event.acceptProposedAction()
-        self.part(FilesPart).take_dropped(event.mimeData().urls())
+        self.feature(FilesFeature).take_dropped(event.mimeData().urls())
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)

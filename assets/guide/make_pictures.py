@@ -14,7 +14,7 @@ from PySide6.QtCore import QDeadlineTimer, QEventLoop, Qt
 from app.model.document import edits
 from app.model.document.samples import sample_called
 from app.views.application import make_application, open_window
-from app.views.features.file.files import FilesPart
+from app.views.features.file.files import FilesFeature
 from app.views.main_window import MainWindow
 from cpm_core.shapes import Region
 
@@ -49,12 +49,12 @@ def show(window: MainWindow, file: str) -> None:
 
 def take(window: MainWindow, name: str) -> None:
     """Take a picture of the canvas, without what lies upon it."""
-    stage = window.stage
-    stage.messages.hide()
-    stage.hint.hide()
+    canvas_area = window.canvas_area
+    canvas_area.messages.hide()
+    canvas_area.hint.hide()
     wait(lambda: window.session.idle)
     make_application().processEvents()
-    picture = stage.canvas.grab().toImage()
+    picture = canvas_area.canvas.grab().toImage()
     side = min(picture.width(), picture.height())
     cut = picture.copy((picture.width() - side) // 2, (picture.height() - side) // 2, side, side)
     small = cut.scaledToWidth(WIDTH, Qt.TransformationMode.SmoothTransformation)
@@ -104,7 +104,7 @@ def main() -> None:
     session.edit("everywhere", lambda document: edits.toggle_everywhere(document, "grid"))
     run(window)
     take(window, "hand_finger")
-    window.part(FilesPart).keeper.forget()  # nobody is there to be asked whether it is to be saved
+    window.feature(FilesFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
     window.close()
 
 

@@ -21,10 +21,10 @@ from PySide6.QtWidgets import QWidget
 
 from app.model.document import edits
 from app.model.document.samples import sample_called
-from app.session.features.timeline_navigation import travel_of
+from app.session.features.timeline_navigation import navigation_of
 from app.views.application import make_application, open_window
-from app.views.features.file.files import FilesPart
-from app.views.features.view.mosaic import MosaicPart
+from app.views.features.file.files import FilesFeature
+from app.views.features.view.mosaic import MosaicFeature
 from app.views.main_window import MainWindow
 from app.views.theme import theme
 from cpm_core.shapes import Barrier, Charge
@@ -86,7 +86,7 @@ class Stand:
 
     def take(self, name: str, widget: QWidget | None = None) -> None:
         """Take a picture of the window, or of a dialog."""
-        self.window.stage.messages.hide()
+        self.window.canvas_area.messages.hide()
         end = QDeadlineTimer(600)
         wait(end.hasExpired)
         (widget or self.window).grab().save(str(HERE / f"{name}.png"))
@@ -120,13 +120,13 @@ def steering(stand: Stand) -> None:
 
 def branches(stand: Stand) -> None:
     """Two ways on from step 40, compared."""
-    session, travel = stand.window.session, travel_of(stand.window.session)
+    session, navigation = stand.window.session, navigation_of(stand.window.session)
     stand.run()
-    travel.go(travel.outline.branch, 40)
+    navigation.go(navigation.outline.branch, 40)
     stand.settle()
     session.edit("damping", lambda document: edits.set_parameter(document, "beta", 2.5))
     stand.run(90)
-    travel.compare(travel.outline.branches[0].identity)
+    navigation.compare(navigation.outline.branches[0].identity)
     stand.settle()
     stand.take("branches")
 
@@ -143,9 +143,9 @@ def trust(stand: Stand) -> None:
     with tempfile.TemporaryDirectory() as folder:
         mask = Path(folder) / "nuclei_mask.png"
         Picture.fromarray((values > np.percentile(values, 88)).astype(np.uint8) * 255).save(mask)
-        window.session.curation.truth.load(mask)
+        window.session.review.truth.load(mask)
         stand.settle()
-        wait(lambda: window.session.curation.truth.idle)
+        wait(lambda: window.session.review.truth.idle)
     window.docks.reveal("truth")
     window.docks.reveal("contours")
     stand.do("next_contour")
@@ -166,7 +166,7 @@ def mosaic(stand: Stand) -> None:
     """A sweep of smoothing and edge floor on the hand."""
     stand.open("hand.png")
     stand.do("mosaic")
-    dialog = stand.window.part(MosaicPart).dialog
+    dialog = stand.window.feature(MosaicFeature).dialog
     assert dialog is not None
     for axis, symbol, values in ((dialog.down, "σ", "1, 2, 4"), (dialog.across, "β", "0.4, 0.8, 2")):
         titles = [axis.choice.itemText(index) for index in range(axis.choice.count())]
@@ -203,7 +203,7 @@ def main(names: list[str]) -> None:
             stand = Stand(window)
             stand.settle()
             PICTURES[name](stand)
-            window.part(FilesPart).keeper.forget()
+            window.feature(FilesFeature).document_file.forget()
             window.close()
 
 

@@ -79,7 +79,7 @@ class Mark:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Curated:
+class ReviewedContour:
     """A contour with what has been said about it.
 
     Attributes
@@ -107,7 +107,7 @@ class Curated:
         return self.verdict == "rejected"
 
 
-def curated(contours: Sequence[Contour], marks: Sequence[Mark]) -> tuple[Curated, ...]:
+def reviewed(contours: Sequence[Contour], marks: Sequence[Mark]) -> tuple[ReviewedContour, ...]:
     """Give each contour the mark that is meant for it.
 
     Parameters
@@ -144,7 +144,7 @@ def apply(result: Result, marks: Sequence[Mark]) -> Result:
     """
     if not marks:
         return result
-    every = curated(result.contours, marks)
+    every = reviewed(result.contours, marks)
     kept = tuple(one.contour for one in every if not one.rejected)
     dropped = [one.contour for one in every if one.rejected]
     bridges = result.bridges
@@ -312,10 +312,10 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
     return row, col
 
 
-def _curated(contour: Contour, mark: Mark | None, index: int) -> Curated:
+def _curated(contour: Contour, mark: Mark | None, index: int) -> ReviewedContour:
     if mark is not None and (mark.name, mark.colour) != (contour.name, contour.colour):
         contour = replace(contour, name=mark.name or contour.name, colour=mark.colour or contour.colour)
-    return Curated(contour, mark, index)
+    return ReviewedContour(contour, mark, index)
 
 
 def _on(contours: Sequence[Contour], paths: Sequence[Array]) -> list[float]:

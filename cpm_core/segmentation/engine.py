@@ -337,8 +337,7 @@ class Engine:
     def _taken_up(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
         """A state as a step takes it up, under other parameters, regions or charges than its last one or the same."""
         if state.steering != parameters.steering or state.regions != self.regions:
-            state = replace(
-                interventions.reactivated(interventions.within(state, self.regions)), steering=parameters.steering
-            )
+            allowed = interventions.within(state, self.regions)
+            state = replace(interventions.reactivated(allowed), steering=parameters.steering)
         placed = in_order(charges)
         return state if state.charges == placed else interventions.reactivated_near(state, placed)

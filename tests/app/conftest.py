@@ -38,7 +38,7 @@ class Hand:
     def __init__(self, qtbot: QtBot, window: MainWindow) -> None:
         self.qtbot = qtbot
         self.window = window
-        self.canvas = window.stage.canvas
+        self.canvas = window.canvas_area.canvas
 
     def at(self, row: float, col: float) -> QPoint:
         """Point of the canvas over a position of the image."""

@@ -30,7 +30,7 @@ from app.session.core_functions import Core
 from app.session.exchange.messages import Snapshot
 from app.session.session import FRAME, Session
 from app.views.application import make_application
-from app.views.features.file.files import FilesPart
+from app.views.features.file.files import FilesFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.result import Result
 from cpm_core.particles.initialization import uniform_grid
@@ -54,7 +54,7 @@ class Times:
 
     paints: list[float] = field(default_factory=list)
     sent: list[float] = field(default_factory=list)
-    obeyed: list[float] = field(default_factory=list)
+    executed: list[float] = field(default_factory=list)
     counts: list[int] = field(default_factory=list)
     steps: list[int] = field(default_factory=list)
 
@@ -149,7 +149,7 @@ def measure(seconds: float, count: int | None = None, colour: str = "state") -> 
     application = make_application()
     session = Session(trembling(count) if count else None)
     window = MainWindow(session)
-    window.stage.canvas.layers["particles"].choose("colour", colour)
+    window.canvas_area.canvas.layers["particles"].choose("colour", colour)
     window.showMaximized()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "discs.npy"
@@ -167,8 +167,8 @@ def measure(seconds: float, count: int | None = None, colour: str = "state") -> 
     clock = PaintClock(times)
     session.run()
     wait(application, lambda: session.status.step > 0, 60)
-    window.stage.canvas.viewport().installEventFilter(clock)
-    session.document_changed.connect(lambda _: times.obeyed.append(time.perf_counter()))
+    window.canvas_area.canvas.viewport().installEventFilter(clock)
+    session.document_changed.connect(lambda _: times.executed.append(time.perf_counter()))
     session.snapshot_changed.connect(
         lambda s: s and (times.counts.append(len(s.position)), times.steps.append(s.state.step))
     )
@@ -178,7 +178,7 @@ def measure(seconds: float, count: int | None = None, colour: str = "state") -> 
     # The engine may take fewer steps a second than there are frames; every frame is drawn all the same, as at worst.
     frame = QTimer()
     frame.setTimerType(Qt.TimerType.PreciseTimer)
-    frame.timeout.connect(window.stage.canvas.viewport().update)
+    frame.timeout.connect(window.canvas_area.canvas.viewport().update)
     frame.start(FRAME)
     QTimer.singleShot(int(seconds * 1000), lambda: application.exit(0))  # quit would ask whether to save
     application.exec()
@@ -186,10 +186,10 @@ def measure(seconds: float, count: int | None = None, colour: str = "state") -> 
     keys.join()
     say(
         f"platform {application.platformName()}, "
-        f"canvas {window.stage.canvas.width()} x {window.stage.canvas.height()}, "
+        f"canvas {window.canvas_area.canvas.width()} x {window.canvas_area.canvas.height()}, "
         f"at the end: {session.resolved.state}"
     )
-    window.part(FilesPart).keeper.forget()  # nobody is there to be asked whether it is to be saved
+    window.feature(FilesFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
     window.close()
     return times
 
@@ -198,10 +198,10 @@ def report(times: Times) -> None:
     """Print the figures."""
     paints = np.array(times.paints)
     gaps = 1e3 * np.diff(paints)
-    obeyed = np.array(times.obeyed)
-    sent = np.array(times.sent[: len(obeyed)])
-    reaction = 1e3 * (obeyed - sent)
-    following = np.searchsorted(paints, obeyed)
+    executed = np.array(times.executed)
+    sent = np.array(times.sent[: len(executed)])
+    reaction = 1e3 * (executed - sent)
+    following = np.searchsorted(paints, executed)
     seen = 1e3 * (paints[following[following < len(paints)]] - sent[following < len(paints)])
     duration = paints[-1] - paints[0]
     say(

@@ -35,16 +35,16 @@ def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbo
     assert session.document.image.name == "u_shape.png"
     assert window.panels["run"].status.state == "Ready"
     values = window.pointer_readout._image.values
-    qtbot.keyClick(window.stage.canvas, Qt.Key.Key_Space)
+    qtbot.keyClick(window.canvas_area.canvas, Qt.Key.Key_Space)
     qtbot.waitUntil(lambda: session.status.phase == "finished", timeout=PATIENCE)
     qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
-    assert window.stage.canvas.layers.contours.counts == (1, 0)
+    assert window.canvas_area.canvas.layers.contours.counts == (1, 0)
     for suffix in (".svg", ".csv", ".png"):
         path = tmp_path / f"u{suffix}"
         monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=path: (str(path), ""))
-        qtbot.keyClick(window.stage.canvas, Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier)
+        qtbot.keyClick(window.canvas_area.canvas, Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier)
         qtbot.waitUntil(path.exists, timeout=PATIENCE)
-        qtbot.waitUntil(lambda path=path: str(path) in window.stage.messages.text, timeout=PATIENCE)
+        qtbot.waitUntil(lambda path=path: str(path) in window.canvas_area.messages.text, timeout=PATIENCE)
     mask = np.asarray(Picture.open(tmp_path / "u.png"))
     assert mask.shape == values.shape
     inside, bright = mask > 0, values > 0.5 * (values.min() + values.max())
@@ -53,7 +53,7 @@ def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbo
 
 
 def test_what_is_seen_changes_as_the_particles_move(window, qtbot) -> None:
-    canvas = window.stage.canvas
+    canvas = window.canvas_area.canvas
     before = canvas.grab().toImage()
     qtbot.keyClick(canvas, Qt.Key.Key_Space)
     qtbot.waitUntil(lambda: window.session.status.phase == "finished", timeout=PATIENCE)
@@ -69,7 +69,7 @@ def test_what_is_seen_changes_as_the_particles_move(window, qtbot) -> None:
 
 
 def test_no_particle_crosses_a_barrier_drawn_by_hand(window, qtbot) -> None:
-    session, canvas = window.session, window.stage.canvas
+    session, canvas = window.session, window.canvas_area.canvas
     rows: list[np.ndarray] = []
     session.snapshot_changed.connect(lambda snapshot: snapshot and rows.append(snapshot.position[:, 0]))
     across = 160.0
@@ -110,6 +110,6 @@ def test_a_named_file_that_is_no_image_is_told_and_the_window_starts_on_the_samp
     window = open_window(str(path))
     qtbot.waitUntil(lambda: window.session.document.image is not None, timeout=PATIENCE)
     assert window.session.document.image.name == "u_shape.png"
-    assert "notes.txt" in window.stage.messages.text
+    assert "notes.txt" in window.canvas_area.messages.text
     window.close()
     window.deleteLater()

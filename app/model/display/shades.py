@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Shades = NDArray[np.uint8]
+DisplayImage = NDArray[np.uint8]
 
 _ROWS = 64
 """Rows that are worked on at once: few enough for the processor's cache, which makes it several times faster."""
@@ -34,12 +34,12 @@ class Window:
     gamma: float = 1.0
 
 
-def of_image(values: Array) -> Shades:
+def of_image(values: Array) -> DisplayImage:
     """Grey values from the least, 0, to the largest, 255."""
     return windowed(values, Window(float(values.min()), float(values.max())))
 
 
-def windowed(values: Array, window: Window) -> Shades:
+def windowed(values: Array, window: Window) -> DisplayImage:
     """Grey values in a window, made from the values themselves: however narrow it is, it holds 256 shades.
 
     Parameters
@@ -91,12 +91,12 @@ def window_without(values: Array, percent: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def of_edge_map(edge_map: Array) -> Shades:
+def of_edge_map(edge_map: Array) -> DisplayImage:
     """Edge strengths from none, 0, to the largest, 255; the square root brings out weak edges, which a user judges."""
     return _bytes(255.0 * np.sqrt(np.clip(edge_map / max(float(edge_map.max()), 1e-300), 0.0, 1.0)))
 
 
-def _bytes(values: Array) -> Shades:
+def _bytes(values: Array) -> DisplayImage:
     return np.rint(values).astype(np.uint8)
 
 
@@ -104,6 +104,6 @@ _OUTLIERS = 0.5
 """Per cent of the pixels at either end that the shades of a potential leave out."""
 
 
-def of_potential(potential: Array) -> Shades:
+def of_potential(potential: Array) -> DisplayImage:
     """Potentials from the lowest, 0, to the highest, 255, but for a few pixels at either end."""
     return windowed(potential, Window(*window_without(potential, _OUTLIERS)))

@@ -60,15 +60,15 @@ class Live:
         self._session = session
         self._busy = busy
         self._late: tuple[object, ...] = ()
-        self._obeyed: Counter[Hashable] = Counter()
+        self._executed: Counter[Hashable] = Counter()
         self._settled: Counter[Hashable] = Counter()
         self._looked_at: tuple[Shape, ...] | None = None
-        self._judged: tuple[tuple[Shape, ...] | None, Counter[Hashable], bool] = (None, self._obeyed, False)
+        self._judged: tuple[tuple[Shape, ...] | None, Counter[Hashable], bool] = (None, self._executed, False)
 
     def begin(self, document: Document) -> None:
         """A run starts from a document."""
         self._late = document.late
-        self._obeyed = self._settled = document.sources
+        self._executed = self._settled = document.sources
         self._looked_at = document.shapes
 
     def outdated(self, document: Document) -> bool:
@@ -76,11 +76,11 @@ class Live:
 
         What has only been added joins the run.
         """
-        advance, obeyed, lost = self._judged
+        advance, executed, lost = self._judged
         # A window asks many times a second, and many thousand points take a while to go through.
-        if advance is not document.shapes or obeyed is not self._obeyed:
-            lost = bool(self._obeyed - document.sources)
-            self._judged = (document.shapes, self._obeyed, lost)
+        if advance is not document.shapes or executed is not self._executed:
+            lost = bool(self._executed - document.sources)
+            self._judged = (document.shapes, self._executed, lost)
         return lost or document.late != self._late
 
     def follow(self, before: Document, after: Document, settled: bool) -> None:
@@ -111,9 +111,9 @@ class Live:
         self._settled = drawn
         if not self._session.status.started or lost.total() == gained.total():
             return  # nothing, or a start that was moved or reshaped
-        new = (drawn - self._obeyed) & gained
+        new = (drawn - self._executed) & gained
         if new:
-            self._obeyed = self._obeyed + new
+            self._executed = self._executed + new
             self._session.post(Join(self._session.generation, _only(document, new)))
 
     def erase(self, path: tuple[Position, ...], radius: float) -> Document:
@@ -123,7 +123,7 @@ class Live:
         """
         session = self._session
         rest = edits.erase(session.document, path, radius)
-        self._obeyed = self._obeyed - (session.document.sources - rest.sources)
+        self._executed = self._executed - (session.document.sources - rest.sources)
         if session.status.started:
             session.post(Erase(session.generation, path, radius))
         return rest

@@ -11,7 +11,7 @@ from cpm_core.contours.review import Position, attached, middle
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Survey:
+class TrackedContours:
     """Contours with what is known about them.
 
     Attributes
@@ -29,14 +29,14 @@ class Survey:
     measures: tuple[Measures, ...]
 
 
-class Surveyor:
+class ContourTracker:
     """Makes surveys one after the other, and recognises contours that it has seen before by where they pass."""
 
     def __init__(self) -> None:
         self._fresh = itertools.count()
         self._seen: list[tuple[int, Position]] = []
 
-    def survey(self, result: Result, thorough: bool) -> Survey:
+    def track(self, result: Result, thorough: bool) -> TrackedContours:
         """Look at the contours of a reconstruction.
 
         Parameters
@@ -55,4 +55,4 @@ class Surveyor:
         }
         keys = tuple(known[index] if index in known else next(self._fresh) for index in range(len(contours)))
         self._seen = list(zip(keys, map(middle, contours), strict=True))
-        return Survey(result, keys, measure(contours, result.spacing, contrast=thorough))
+        return TrackedContours(result, keys, measure(contours, result.spacing, contrast=thorough))

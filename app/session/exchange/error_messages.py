@@ -8,14 +8,14 @@ from pathlib import Path
 log = logging.getLogger(__name__)
 
 
-def sentence(error: Exception, doing: str) -> str:
+def sentence(error: Exception, activity: str) -> str:
     """One sentence that says what went wrong.
 
     Parameters
     ----------
     error : Exception
         `ValueError` and `OSError` speak for themselves; anything else is our mistake and is logged in full.
-    doing : str
+    activity : str
         What was being done, as in ``"opening a.png"``.
     """
     if isinstance(error, ValueError):
@@ -24,8 +24,8 @@ def sentence(error: Exception, doing: str) -> str:
         name = Path(error.filename).name if isinstance(error.filename, str | Path) else ""
         text = f"{name}: {error.strerror}" if name and error.strerror else str(error)
     else:
-        log.error("unexpected trouble while %s", doing, exc_info=error)
-        text = f"Something unexpected happened while {doing}: {error or type(error).__name__}"
+        log.error("unexpected trouble while %s", activity, exc_info=error)
+        text = f"Something unexpected happened while {activity}: {error or type(error).__name__}"
     text = " ".join(text.split())
     if text.partition(" ")[0].isalpha():  # names of files are left as they are
         text = text[:1].upper() + text[1:]

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.display.shades import Shades
-from app.session.exchange.contour_tracking import Survey
+from app.model.display.shades import DisplayImage
+from app.session.exchange.contour_tracking import TrackedContours
 from app.session.timeline.timeline import Outline
 from cpm_core.contours.result import Result
 from cpm_core.formats.sessions.session_file import SessionFile
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Trace:
+class RunMetrics:
     """The run so far, for plots: arrays of equal length, one entry a step.
 
     Attributes
@@ -74,7 +74,7 @@ class Snapshot:
         Particles that hardly move.
     steps_per_second : float
         Measured speed.
-    trace : Trace
+    metrics : RunMetrics
         The run so far.
     timeline : Outline
         The branches of the run and the one that it is on.
@@ -85,7 +85,7 @@ class Snapshot:
     position: Array
     resting: NDArray[np.bool_]
     steps_per_second: float
-    trace: Trace
+    metrics: RunMetrics
     timeline: Outline
 
 
@@ -95,7 +95,7 @@ class Reconstruction:
 
     generation: int
     result: Result
-    survey: Survey
+    tracked: TrackedContours
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -143,7 +143,7 @@ class Opened(Report):
 
     image: Image
     engine: Engine
-    shades: Shades
+    shades: DisplayImage
     path: Path
     parameters: Parameters
     notes: tuple[str, ...]
@@ -160,7 +160,7 @@ class NotOpened(Report):
 
 
 @dataclass(frozen=True, slots=True)
-class Failed(Report):
+class RunFailed(Report):
     """A run could not start or go on."""
 
     generation: int
@@ -191,7 +191,7 @@ class Exported(Report):
 
 
 @dataclass(frozen=True, slots=True)
-class Trouble(Report):
+class CommandFailed(Report):
     """Something asked for did not work and nothing else changed."""
 
     sentence: str

@@ -12,12 +12,12 @@ from app.model.document import marking
 from app.model.document.document import Document
 from app.model.document.marking import Target
 from app.model.text.language import tr
-from app.session.exchange.contour_tracking import Survey
+from app.session.exchange.contour_tracking import TrackedContours
 from app.session.features.truth_comparison import GroundTruth
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Curated, Mark, Neighbourhood, Verdict, anchor, curated
+from cpm_core.contours.review import Mark, Neighbourhood, ReviewedContour, Verdict, anchor, reviewed
 from cpm_core.numerics.polyline import Position
 
 if TYPE_CHECKING:
@@ -34,20 +34,20 @@ class Item:
     ----------
     key : int
         Its own number through all reconstructions.
-    curated : Curated
+    reviewed : ReviewedContour
         The contour and what has been said about it.
     measures : Measures
         What is known about it.
     """
 
     key: int
-    curated: Curated
+    reviewed: ReviewedContour
     measures: Measures
 
     @property
     def contour(self) -> Contour:
         """The contour, with name and colour."""
-        return self.curated.contour
+        return self.reviewed.contour
 
     @property
     def title(self) -> str:
@@ -55,7 +55,7 @@ class Item:
         return self.contour.name or tr("contour {number}").format(number=self.measures.number)
 
 
-class Curation(QObject):
+class ContourReview(QObject):
     """Holds together contours, marks and selection; all that is said about contours goes through it.
 
     Parameters
@@ -91,12 +91,12 @@ class Curation(QObject):
         self.hovered: int | None = None
         self.rejected_seen = True
         self._session = session
-        self._survey: Survey | None = None
+        self._tracked: TrackedContours | None = None
         self._marks: tuple[Mark, ...] = ()
         self._by_key: dict[int, Item] = {}
         self._around: Neighbourhood | None = None
         self.truth = GroundTruth(session, self)
-        session.surveyed.connect(self._use_survey)
+        session.surveyed.connect(self._use_tracked)
         session.document_changed.connect(self._use_document)
         session.image_changed.connect(lambda *_: self.select(()))
 
@@ -111,7 +111,7 @@ class Curation(QObject):
     @property
     def result(self) -> Result | None:
         """The reconstruction, with all that has been found."""
-        return self._survey.result if self._survey else None
+        return self._tracked.result if self._tracked else None
 
     @property
     def chosen(self) -> tuple[Item, ...]:
@@ -123,7 +123,7 @@ class Curation(QObject):
         if self._around is None:
             self._around = Neighbourhood([item.contour for item in self.items])
         near = (self.items[index] for index, _ in self._around.passing(place, reach))
-        return next((item.key for item in near if self.rejected_seen or not item.curated.rejected), None)
+        return next((item.key for item in near if self.rejected_seen or not item.reviewed.rejected), None)
 
     # Selecting
 
@@ -147,7 +147,7 @@ class Curation(QObject):
         chosen = self.chosen
         if not chosen:
             return
-        if all(item.curated.verdict == verdict for item in chosen):
+        if all(item.reviewed.verdict == verdict for item in chosen):
             verdict = ""
         words = {"kept": tr("keep {what}"), "rejected": tr("reject {what}"), "": tr("leave open {what}")}
         self._edit(words[verdict], chosen, lambda document, targets: marking.judge(document, targets, verdict))
@@ -173,13 +173,13 @@ class Curation(QObject):
         self._session.edit(words.format(what=what), lambda document: edit(document, targets))
 
     def _target(self, item: Item) -> Target:
-        assert self._survey is not None
-        mark = item.curated.mark
-        contours = self._survey.result.contours
-        return Target(mark, mark.anchor if mark else anchor(contours, item.curated.index))
+        assert self._tracked is not None
+        mark = item.reviewed.mark
+        contours = self._tracked.result.contours
+        return Target(mark, mark.anchor if mark else anchor(contours, item.reviewed.index))
 
-    def _use_survey(self, survey: Survey | None) -> None:
-        self._survey = survey
+    def _use_tracked(self, tracked: TrackedContours | None) -> None:
+        self._tracked = tracked
         self._attach()
 
     def _use_document(self, document: Document) -> None:
@@ -188,11 +188,11 @@ class Curation(QObject):
             self._attach()
 
     def _attach(self) -> None:
-        survey = self._survey
-        if survey is None:
+        tracked = self._tracked
+        if tracked is None:
             self.items = ()
         else:
-            each = zip(survey.keys, curated(survey.result.contours, self._marks), survey.measures, strict=True)
+            each = zip(tracked.keys, reviewed(tracked.result.contours, self._marks), tracked.measures, strict=True)
             self.items = tuple(Item(*one) for one in each)
         self._around = None
         self._by_key = {item.key: item for item in self.items}

@@ -88,7 +88,7 @@ class Sweep(QObject):
         if image is None:
             return
         self.cancel()
-        truth = self._session.curation.truth
+        truth = self._session.review.truth
         tiles = len(plan.tiles)
         self.task = self._session.tasks.start(
             tr("Running a mosaic of {count} tiles…").format(count=tiles),

@@ -75,8 +75,8 @@ class Skeletons(QObject):
             export(found, path)
             return Exported(path)
 
-        doing = tr("writing {file}").format(file=path.name)
-        self._session.tasks.start(tr("Writing {file}…").format(file=path.name), work, doing, cancellable=False)
+        activity = tr("writing {file}").format(file=path.name)
+        self._session.tasks.start(tr("Writing {file}…").format(file=path.name), work, activity, cancellable=False)
 
     def _ask(self, document: Document) -> None:
         if self._image is None:
@@ -89,10 +89,12 @@ class Skeletons(QObject):
         def work(task: Task) -> Report:
             return SkeletonFound(number, skeleton(image, parameters))
 
-        def refusal(told: str) -> Report:
+        def failure_report(told: str) -> Report:
             return SkeletonFound(number, None, told)
 
-        self._task = self._session.tasks.start(tr("Finding the skeleton…"), work, tr("finding the skeleton"), refusal)
+        self._task = self._session.tasks.start(
+            tr("Finding the skeleton…"), work, tr("finding the skeleton"), failure_report
+        )
 
     def _use_image(self, image: Image, _: object) -> None:
         self._image = image

@@ -7,7 +7,7 @@ from dataclasses import replace
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.text.language import tr
-from app.session.exchange.messages import Report, Snapshot, Trouble
+from app.session.exchange.messages import CommandFailed, Report, Snapshot
 from app.session.session import Session
 from app.session.timeline.branches import Branch
 from app.session.timeline.timeline import Outline
@@ -29,7 +29,7 @@ _STAYING = 250
 NOTHING = Outline()
 
 
-class TimeTravel(QObject):
+class TimelineNavigation(QObject):
     """Goes through the timeline of a session's run.
 
     Parameters
@@ -255,13 +255,13 @@ class TimeTravel(QObject):
             self._compare(self._contours)
 
     def _hear(self, report: Report) -> None:
-        if isinstance(report, Trouble):  # it may have been the way there that was barred
+        if isinstance(report, CommandFailed):  # it may have been the way there that was barred
             self._asked = None
         if isinstance(report, Compared) and report.generation == self._session.generation:
             self.compared.emit(report if report.branch is not None else None)
 
 
-def travel_of(session: Session) -> TimeTravel:
+def navigation_of(session: Session) -> TimelineNavigation:
     """The one way through the timeline of a session, for all parts of its window."""
-    found = session.findChild(TimeTravel)
-    return found if isinstance(found, TimeTravel) else TimeTravel(session)
+    found = session.findChild(TimelineNavigation)
+    return found if isinstance(found, TimelineNavigation) else TimelineNavigation(session)

@@ -18,7 +18,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth, load_truth
 
 if TYPE_CHECKING:
-    from app.session.features.contour_review import Curation
+    from app.session.features.contour_review import ContourReview
     from app.session.session import Session
 
 
@@ -46,7 +46,7 @@ class GroundTruth(QObject):
     ----------
     session : Session
         Whose image it belongs to.
-    curation : Curation
+    review : ContourReview
         Where contours come from; those rejected are not compared.
     """
 
@@ -55,20 +55,20 @@ class GroundTruth(QObject):
     compared = Signal()
     """The contours have been compared, or there is nothing to be compared any more."""
 
-    def __init__(self, session: Session, curation: Curation) -> None:
-        super().__init__(curation)
+    def __init__(self, session: Session, review: ContourReview) -> None:
+        super().__init__(review)
         self.truth: Truth | None = None
         self.verified: Verified | None = None
         self.tolerance = TOLERANCE
         self.holes = True
         self._path: Path | None = None
         self._session = session
-        self._curation = curation
+        self._review = review
         self._latest = Latest("cpm-comparison", self)
         self._latest.done.connect(self._take)
         session.reported.connect(self._hear)
         session.image_changed.connect(lambda *_: self.forget())
-        curation.changed.connect(self._compare)
+        review.changed.connect(self._compare)
 
     @property
     def idle(self) -> bool:
@@ -126,14 +126,14 @@ class GroundTruth(QObject):
             self._compare()
 
     def _compare(self) -> None:
-        truth, result, tolerance, holes = self.truth, self._curation.result, self.tolerance, self.holes
+        truth, result, tolerance, holes = self.truth, self._review.result, self.tolerance, self.holes
         if truth is None:
             return
         if result is None:
             self._latest.forget()
             self._show(None)
             return
-        contours = [item.contour for item in self._curation.items if not item.curated.rejected]
+        contours = [item.contour for item in self._review.items if not item.reviewed.rejected]
 
         def work() -> Verified:
             comparison = compare(contours, truth, tolerance, holes=holes)
@@ -142,7 +142,7 @@ class GroundTruth(QObject):
         self._latest.ask(work)
 
     def _take(self, verified: Verified) -> None:
-        if verified.truth is self.truth and self._curation.result is not None:
+        if verified.truth is self.truth and self._review.result is not None:
             self._show(verified)
 
     def _show(self, verified: Verified | None) -> None:

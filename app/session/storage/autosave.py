@@ -11,7 +11,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer
 
-from app.session.storage.session_file import Keeper
+from app.session.storage.session_file import DocumentFile
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 
 KEY = "journal"
@@ -36,15 +36,15 @@ class Journal(QObject):
 
     Parameters
     ----------
-    keeper : Keeper
+    document_file : DocumentFile
         Whose document is kept.
     folder : Path
         Where to; made when it is needed.
     """
 
-    def __init__(self, keeper: Keeper, folder: Path) -> None:
-        super().__init__(keeper)
-        self._keeper = keeper
+    def __init__(self, document_file: DocumentFile, folder: Path) -> None:
+        super().__init__(document_file)
+        self._document_file = document_file
         self.path = folder / f"{uuid.uuid4().hex}{SUFFIX}"
         self._lock = lock_of(self.path)
         self._writer: ThreadPoolExecutor | None = None
@@ -54,17 +54,17 @@ class Journal(QObject):
         self._timer.setSingleShot(True)
         self._timer.setInterval(EVERY)
         self._timer.timeout.connect(self.write)
-        keeper.edited.connect(self._plan)
-        keeper.changed.connect(self._plan)
+        document_file.edited.connect(self._plan)
+        document_file.changed.connect(self._plan)
 
     def write(self) -> None:
         """Write what there is now, without waiting for it; nothing is kept of what is saved."""
         self._timer.stop()
-        if not self._keeper.unsaved:
+        if not self._document_file.unsaved:
             self._submit(None)
             return
-        kept, path = self._keeper.file, self._keeper.path
-        named = {"session": str(path.absolute()) if path else "", "name": self._keeper.name}
+        kept, path = self._document_file.file, self._document_file.path
+        named = {"session": str(path.absolute()) if path else "", "name": self._document_file.name}
         self._submit(replace(kept, extra={**kept.extra, KEY: named}))
 
     def flush(self) -> None:
@@ -83,7 +83,7 @@ class Journal(QObject):
             self._lock.unlock()
 
     def _plan(self) -> None:
-        if not (self._closed or self._timer.isActive()) and (self._keeper.unsaved or self._writer is not None):
+        if not (self._closed or self._timer.isActive()) and (self._document_file.unsaved or self._writer is not None):
             self._timer.start()
 
     def _submit(self, file: SessionFile | None) -> None:

@@ -26,7 +26,7 @@ class Written(Report):
     document: Document
 
 
-class Keeper(QObject):
+class DocumentFile(QObject):
     """Knows the session file of what is open.
 
     Parameters

@@ -15,7 +15,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.state.time_left import seconds_left
 from app.session.exchange.error_messages import sentence
-from app.session.exchange.messages import Report, Trouble
+from app.session.exchange.messages import CommandFailed, Report
 
 _TOLD_EVERY = 0.1
 """Time between two looks at how far a task is [s]."""
@@ -155,8 +155,8 @@ class Tasks(QObject):
         self,
         name: str,
         work: Callable[[Task], Report | None],
-        doing: str,
-        refusal: Callable[[str], Report] = Trouble,
+        activity: str,
+        failure_report: Callable[[str], Report] = CommandFailed,
         cancellable: bool = True,
     ) -> Task:
         """Do long work on a thread of its own.
@@ -167,9 +167,9 @@ class Tasks(QObject):
             What is being done, for people.
         work : callable
             Given the task; what it returns is reported, unless the task has been given up meanwhile.
-        doing : str
+        activity : str
             The same as it stands after "while" in a sentence on trouble.
-        refusal : callable
+        failure_report : callable
             From a sentence on what went wrong to what is reported then.
         cancellable : bool
             Whether it can be given up.
@@ -182,7 +182,7 @@ class Tasks(QObject):
             except Cancelled:
                 report = None
             except Exception as error:  # the thread's outermost frame: whatever happens is told
-                report = refusal(sentence(error, doing))
+                report = failure_report(sentence(error, activity))
             if report is not None and not task.cancelled:
                 self._report(report)
             task.end()

@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 from app.model.text.language import tr
 
-Deed = TypeVar("Deed")
+RunAction = TypeVar("RunAction")
 """What leads from one state to the next; deeds that are equal lead from the same state to the same one."""
 
 
@@ -38,7 +38,7 @@ class Branch:
 
 
 @dataclass(eq=False, slots=True)
-class Line(Generic[Deed]):
+class BranchNode(Generic[RunAction]):
     """What is recorded of a branch: the deeds of its steps from the first on.
 
     Each step has the deed that it was taken with and those by which its state was changed afterwards; of the first
@@ -49,24 +49,24 @@ class Line(Generic[Deed]):
     name: str
     parent: int | None
     first: int
-    deeds: list[tuple[Deed, ...]]
+    actions: list[tuple[RunAction, ...]]
     scales: list[tuple[int, int]] = field(default_factory=list)
 
     @property
     def last(self) -> int:
         """The last step recorded."""
-        return self.first + len(self.deeds) - 1
+        return self.first + len(self.actions) - 1
 
     def outline(self) -> Branch:
         """What is told of it."""
         return Branch(self.identity, self.name, self.parent, self.first, self.last, tuple(self.scales))
 
 
-class Lineage(Generic[Deed]):
+class Lineage(Generic[RunAction]):
     """Branches by number, each of which but the first leaves another one at some step."""
 
     def __init__(self) -> None:
-        self._lines: dict[int, Line[Deed]] = {}
+        self._lines: dict[int, BranchNode[RunAction]] = {}
         self._numbered = 0
         self._outline: tuple[Branch, ...] | None = None
 
@@ -77,13 +77,13 @@ class Lineage(Generic[Deed]):
     def outline(self) -> tuple[Branch, ...]:
         """All branches as they are told of; the same tuple until something is touched."""
         if self._outline is None:
-            self._outline = tuple(line.outline() for line in self._lines.values())
+            self._outline = tuple(node.outline() for node in self._lines.values())
         return self._outline
 
     @property
-    def root(self) -> Line[Deed]:
+    def root(self) -> BranchNode[RunAction]:
         """The branch that begins with the run."""
-        return next(line for line in self._lines.values() if line.parent is None)
+        return next(node for node in self._lines.values() if node.parent is None)
 
     def touch(self) -> None:
         """Something is to be told anew."""
@@ -95,59 +95,61 @@ class Lineage(Generic[Deed]):
         self._numbered = 0
         self.touch()
 
-    def known(self, branch: int) -> Line[Deed]:
+    def known(self, branch: int) -> BranchNode[RunAction]:
         """A branch by its number; ValueError where there is none."""
         if branch not in self._lines:
             raise ValueError(tr("There is no branch {number} (any more).").format(number=branch))
         return self._lines[branch]
 
-    def parent(self, line: Line[Deed]) -> Line[Deed]:
+    def parent(self, node: BranchNode[RunAction]) -> BranchNode[RunAction]:
         """The branch that one leaves, which is not the first."""
-        assert line.parent is not None
-        return self._lines[line.parent]
+        assert node.parent is not None
+        return self._lines[node.parent]
 
-    def open(self, parent: Line[Deed] | None, first: int, changes: tuple[Deed, ...]) -> Line[Deed]:
+    def open(
+        self, parent: BranchNode[RunAction] | None, first: int, changes: tuple[RunAction, ...]
+    ) -> BranchNode[RunAction]:
         """Begin a branch with a step of another one, and with what is changed there."""
         self._numbered += 1
         name = tr("Branch {number}").format(number=self._numbered)
-        line = Line(self._numbered, name, None if parent is None else parent.identity, first, [changes])
-        self._lines[line.identity] = line
+        node = BranchNode(self._numbered, name, None if parent is None else parent.identity, first, [changes])
+        self._lines[node.identity] = node
         self.touch()
-        return line
+        return node
 
-    def remove(self, line: Line[Deed]) -> None:
+    def remove(self, node: BranchNode[RunAction]) -> None:
         """Forget a branch from which no other comes any more."""
-        del self._lines[line.identity]
+        del self._lines[node.identity]
         self.touch()
 
-    def owner(self, line: Line[Deed], step: int) -> Line[Deed]:
+    def owner(self, node: BranchNode[RunAction], step: int) -> BranchNode[RunAction]:
         """The branch that a step of a branch is recorded in: itself, or one that it comes from."""
-        while line.parent is not None and (step < line.first or (step == line.first and not line.deeds[0])):
-            line = self._lines[line.parent]
-        return line
+        while node.parent is not None and (step < node.first or (step == node.first and not node.actions[0])):
+            node = self._lines[node.parent]
+        return node
 
-    def forks(self, line: Line[Deed], step: int) -> bool:
+    def forks(self, node: BranchNode[RunAction], step: int) -> bool:
         """Whether another branch leaves one with this step."""
-        return any(other.parent == line.identity and other.first == step for other in self._lines.values())
+        return any(other.parent == node.identity and other.first == step for other in self._lines.values())
 
-    def repeated(self, here: Line[Deed], step: int, deed: Deed) -> Line[Deed] | None:
+    def repeated(self, here: BranchNode[RunAction], step: int, action: RunAction) -> BranchNode[RunAction] | None:
         """The branch, the one given before others, that has already gone on from its step by this deed."""
         if step == here.last and len(self._lines) == 1:
             return None
         owner = self.owner(here, step)
-        for line in (here, *self._lines.values()):
-            own = line.first <= step < line.last
-            if own and line.deeds[step + 1 - line.first] == (deed,) and self.owner(line, step) is owner:
-                return line
+        for node in (here, *self._lines.values()):
+            own = node.first <= step < node.last
+            if own and node.actions[step + 1 - node.first] == (action,) and self.owner(node, step) is owner:
+                return node
         return None
 
-    def mark(self, line: Line[Deed], step: int, scale: int) -> None:
+    def mark(self, node: BranchNode[RunAction], step: int, scale: int) -> None:
         """Tell the scale of a step just recorded; where it is another one than before, it is remembered."""
-        if (line.parent is None and not line.scales) or scale != self._scale(line, step):
-            line.scales.append((step, scale))
+        if (node.parent is None and not node.scales) or scale != self._scale(node, step):
+            node.scales.append((step, scale))
             self.touch()
 
-    def heir(self, line: Line[Deed]) -> Line[Deed] | None:
+    def descendant(self, node: BranchNode[RunAction]) -> BranchNode[RunAction] | None:
         """Who would take the beginning of a branch over: of those that leave it last, one that changed nothing there.
 
         Raises
@@ -155,28 +157,32 @@ class Lineage(Generic[Deed]):
         ValueError
             When there are several, all of which have changed something.
         """
-        children = [other for other in self._lines.values() if other.parent == line.identity]
-        heir = max(children, key=lambda child: (child.first, not child.deeds[0]), default=None)
-        if heir is not None and heir.deeds[0] and sum(child.first == heir.first for child in children) > 1:
+        children = [other for other in self._lines.values() if other.parent == node.identity]
+        descendant = max(children, key=lambda child: (child.first, not child.actions[0]), default=None)
+        if (
+            descendant is not None
+            and descendant.actions[0]
+            and sum(child.first == descendant.first for child in children) > 1
+        ):
             told = tr("{name} cannot be deleted: several branches begin with its step {step}.")
-            raise ValueError(told.format(name=line.name, step=heir.first))
-        return heir
+            raise ValueError(told.format(name=node.name, step=descendant.first))
+        return descendant
 
-    def bequeath(self, line: Line[Deed], heir: Line[Deed]) -> None:
+    def hand_over(self, node: BranchNode[RunAction], descendant: BranchNode[RunAction]) -> None:
         """Let the heir of a branch have all that both have in common, and be what others come from."""
-        fork = heir.first
-        common = line.deeds[: fork - line.first + 1]
-        heir.deeds = [*common[:-1], (*common[-1], *heir.deeds[0]), *heir.deeds[1:]]
-        heir.scales = [mark for mark in line.scales if mark[0] <= fork] + heir.scales
-        heir.first, heir.parent = line.first, line.parent
+        fork = descendant.first
+        common = node.actions[: fork - node.first + 1]
+        descendant.actions = [*common[:-1], (*common[-1], *descendant.actions[0]), *descendant.actions[1:]]
+        descendant.scales = [mark for mark in node.scales if mark[0] <= fork] + descendant.scales
+        descendant.first, descendant.parent = node.first, node.parent
         for other in self._lines.values():
-            if other.parent == line.identity:
-                other.parent = heir.identity
+            if other.parent == node.identity:
+                other.parent = descendant.identity
         self.touch()
 
-    def _scale(self, line: Line[Deed], step: int) -> int:
+    def _scale(self, node: BranchNode[RunAction], step: int) -> int:
         """Scale that a branch is at with a step, as far as it is known."""
-        for begun, scale in reversed(line.scales):
+        for begun, scale in reversed(node.scales):
             if begun <= step:
                 return scale
-        return self._scale(self.parent(line), min(step, line.first))
+        return self._scale(self.parent(node), min(step, node.first))

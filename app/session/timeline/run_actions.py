@@ -16,14 +16,14 @@ from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
 
 
-class Deed(Protocol):
+class RunAction(Protocol):
     """Something done to a state; deeds that are equal lead from the same state to the same one."""
 
     @property
     def regions(self) -> Regions | None:
         """Regions of the engine by which it was done."""
 
-    def again(self, engine: Engine, state: State) -> State:
+    def apply(self, engine: Engine, state: State) -> State:
         """Do it to a state, by an engine with these regions."""
 
 
@@ -35,7 +35,7 @@ class Stepped:
     charges: tuple[PlacedCharge, ...] = ()
     regions: Regions | None = None
 
-    def again(self, engine: Engine, state: State) -> State:
+    def apply(self, engine: Engine, state: State) -> State:
         """Take the step."""
         state = state.resumed() if state.stop_reason else state
         return engine.step(state, self.parameters, self.charges)
@@ -48,7 +48,7 @@ class Joined:
     seeds: bytes
     regions: Regions | None = None
 
-    def again(self, engine: Engine, state: State) -> State:
+    def apply(self, engine: Engine, state: State) -> State:
         """Put them in."""
         return engine.joined(state, np.frombuffer(self.seeds).reshape(-1, 2))
 
@@ -61,6 +61,6 @@ class Erased:
     radius: float
     regions: Regions | None = None
 
-    def again(self, engine: Engine, state: State) -> State:
+    def apply(self, engine: Engine, state: State) -> State:
         """Take them out."""
         return engine.erased(state, lambda places: polyline.distances(self.path, places) <= self.radius)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Generic
 
 from app.model.text.language import tr
-from app.session.timeline.branches import Branch, Deed, Line, Lineage
+from app.session.timeline.branches import Branch, BranchNode, Lineage, RunAction
 from app.session.timeline.state_cache import KeptStates, Place
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
@@ -44,7 +44,7 @@ class Outline:
     parameters: Parameters | None = None
 
 
-class Timeline(Generic[Deed]):
+class Timeline(Generic[RunAction]):
     """The steps of a run and its branches, and the place among them where the run stands.
 
     Parameters
@@ -55,11 +55,11 @@ class Timeline(Generic[Deed]):
         Most bytes that states may take; the first of the run and the one where it stands are kept in any case.
     """
 
-    def __init__(self, again: Callable[[State, Deed], State], budget: int) -> None:
-        self._again = again
+    def __init__(self, again: Callable[[State, RunAction], State], budget: int) -> None:
+        self._apply = again
         self._kept = KeptStates(budget)
-        self._lines: Lineage[Deed] = Lineage()
-        self._line: Line[Deed] | None = None
+        self._tree: Lineage[RunAction] = Lineage()
+        self._node: BranchNode[RunAction] | None = None
         self._step = 0
 
     # Looking
@@ -89,20 +89,20 @@ class Timeline(Generic[Deed]):
 
         In between, the branch where the run stands may have gone further than its `last` says.
         """
-        return self._lines.outline
+        return self._tree.outline
 
     @property
     def here(self) -> tuple[int, int] | None:
         """Branch and step where the run stands; None before it has begun."""
-        return None if self._line is None else (self._line.identity, self._step)
+        return None if self._node is None else (self._node.identity, self._step)
 
     @property
-    def deeds(self) -> tuple[Deed, ...]:
+    def actions(self) -> tuple[RunAction, ...]:
         """What the step where the run stands was taken by, and what its state has been changed by since."""
-        if self._line is None:
+        if self._node is None:
             return ()
-        owner = self._lines.owner(self._line, self._step)
-        return owner.deeds[self._step - owner.first]
+        owner = self._tree.owner(self._node, self._step)
+        return owner.actions[self._step - owner.first]
 
     def reach(self, branch: int) -> int:
         """The last step of a branch.
@@ -112,30 +112,30 @@ class Timeline(Generic[Deed]):
         ValueError
             When there is no such branch.
         """
-        return self._lines.known(branch).last
+        return self._tree.known(branch).last
 
-    def follows(self, deed: Deed) -> bool:
+    def follows(self, action: RunAction) -> bool:
         """Whether taking this step from here would only repeat what is recorded."""
-        return self._lines.repeated(self._here(), self._step, deed) is not None
+        return self._tree.repeated(self._here(), self._step, action) is not None
 
     # Recording
 
     def clear(self) -> None:
         """Forget everything."""
-        self._lines.clear()
+        self._tree.clear()
         self._kept.clear()
-        self._line, self._step = None, 0
+        self._node, self._step = None, 0
 
     def begin(self, state: State) -> None:
         """Forget everything and begin with the first state of a run."""
         self.clear()
-        line = self._lines.open(None, state.step, ())
-        self._lines.mark(line, state.step, state.scale)
-        self._stand(line, state.step)
-        self._kept.fix("first", (line.identity, state.step))
-        self._kept.put((line.identity, state.step), state)
+        node = self._tree.open(None, state.step, ())
+        self._tree.mark(node, state.step, state.scale)
+        self._stand(node, state.step)
+        self._kept.fix("first", (node.identity, state.step))
+        self._kept.put((node.identity, state.step), state)
 
-    def record(self, deed: Deed, state: State) -> None:
+    def record(self, action: RunAction, state: State) -> None:
         """Add the step that a deed has led to from where the run stands.
 
         Where it differs from what was recorded a new branch begins; where it does not the run goes on along the branch.
@@ -145,32 +145,32 @@ class Timeline(Generic[Deed]):
         ValueError
             When the state is not that of the next step.
         """
-        line = self._here()
+        node = self._here()
         if state.step != self._step + 1:
             raise ValueError(f"step {state.step} does not follow step {self._step}.")
-        repeated = self._lines.repeated(line, self._step, deed)
+        repeated = self._tree.repeated(node, self._step, action)
         if repeated is not None:
-            line = repeated
+            node = repeated
         else:
-            if self._step < line.last:
-                line = self._lines.open(self._lines.owner(line, self._step), self._step, ())
-            line.deeds.append((deed,))
-            self._lines.mark(line, state.step, state.scale)
-        self._stand(line, state.step)
-        self._kept.put((line.identity, state.step), state)
+            if self._step < node.last:
+                node = self._tree.open(self._tree.owner(node, self._step), self._step, ())
+            node.actions.append((action,))
+            self._tree.mark(node, state.step, state.scale)
+        self._stand(node, state.step)
+        self._kept.put((node.identity, state.step), state)
 
-    def amend(self, deed: Deed, state: State) -> None:
+    def amend(self, action: RunAction, state: State) -> None:
         """Change the state where the run stands, without a step.
 
         What other steps have followed from stays as it is: the change then begins a new branch.
         """
-        line, step = self._here(), self._step
-        if step < line.last or self._lines.forks(line, step):
-            line = self._lines.open(self._lines.owner(line, step), step, (deed,))
+        node, step = self._here(), self._step
+        if step < node.last or self._tree.forks(node, step):
+            node = self._tree.open(self._tree.owner(node, step), step, (action,))
         else:
-            line.deeds[-1] = (*line.deeds[-1], deed)
-        self._stand(line, step)
-        self._kept.put(self._place(line, step), state)
+            node.actions[-1] = (*node.actions[-1], action)
+        self._stand(node, step)
+        self._kept.put(self._place(node, step), state)
 
     # Going
 
@@ -194,26 +194,26 @@ class Timeline(Generic[Deed]):
         ValueError
             When there is no such branch.
         """
-        line = self._lines.known(branch)
-        step = min(max(step, self._lines.root.first), line.last)
-        state = self._recover(line, step, wanted)
+        node = self._tree.known(branch)
+        step = min(max(step, self._tree.root.first), node.last)
+        state = self._recover(node, step, wanted)
         if state is not None:
-            self._lines.touch()
-            self._stand(line, step)
-            self._kept.put(self._place(line, step), state)
+            self._tree.touch()
+            self._stand(node, step)
+            self._kept.put(self._place(node, step), state)
         return state
 
     def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> State | None:
         """Give the state of another step as `go` does, without going there."""
-        line = self._lines.known(branch)
-        return self._recover(line, min(max(step, self._lines.root.first), line.last), wanted)
+        node = self._tree.known(branch)
+        return self._recover(node, min(max(step, self._tree.root.first), node.last), wanted)
 
     def rename(self, branch: int, name: str) -> None:
         """Give a branch another name; an empty one changes nothing."""
-        line = self._lines.known(branch)
+        node = self._tree.known(branch)
         if name.strip():
-            line.name = name.strip()
-            self._lines.touch()
+            node.name = name.strip()
+            self._tree.touch()
 
     def drop(self, branch: int) -> None:
         """Forget a branch; what others have in common with it stays with them.
@@ -226,67 +226,67 @@ class Timeline(Generic[Deed]):
         ValueError
             When there is no such branch, or no other one.
         """
-        line = self._lines.known(branch)
-        if len(self._lines) == 1:
+        node = self._tree.known(branch)
+        if len(self._tree) == 1:
             raise ValueError(tr("The only branch cannot be deleted: reset the run instead."))
-        heir = self._lines.heir(line)
-        if heir is not None:
-            self._inherit(line, heir)
+        descendant = self._tree.descendant(node)
+        if descendant is not None:
+            self._inherit(node, descendant)
         else:
-            parent = self._lines.parent(line)
-            self._kept.hand_over(line.identity, parent.identity, line.first - 1)
-            if self._line is line:
-                self._return_to(self._lines.owner(parent, line.first), line.first)
-        self._lines.remove(line)
+            parent = self._tree.parent(node)
+            self._kept.hand_over(node.identity, parent.identity, node.first - 1)
+            if self._node is node:
+                self._return_to(self._tree.owner(parent, node.first), node.first)
+        self._tree.remove(node)
 
     # Inside
 
-    def _here(self) -> Line[Deed]:
-        if self._line is None:
+    def _here(self) -> BranchNode[RunAction]:
+        if self._node is None:
             raise ValueError("the timeline has not begun.")
-        return self._line
+        return self._node
 
-    def _stand(self, line: Line[Deed], step: int) -> None:
-        if line is not self._line:
-            self._lines.touch()
-        self._line, self._step = line, step
-        self._kept.fix("here", self._place(line, step))
+    def _stand(self, node: BranchNode[RunAction], step: int) -> None:
+        if node is not self._node:
+            self._tree.touch()
+        self._node, self._step = node, step
+        self._kept.fix("here", self._place(node, step))
 
-    def _place(self, line: Line[Deed], step: int) -> Place:
-        return (self._lines.owner(line, step).identity, step)
+    def _place(self, node: BranchNode[RunAction], step: int) -> Place:
+        return (self._tree.owner(node, step).identity, step)
 
-    def _recover(self, line: Line[Deed], step: int, wanted: Callable[[], bool]) -> State | None:
-        owner = self._lines.owner(line, step)
-        missing: list[tuple[Line[Deed], int]] = []
+    def _recover(self, node: BranchNode[RunAction], step: int, wanted: Callable[[], bool]) -> State | None:
+        owner = self._tree.owner(node, step)
+        missing: list[tuple[BranchNode[RunAction], int]] = []
         while (nearest := self._kept.get((owner.identity, step))) is None:
             missing.append((owner, step))
             if step > owner.first:
-                owner = self._lines.owner(owner, step - 1)
+                owner = self._tree.owner(owner, step - 1)
                 step -= 1
             else:
-                owner = self._lines.owner(self._lines.parent(owner), step)
+                owner = self._tree.owner(self._tree.parent(owner), step)
         state = nearest
         for its, at in reversed(missing):
             if not wanted():
                 return None
-            for deed in its.deeds[at - its.first]:
-                state = self._again(state, deed)
+            for action in its.actions[at - its.first]:
+                state = self._apply(state, action)
             self._kept.put((its.identity, at), state)
         return state
 
-    def _inherit(self, line: Line[Deed], heir: Line[Deed]) -> None:
+    def _inherit(self, node: BranchNode[RunAction], descendant: BranchNode[RunAction]) -> None:
         """Let a branch that leaves another one take its beginning over."""
-        fork, step = heir.first, self._step
-        forking = self._recover(heir, fork, lambda: True)
+        fork, step = descendant.first, self._step
+        forking = self._recover(descendant, fork, lambda: True)
         assert forking is not None
-        self._lines.bequeath(line, heir)
-        self._kept.hand_over(line.identity, heir.identity, fork - 1)
-        self._kept.put((heir.identity, fork), forking)
-        if self._line is line:
-            self._return_to(heir, min(step, fork))
+        self._tree.hand_over(node, descendant)
+        self._kept.hand_over(node.identity, descendant.identity, fork - 1)
+        self._kept.put((descendant.identity, fork), forking)
+        if self._node is node:
+            self._return_to(descendant, min(step, fork))
 
-    def _return_to(self, line: Line[Deed], step: int) -> None:
-        state = self._recover(line, step, lambda: True)
+    def _return_to(self, node: BranchNode[RunAction], step: int) -> None:
+        state = self._recover(node, step, lambda: True)
         assert state is not None
-        self._stand(line, step)
-        self._kept.put(self._place(line, step), state)
+        self._stand(node, step)
+        self._kept.put(self._place(node, step), state)

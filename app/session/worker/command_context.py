@@ -11,7 +11,7 @@ from app.session.worker.run import Run
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Workshop:
+class CommandContext:
     """The worker thread's own things; nobody else touches them.
 
     Attributes

@@ -13,7 +13,7 @@ _AT_ONCE = 1 << 20
 """Pixels up to which the potential, which has to be made once for each field, is ready within a blink."""
 
 
-class Gauge:
+class PotentialEnergySampler:
     """Tells the potential energy of states of a run."""
 
     def __init__(self) -> None:

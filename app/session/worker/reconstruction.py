@@ -6,7 +6,7 @@ import threading
 import time
 from dataclasses import dataclass, replace
 
-from app.session.exchange.contour_tracking import Surveyor
+from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction
@@ -35,7 +35,7 @@ class Reconstructor:
     def __init__(self) -> None:
         self.results: Mailbox[Reconstruction] = Mailbox()
         self._changed = threading.Condition()
-        self._surveyor = Surveyor()
+        self._tracker = ContourTracker()
         self._request: Request | None = None
         self._working = False
         self._quit = False
@@ -91,8 +91,8 @@ class Reconstructor:
             result = request.engine.result(request.state, request.parameters)
             if request.state.step == 0:  # gone back to the drawing, of which nothing has been found
                 result = replace(result, contours=(), bridges=())
-            survey = self._surveyor.survey(result, thorough=request.last)
+            tracked = self._tracker.track(result, thorough=request.last)
         except Exception as error:  # the thread's outermost frame: whatever happens must not end it
             sentence(error, "reconstructing contours")
             return
-        self.results.put(Reconstruction(request.generation, result, survey))
+        self.results.put(Reconstruction(request.generation, result, tracked))

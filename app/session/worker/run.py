@@ -10,12 +10,12 @@ from app.model.document.document import Document
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays, Snapshot
 from app.session.exchange.pacing import Pacer
-from app.session.timeline.run_actions import Deed, Erased, Joined, Stepped
+from app.session.timeline.run_actions import Erased, Joined, RunAction, Stepped
 from app.session.worker.overlays import OVERLAYS
-from app.session.worker.potential_energy import Gauge
+from app.session.worker.potential_energy import PotentialEnergySampler
 from app.session.worker.reconstruction import Reconstructor, Request
-from app.session.worker.recorded_run import Chronicle
-from app.session.worker.run_record import Recorder
+from app.session.worker.recorded_run import RecordedRun
+from app.session.worker.run_record import RunRecord
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
@@ -51,8 +51,8 @@ class Run:
         reconstructor: Reconstructor,
     ) -> None:
         self.pacer = Pacer()
-        self.chronicle = Chronicle()
-        self.gauge = Gauge()
+        self.recorded = RecordedRun()
+        self.energy_sampler = PotentialEnergySampler()
         self.generation = 0
         self.image_generation = 0
         self._build = build
@@ -64,7 +64,7 @@ class Run:
         self._seed_cache: SeedCache | None = None
         self._state: State | None = None
         self._parameters = Parameters()
-        self._recorder = Recorder()
+        self._record = RunRecord()
         self._remaining = 0.0
         self._wanted: frozenset[str] = frozenset()
         self._shown: tuple[object, ...] = ()
@@ -110,7 +110,7 @@ class Run:
             self._engine = self._engine.with_regions(document.regions)
         self._refresh_overlays()
         self._state = self._engine.start(seeds)
-        self.chronicle.begin(self._engine, self._state, self._recorder)
+        self.recorded.begin(self._engine, self._state, self._record)
         self._send()
 
     def seeds_for(self, document: Document) -> ImageSeeds:
@@ -137,8 +137,8 @@ class Run:
         self.generation = generation
         self._remaining = 0.0
         self._state = None
-        self._recorder = Recorder()
-        self.chronicle.clear()
+        self._record = RunRecord()
+        self.recorded.clear()
         self._reconstructor.forget()
 
     def set_parameters(self, parameters: Parameters) -> None:
@@ -177,11 +177,11 @@ class Run:
             if self._state.stop_reason:
                 self._remaining = 0.0
 
-    def _do(self, deed: Deed) -> None:
+    def _do(self, action: RunAction) -> None:
         """Change the particles where the run stands."""
         if self._engine is not None and self._state is not None:
-            self._state = deed.again(self._engine, self._state)
-            self.chronicle.amend(deed, self._state, self._recorder)
+            self._state = action.apply(self._engine, self._state)
+            self.recorded.amend(action, self._state, self._record)
             self._send()
 
     def set_overlays(self, names: frozenset[str]) -> None:
@@ -197,23 +197,23 @@ class Run:
         self._state = self._engine.step(self._state, self._parameters, self._charges)
         self._remaining = 0.0 if self._state.stop_reason else self._remaining - 1
         self.pacer.stepped()
-        self._recorder.record(self._state, self.gauge.potential(self._engine, self._state, self._parameters))
-        deed = Stepped(self._parameters, self._charges, self._engine.regions)
-        self.chronicle.record(deed, self._state, self._recorder)
+        self._record.record(self._state, self.energy_sampler.potential(self._engine, self._state, self._parameters))
+        action = Stepped(self._parameters, self._charges, self._engine.regions)
+        self.recorded.record(action, self._state, self._record)
         self._send()
 
     def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
         """Hold, and stand at another step of the timeline; nothing but that changes when it is no longer wanted."""
         self._remaining = 0.0
-        there = self.chronicle.go(branch, step, wanted)
+        there = self.recorded.go(branch, step, wanted)
         if there is not None:
-            self._state, self._recorder = there
+            self._state, self._record = there
             self._send(looking_back=True)
 
     def drop_branch(self, branch: int) -> None:
         """Forget a branch of the timeline; whoever stood on it stands where it began."""
         before = self._state
-        self._state, self._recorder = self.chronicle.drop(branch)
+        self._state, self._record = self.recorded.drop(branch)
         if self._state is not before:
             self._remaining = 0.0
         self._send(looking_back=True)
@@ -236,7 +236,7 @@ class Run:
 
     def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
         """Another moment of the run as it would be shown, without going there; None when no longer wanted."""
-        found = self.chronicle.moment(branch, step, wanted)
+        found = self.recorded.moment(branch, step, wanted)
         return None if found is None else self._snapshot(*found)
 
     def _go_on(self) -> bool:
@@ -254,10 +254,10 @@ class Run:
 
     def _send(self, looking_back: bool = False) -> None:
         if self._state is not None:
-            self._snapshots.put(self._snapshot(self._state, self._recorder))
+            self._snapshots.put(self._snapshot(self._state, self._record))
             self._reconstruct(looking_back)
 
-    def _snapshot(self, state: State, recorder: Recorder) -> Snapshot:
+    def _snapshot(self, state: State, record: RunRecord) -> Snapshot:
         speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
         return Snapshot(
             generation=self.generation,
@@ -265,8 +265,8 @@ class Run:
             position=state.position,
             resting=speed < RESTING_SPEED,
             steps_per_second=self.pacer.per_second,
-            trace=recorder.trace(),
-            timeline=self.chronicle.outline,
+            metrics=record.metrics(),
+            timeline=self.recorded.outline,
         )
 
     def _reconstruct(self, looking_back: bool = False) -> None:

@@ -6,19 +6,19 @@ from dataclasses import fields
 
 import numpy as np
 
-from app.session.exchange.messages import Array, Trace
+from app.session.exchange.messages import Array, RunMetrics
 from cpm_core.dynamics.energies import kinetic_energy
 from cpm_core.particles.state import State
 
 _FIRST_CAPACITY = 1024
-_POTENTIAL = [field.name for field in fields(Trace)].index("potential")
+_POTENTIAL = [field.name for field in fields(RunMetrics)].index("potential")
 
 
-class Recorder:
+class RunRecord:
     """Grows by one entry a step; what it has given out is never written again."""
 
     def __init__(self) -> None:
-        self._rows: Array = np.empty((len(fields(Trace)), _FIRST_CAPACITY))
+        self._rows: Array = np.empty((len(fields(RunMetrics)), _FIRST_CAPACITY))
         self._length = 0
 
     def record(self, state: State, potential: float | None = None) -> None:
@@ -43,15 +43,15 @@ class Recorder:
     def __len__(self) -> int:
         return self._length
 
-    def until(self, length: int) -> Recorder:
+    def until(self, length: int) -> RunRecord:
         """Another record that begins with the first so many entries of this one."""
-        other = Recorder()
+        other = RunRecord()
         other._length = min(length, self._length)
         room = max(2 * other._length, _FIRST_CAPACITY)
         other._rows = np.empty((len(self._rows), room))
         other._rows[:, : other._length] = self._rows[:, : other._length]
         return other
 
-    def trace(self) -> Trace:
+    def metrics(self) -> RunMetrics:
         """The record so far, without copying it."""
-        return Trace(*self._rows[:, : self._length])
+        return RunMetrics(*self._rows[:, : self._length])

@@ -9,14 +9,14 @@ from collections import deque
 from app.session.core_functions import Core
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Failed, Overlays, Report, Snapshot
-from app.session.worker.command_context import Workshop
+from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot
+from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command, Quit
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
 
 
-class Runner:
+class WorkerThread:
     """One thread that owns the engine.
 
     Commands go down through `post`, in order and never lost; snapshots, contours and overlays come up through mailboxes
@@ -36,13 +36,13 @@ class Runner:
         self._reports: deque[Report] = deque()
         self._commands: queue.SimpleQueue[Command] = queue.SimpleQueue()
         self._posted = 0
-        self._obeyed = 0
+        self._executed = 0
         self._waiting = False
         self._closing = False
         self._last: dict[type[Command], Command] = {}
         core = core or Core()
         self._run = Run(core.engine, self.snapshots, self.overlays, self.reconstructor)
-        self._shop = Workshop(core, self._run, self.report, lambda: self._closing)
+        self._context = CommandContext(core, self._run, self.report, lambda: self._closing)
         self._thread = threading.Thread(target=self._work, name="cpm-engine", daemon=True)
         self._thread.start()
 
@@ -68,7 +68,7 @@ class Runner:
     def idle(self) -> bool:
         """Whether every command has been obeyed, nothing steps and everything that was sent up has been taken."""
         return (
-            self._obeyed == self._posted
+            self._executed == self._posted
             and self._waiting
             and self.reconstructor.idle
             and not (self._reports or self.snapshots or self.overlays or self.reconstructor.results)
@@ -87,8 +87,8 @@ class Runner:
             if command is None:
                 self._guarded_step()
             else:
-                self._guarded_obey(command)
-                self._obeyed += 1
+                self._guarded_execute(command)
+                self._executed += 1
 
     def _next(self) -> Command | None:
         """The next command; None when a step is due before one comes."""
@@ -108,12 +108,12 @@ class Runner:
             self._run.step()
         except Exception as error:  # the thread's outermost frame: whatever happens must not end it
             self._run.halt()
-            self._reports.append(Failed(self._run.generation, sentence(error, "taking a step")))
+            self._reports.append(RunFailed(self._run.generation, sentence(error, "taking a step")))
 
-    def _guarded_obey(self, command: Command) -> None:
+    def _guarded_execute(self, command: Command) -> None:
         if command.latest_only and command is not self._last[type(command)]:
             return
         try:
-            command.obey(self._shop)
+            command.execute(self._context)
         except Exception as error:  # the thread's outermost frame: whatever happens must not end it
-            self._reports.append(command.refusal(error))
+            self._reports.append(command.failure_report(error))

@@ -7,7 +7,7 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QLineEdit
 
 from app.model.text.language import tr
-from app.session.features.contour_review import Curation
+from app.session.features.contour_review import ContourReview
 from app.views.canvas.canvas import Canvas
 from cpm_core.contours.review import middle
 
@@ -21,14 +21,14 @@ class NameField(QLineEdit):
     ----------
     canvas : Canvas
         What it lies on.
-    curation : Curation
+    review : ContourReview
         What it names.
     """
 
-    def __init__(self, canvas: Canvas, curation: Curation) -> None:
+    def __init__(self, canvas: Canvas, review: ContourReview) -> None:
         super().__init__(canvas)
         self._canvas = canvas
-        self._curation = curation
+        self._review = review
         self._key: int | None = None
         self.setFixedWidth(_WIDTH)
         self.setPlaceholderText(tr("Name of the contour"))
@@ -39,7 +39,7 @@ class NameField(QLineEdit):
     def ask(self, key: int) -> None:
         """Ask for the name of a contour, beside it."""
         self._key = key
-        contour = self._curation[key].contour
+        contour = self._review[key].contour
         at = self._canvas.point(middle(contour)).toPoint()
         room = self._canvas.size() - self.sizeHint()
         self.move(
@@ -77,7 +77,7 @@ class NameField(QLineEdit):
     def _give(self) -> None:
         key, self._key = self._key, None
         if key is not None:
-            self._curation.rename(key, self.text())
+            self._review.rename(key, self.text())
         self._leave()
 
     def _leave(self) -> None:

@@ -7,15 +7,15 @@ from typing import Any, cast
 from PySide6.QtCore import QObject
 
 from app.session.exchange.messages import Overlays, Report, SeedsFound
-from app.session.features.contour_review import Curation
+from app.session.features.contour_review import ContourReview
 from app.session.session import Session
-from app.session.signals import Announcements
+from app.session.signals import SessionSignals
 from app.session.worker.commands.frames import FrameTaken
 from app.session.worker.commands.run import Command
 from app.session.worker.commands.timeline import Compared
 
 
-class Understudy(Announcements):
+class Understudy(SessionSignals):
     """Tells layers what it is given to tell; whatever else they ask is answered by the session itself.
 
     Nothing that layers do to it has any effect on the session.
@@ -29,7 +29,7 @@ class Understudy(Announcements):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._played = session
-        self.curation = Curation(cast(Session, self))
+        self.review = ContourReview(cast(Session, self))
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._played, name)

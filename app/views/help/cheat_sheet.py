@@ -21,20 +21,20 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
-from app.views.widgets.entry import Entry
+from app.views.widgets.entry import ActionSpec
 from app.views.window.menus import MENUS
 
-Lines = Sequence[tuple[tuple[str, ...], str]]
+BranchTree = Sequence[tuple[tuple[str, ...], str]]
 """Keys that do the same, and what they do."""
 
-_POINTER: Lines = (
+_POINTER: BranchTree = (
     ((tr("left"),), tr("the tool in use")),
     ((tr("right, middle"),), tr("move the image")),
     ((tr("wheel"),), tr("zoom")),
     (("Shift",), tr("round; eight directions")),
     (("Ctrl",), tr("ellipse from its centre")),
 )
-_IMAGE: Lines = (
+_IMAGE: BranchTree = (
     (("Enter",), tr("show the cross-hair")),
     (("←↑↓→",), tr("move the cross-hair, the selected shape or the image")),
     (("Shift+←↑↓→",), tr("the same by 10 px")),
@@ -65,11 +65,11 @@ class CheatSheet(QDialog):
     ----------
     window : QMainWindow
         Over which it lies.
-    entries : iterable of Entry
+    entries : iterable of ActionSpec
         All actions there are.
     """
 
-    def __init__(self, window: QMainWindow, entries: Iterable[Entry]) -> None:
+    def __init__(self, window: QMainWindow, entries: Iterable[ActionSpec]) -> None:
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Keys"))
@@ -113,7 +113,7 @@ class CheatSheet(QDialog):
             super().keyPressEvent(event)
 
 
-def groups(window: QMainWindow, entries: Iterable[Entry]) -> list[tuple[str, Lines]]:
+def groups(window: QMainWindow, entries: Iterable[ActionSpec]) -> list[tuple[str, BranchTree]]:
     """All keys by what they are for: those of each menu, of the panels, and of the canvas."""
     titles = {_TOOLS: tr("Tools"), **{name: _plain(title) for name, title in MENUS.items()}}
     found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in titles}
@@ -136,11 +136,11 @@ def groups(window: QMainWindow, entries: Iterable[Entry]) -> list[tuple[str, Lin
     ]
 
 
-def _balanced(blocks: Sequence[tuple[str, Lines]], many: int) -> list[list[tuple[str, Lines]]]:
+def _balanced(blocks: Sequence[tuple[str, BranchTree]], many: int) -> list[list[tuple[str, BranchTree]]]:
     """The same blocks in so many columns at most, in order, as low as that allows."""
     heights = [2 + sum(-(-max(len(what), 1) // _LINE) for _, what in lines) for _, lines in blocks]
     for most in range(max(heights), sum(heights) + 1):
-        columns: list[list[tuple[str, Lines]]] = [[]]
+        columns: list[list[tuple[str, BranchTree]]] = [[]]
         room = most
         for block, height in zip(blocks, heights, strict=True):
             if height > room:
@@ -153,7 +153,7 @@ def _balanced(blocks: Sequence[tuple[str, Lines]], many: int) -> list[list[tuple
     return [list(blocks)]
 
 
-def _block(title: str, lines: Lines) -> QWidget:
+def _block(title: str, lines: BranchTree) -> QWidget:
     block = QWidget()
     grid = QGridLayout(block)
     grid.setContentsMargins(0, 0, 0, 0)

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QListWidge
 from app.model.text.assets import asset
 from app.model.text.language import tr
 from app.views.help.guide_pages import PAGES, Page
-from app.views.widgets.entry import Entry
+from app.views.widgets.entry import ActionSpec
 
 _SIZE = QSize(780, 640)
 _PICTURE = 300
@@ -29,13 +29,13 @@ class Guide(QDialog):
     ----------
     parent : QWidget
         Window beside which it lies.
-    entries : iterable of Entry
+    entries : iterable of ActionSpec
         All actions, whose names and keys the pages tell.
     open_sample : callable
         Opens the sample of a file.
     """
 
-    def __init__(self, parent: QWidget, entries: Iterable[Entry], open_sample: Callable[[str], None]) -> None:
+    def __init__(self, parent: QWidget, entries: Iterable[ActionSpec], open_sample: Callable[[str], None]) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Guide"))

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.display.mosaic import COUNTS, Plan, Tile, pick, plan
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.model.document.document import NOTHING_TO_START_FROM
 from app.model.parameters.controls import controls
 from app.model.state.time_left import in_words
@@ -50,7 +50,7 @@ class MosaicDialog(QDialog):
         The part of it that tiles show, in px of the image.
     """
 
-    def __init__(self, parent: QWidget, session: Session, sweep: Sweep, shades: Shades, crop: QRectF) -> None:
+    def __init__(self, parent: QWidget, session: Session, sweep: Sweep, shades: DisplayImage, crop: QRectF) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Mosaic of two parameters"))
@@ -159,7 +159,7 @@ class MosaicDialog(QDialog):
             return
         self._plan = laid
         self._clear()
-        lines = 2 if self._session.curation.truth.truth is None else 3
+        lines = 2 if self._session.review.truth.truth is None else 3
         for tile in laid.tiles:
             view = self.tiles[tile.row, tile.col] = TileView(tile, laid.caption(tile), self._picture, lines)
             view.picked.connect(self._pick)

@@ -9,7 +9,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QTransform
 
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.views.canvas.coordinates import to_xy
 from app.views.theme import theme
 from cpm_core.contours.contour import Contour
@@ -28,7 +28,7 @@ class Picture:
         The part of it that is shown, in px of the image.
     """
 
-    def __init__(self, shades: Shades, crop: QRectF) -> None:
+    def __init__(self, shades: DisplayImage, crop: QRectF) -> None:
         grey = np.ascontiguousarray(shades)
         rows, cols = grey.shape[:2]
         kind = QImage.Format.Format_Grayscale8 if grey.ndim == 2 else QImage.Format.Format_RGB888

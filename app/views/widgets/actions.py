@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 from app.model.state.situation import Situation
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import STATE, TOGGLE, Entry
+from app.views.widgets.entry import STATE, TOGGLE, ActionSpec
 
 PRIMARY = "run"
 """The action whose icon lies on the accent colour."""
@@ -23,15 +23,15 @@ class Actions:
     ----------
     parent : QWidget
         Window in which their keys work.
-    entries : iterable of Entry
+    entries : iterable of ActionSpec
         What there is.
     """
 
-    def __init__(self, parent: QWidget, entries: Iterable[Entry]) -> None:
+    def __init__(self, parent: QWidget, entries: Iterable[ActionSpec]) -> None:
         self._theme: Theme | None = None
         self._groups: dict[str, QActionGroup] = {}
         self._actions: dict[str, QAction] = {}
-        self._entries: dict[str, Entry] = {}
+        self._entries: dict[str, ActionSpec] = {}
         self._icons: dict[str, str] = {}
         for entry in entries:
             assert entry.name not in self._entries, entry.name
@@ -46,7 +46,7 @@ class Actions:
         return name in self._actions
 
     @property
-    def entries(self) -> Iterator[Entry]:
+    def entries(self) -> Iterator[ActionSpec]:
         """All entries in the order of the parts."""
         return iter(self._entries.values())
 
@@ -71,7 +71,7 @@ class Actions:
         for name in self._icons:
             self._tint(name)
 
-    def _make(self, entry: Entry, parent: QWidget) -> QAction:
+    def _make(self, entry: ActionSpec, parent: QWidget) -> QAction:
         action = QAction(entry.text, parent)
         action.setShortcuts([QKeySequence(keys) for keys in entry.shortcuts])
         if entry.group:
@@ -98,7 +98,7 @@ class Actions:
             self._actions[name].setIcon(icon(self._icons[name], colour, faded=self._theme.line))
 
 
-def tooltip(text: str, entry: Entry) -> str:
+def tooltip(text: str, entry: ActionSpec) -> str:
     """Name, key and meaning of an entry in one line."""
     keys = f" ({entry.shortcuts[0]})" if entry.shortcuts else ""
     return f"{text.replace('&', '').rstrip('…')}{keys}: {entry.tip}"

@@ -6,15 +6,15 @@ from collections.abc import Iterable
 
 from PySide6.QtWidgets import QComboBox, QWidget
 
-from app.views.widgets.entry import Entry
+from app.views.widgets.entry import ActionSpec
 
 
-def choice(entries: Iterable[Entry], current: str) -> QWidget:
+def choice(entries: Iterable[ActionSpec], current: str) -> QWidget:
     """A field that offers entries by their texts and does what the one chosen does.
 
     Parameters
     ----------
-    entries : iterable of Entry
+    entries : iterable of ActionSpec
         Alternatives.
     current : str
         Name of the one that holds.

@@ -10,11 +10,11 @@ from PySide6.QtWidgets import QMenu
 from app.model.state.situation import Condition, Situation, always
 
 TOGGLE, STATE = "toggle", "state"
-"""Groups of actions that are checkable by themselves, and of those that are checked as `Entry.holds` says."""
+"""Groups of actions that are checkable by themselves, and of those that are checked as `ActionSpec.holds` says."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class ActionSpec:
     """One action.
 
     Attributes

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QTabWidget, QWi
 from app.model.text.language import tr
 from app.views.theme.theme import Theme
 from app.views.widgets.panel_title import PanelTitle
-from app.views.window.part import Area, Panel
+from app.views.window.feature import Area, Panel
 
 _AREAS: dict[Area, Qt.DockWidgetArea] = {
     "left": Qt.DockWidgetArea.LeftDockWidgetArea,

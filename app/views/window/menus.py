@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMenu, QMenuBar
 
 from app.model.text.language import tr
 from app.views.widgets.actions import Actions
-from app.views.widgets.entry import Entry, Submenu
+from app.views.widgets.entry import ActionSpec, Submenu
 
 MENUS = {
     "File": tr("&File"),
@@ -34,13 +34,13 @@ class Menus:
     ----------
     bar : QMenuBar
         Where they hang.
-    entries : iterable of Entry or Submenu
+    entries : iterable of ActionSpec or Submenu
         What stands in them.
     actions : Actions
         The actions of the entries.
     """
 
-    def __init__(self, bar: QMenuBar, entries: Iterable[Entry | Submenu], actions: Actions) -> None:
+    def __init__(self, bar: QMenuBar, entries: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
         self._menus: dict[str, QMenu] = {}
         listed = list(entries)
         for name, title in MENUS.items():

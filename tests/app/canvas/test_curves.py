@@ -27,7 +27,7 @@ def test_what_is_left_out_is_out_of_sight(ready, hand, monkeypatch, factor) -> N
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle and hand.canvas.layers.contours.counts == (1, 0))
-    ready.stage.hint.hide()
+    ready.canvas_area.hint.hide()
     drawn: list[int] = []
     in_sight = Curves._in_sight
 

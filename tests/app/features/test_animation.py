@@ -15,9 +15,9 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QFileDialog
 
 from app.session.tasks.tasks import Task
-from app.views.features.run.tasks import TasksPart
-from app.views.features.run.timeline import TimelinePart
-from app.views.features.view.animation import AnimationPart
+from app.views.features.run.tasks import TasksFeature
+from app.views.features.run.timeline import TimelineFeature
+from app.views.features.view.animation import AnimationFeature
 from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.film.step_choice import evenly, every, written
 from app.views.film.strip_dialog import StripDialog
@@ -37,12 +37,12 @@ def rested(ready, hand):
     return ready
 
 
-def part(window) -> AnimationPart:
-    return window.part(AnimationPart)
+def feature(window) -> AnimationFeature:
+    return window.feature(AnimationFeature)
 
 
 def write(window, hand, path: Path, steps: tuple[int, ...]) -> None:
-    task = part(window).write(1, AnimationPlan(steps, SIZE, 10, False, path.suffix), path)
+    task = feature(window).write(1, AnimationPlan(steps, SIZE, 10, False, path.suffix), path)
     assert task is not None
     hand.wait(lambda: task.over and window.session.idle)
 
@@ -62,7 +62,7 @@ def of_colour(pixels: np.ndarray, colour: str) -> int:
 def test_an_animation_has_a_frame_for_each_step_with_its_particles(rested, hand, tmp_path, suffix) -> None:
     path = tmp_path / f"run{suffix}"
     steps = (1, 11, 21, 31, 41)
-    before = (rested.session.status.step, rested.stage.canvas.layers.particles.count)
+    before = (rested.session.status.step, rested.canvas_area.canvas.layers.particles.count)
     write(rested, hand, path, steps)
     with PIL.Image.open(path) as animation:
         assert (animation.n_frames, animation.size) == (len(steps), SIZE)
@@ -74,7 +74,7 @@ def test_an_animation_has_a_frame_for_each_step_with_its_particles(rested, hand,
         assert of_colour(frame, theme.MOVING) + of_colour(frame, theme.RESTING) > 20
     # a ring of particles grows from radius 10 towards the rim of the disc
     assert all(not np.array_equal(one, other) for one, other in pairwise(frames))
-    assert (rested.session.status.step, rested.stage.canvas.layers.particles.count) == before
+    assert (rested.session.status.step, rested.canvas_area.canvas.layers.particles.count) == before
     assert rested.session.status.phase == "finished"
     assert list(tmp_path.glob("*run*")) == [path]
 
@@ -83,10 +83,10 @@ def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_pat
     path = tmp_path / "one.png"
     write(rested, hand, path, (6,))
     pixels = picture(path)
-    travel = rested.part(TimelinePart).travel
-    travel.go(1, 6)
+    navigation = rested.feature(TimelineFeature).navigation
+    navigation.go(1, 6)
     hand.wait(lambda: rested.session.status.step == 6 and rested.session.idle)
-    layer = rested.stage.canvas.layers.particles
+    layer = rested.canvas_area.canvas.layers.particles
     position = np.concatenate([layer._resting._position, layer._moving._position])
     row, col = np.round((position + 0.5) * SIZE[0] / 64).astype(int).T
     assert len(position) > 10
@@ -98,7 +98,7 @@ def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_pat
 def test_what_is_hidden_on_the_canvas_is_not_in_the_frames(rested, hand, tmp_path) -> None:
     path = tmp_path / "bare.png"
     for name in ("particles", "contours", "drawing"):
-        rested.stage.canvas.layers[name].set_shown(False)
+        rested.canvas_area.canvas.layers[name].set_shown(False)
     write(rested, hand, path, (6,))
     pixels = picture(path)
     assert of_colour(pixels, theme.MOVING) + of_colour(pixels, theme.RESTING) + of_colour(pixels, theme.CLOSED) == 0
@@ -108,7 +108,7 @@ def test_what_is_hidden_on_the_canvas_is_not_in_the_frames(rested, hand, tmp_pat
 def test_giving_up_leaves_nothing_half_written(rested, hand, tmp_path, monkeypatch) -> None:
     path = tmp_path / "run.gif"
     last = rested.session.status.step
-    bar = rested.part(TasksPart).bar
+    bar = rested.feature(TasksFeature).bar
     seen: list[int] = []
     advance = Task.advance
 
@@ -120,22 +120,22 @@ def test_giving_up_leaves_nothing_half_written(rested, hand, tmp_path, monkeypat
 
     monkeypatch.setattr(Task, "advance", give_up_after_three)
     plan = AnimationPlan(every(0, last, 1), SIZE, 10, False, ".gif")
-    task = part(rested).write(1, plan, path)
+    task = feature(rested).write(1, plan, path)
     hand.wait(lambda: task.over and rested.session.idle)
     assert task.cancelled
     assert len(seen) == 3
     assert not bar.isVisible()
     assert [file.name for file in tmp_path.iterdir() if "run" in file.name] == []
-    hand.wait(lambda: all(filming.over for filming in part(rested)._filming))
+    hand.wait(lambda: all(filming.over for filming in feature(rested)._filming))
     assert rested.session.status.step == last
 
 
 def test_a_run_that_is_gone_is_told_and_nothing_is_written(rested, hand, tmp_path) -> None:
     path = tmp_path / "run.gif"
-    task = part(rested).write(1, AnimationPlan(every(0, 60, 1), SIZE, 10, False, ".gif"), path)
+    task = feature(rested).write(1, AnimationPlan(every(0, 60, 1), SIZE, 10, False, ".gif"), path)
     rested.session.reset()
     hand.wait(lambda: task.over and rested.session.idle)
-    assert "gone" in rested.stage.messages.text
+    assert "gone" in rested.canvas_area.messages.text
     assert not path.exists()
 
 
@@ -157,7 +157,7 @@ def test_the_dialog_leads_to_a_file(rested, hand, tmp_path, monkeypatch) -> None
     with PIL.Image.open(written_to) as animation:
         assert animation.n_frames == 3
     hand.wait(lambda: rested.session.idle)
-    assert "chosen.gif" in rested.stage.messages.text
+    assert "chosen.gif" in rested.canvas_area.messages.text
 
 
 def test_the_dialog_says_what_films_need(rested, hand, tmp_path, monkeypatch) -> None:
@@ -165,7 +165,7 @@ def test_the_dialog_says_what_films_need(rested, hand, tmp_path, monkeypatch) ->
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name, *rest: None if name == "imageio_ffmpeg" else find(name, *rest)
     )
-    dialog = part(rested).ask_for_animation()
+    dialog = feature(rested).ask_for_animation()
     dialog.format.setFocus()
     hand.qtbot.keyClick(dialog.format, KEY.Key_End)
     assert dialog.plan.suffix == ".mp4"
@@ -175,14 +175,14 @@ def test_the_dialog_says_what_films_need(rested, hand, tmp_path, monkeypatch) ->
     assert dialog.export.isEnabled()
     dialog.reject()
     plan = AnimationPlan((1, 2), SIZE, 10, False, ".mp4")
-    assert part(rested).write(1, plan, tmp_path / "film.mp4") is None
-    assert "imageio-ffmpeg" in rested.stage.messages.text
+    assert feature(rested).write(1, plan, tmp_path / "film.mp4") is None
+    assert "imageio-ffmpeg" in rested.canvas_area.messages.text
     assert list(tmp_path.glob("film*")) == []
 
 
 def test_only_what_the_canvas_shows_is_drawn_where_that_is_asked_for(rested, hand, tmp_path) -> None:
-    rested.stage.canvas.zoom(4.0)
-    dialog = part(rested).ask_for_animation()
+    rested.canvas_area.canvas.zoom(4.0)
+    dialog = feature(rested).ask_for_animation()
     dialog.width_field.setValue(120)
     whole = dialog.plan
     dialog.zoomed.setFocus()
@@ -190,7 +190,7 @@ def test_only_what_the_canvas_shows_is_drawn_where_that_is_asked_for(rested, han
     zoomed = dialog.plan
     dialog.reject()
     path = tmp_path / "zoomed.png"
-    task = part(rested).write(1, replace(zoomed, steps=(1,), suffix=".png"), path)
+    task = feature(rested).write(1, replace(zoomed, steps=(1,), suffix=".png"), path)
     hand.wait(lambda: task.over and rested.session.idle)
     pixels = picture(path)
     assert whole.size == (120, 120)
@@ -232,10 +232,10 @@ def test_a_strip_shows_the_steps_that_are_written_and_is_saved(rested, hand, tmp
 
 
 def test_the_window_stays_as_it_is_while_frames_are_drawn(rested, hand, tmp_path) -> None:
-    travel = rested.part(TimelinePart).travel
-    travel.go(1, 20)
+    navigation = rested.feature(TimelineFeature).navigation
+    navigation.go(1, 20)
     hand.wait(lambda: rested.session.status.step == 20 and rested.session.idle)
-    shapes, canvas = rested.session.document, rested.stage.canvas
+    shapes, canvas = rested.session.document, rested.canvas_area.canvas
     seen: list[int] = []
     rested.session.snapshot_changed.connect(lambda snapshot: seen.append(snapshot.state.step))
     looks = {layer.name: layer.view_state() for layer in canvas.layers}

@@ -92,7 +92,7 @@ def test_the_mode_stays_when_another_image_is_opened(window, hand, image_file) -
 
 
 def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypatch, tmp_path) -> None:
-    session, layer = window.session, window.stage.canvas.layers["skeleton"]
+    session, layer = window.session, window.canvas_area.canvas.layers["skeleton"]
     hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
     assert not window.actions_by_name["export_skeleton"].isEnabled()
     assert not window.actions_by_name["step"].isEnabled()
@@ -100,7 +100,7 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     hand.wait(lambda: session.skeletons.found is not None and session.idle)
     first = session.skeletons.found
     assert session.status.phase == "ready"
-    assert "Skeleton:" in window.stage.messages.text
+    assert "Skeleton:" in window.canvas_area.messages.text
     # The middle line of a disc of radius 18 is its centre.
     middle, radius = first.contours[0].points, first.radii[0]
     assert np.hypot(*(middle - 32.0).T).max() < 2.0

@@ -14,7 +14,7 @@ from app.model.display.mosaic import Axis, in_text, pick, plan, read_values, sen
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.parameters.controls import controls, slider_range, value_of
-from app.views.features.view.mosaic import MosaicPart
+from app.views.features.view.mosaic import MosaicFeature
 from app.views.main_window import MainWindow
 from app.views.mosaic import MosaicDialog
 from app.views.mosaic.enlarged import EnlargedTile
@@ -32,7 +32,7 @@ CONTROLS = {control.name: control for control in controls()}
 def dialog(ready: MainWindow, hand: Hand) -> MosaicDialog:
     """The dialog, opened by its key, with two values each."""
     hand.key(KEY.Key_M, Qt.KeyboardModifier.ControlModifier)
-    made = ready.part(MosaicPart).dialog
+    made = ready.feature(MosaicFeature).dialog
     assert made is not None
     hand.qtbot.waitExposed(made)
     made.down.values.setText("0.6, 0.9")
@@ -148,7 +148,7 @@ def test_closing_leaves_no_thread(ready, dialog, hand, monkeypatch, way) -> None
     hand.wait(going.is_set)
     if way == "escape":
         hand.qtbot.keyClick(dialog, KEY.Key_Escape)
-        assert ready.part(MosaicPart).dialog is None
+        assert ready.feature(MosaicFeature).dialog is None
         hand.wait(lambda: not mosaic_threads())
     else:
         ready.close()
@@ -168,7 +168,7 @@ def test_values_that_make_no_sense_are_refused_in_a_sentence(dialog, hand) -> No
 
 def test_without_a_start_the_mosaic_says_what_to_draw(window, hand) -> None:
     hand.key(KEY.Key_M, Qt.KeyboardModifier.ControlModifier)
-    dialog = window.part(MosaicPart).dialog
+    dialog = window.feature(MosaicFeature).dialog
     hand.qtbot.mouseClick(dialog.start_button, LEFT)
     assert "nothing to start from" in dialog.words.text()
 
@@ -183,7 +183,7 @@ def test_another_number_of_values_and_another_parameter_offer_values_anew(dialog
 def test_with_a_truth_each_tile_tells_its_overlap(ready, dialog, hand, tmp_path) -> None:
     path = tmp_path / "mask.npy"
     np.save(path, (disc() > 100).astype(np.uint8))
-    truth = ready.session.curation.truth
+    truth = ready.session.review.truth
     truth.load(path)
     hand.wait(lambda: truth.truth is not None)
     run(hand, dialog)

@@ -13,7 +13,7 @@ from PySide6.QtGui import QImage, QPixmap
 
 from app.model.parameters.presets import Preset, built_in, checked_name, read, written
 from app.session.storage.presets import PresetStore
-from app.views.features.run.parameters import ParametersPart
+from app.views.features.run.parameters import ParametersFeature
 from app.views.presets import preset_dialogs as dialogs
 from app.views.presets.preset_gallery import PresetGallery
 from app.views.presets.preset_picture import PICTURE, picture_of
@@ -160,38 +160,38 @@ def test_a_preset_is_chosen_with_the_mouse(window, hand, gallery) -> None:
 def test_own_presets_are_saved_with_a_picture_renamed_shared_and_deleted(
     window, hand, gallery, monkeypatch, tmp_path
 ) -> None:
-    keeper = window.part(ParametersPart).keeper
+    preset_files = window.feature(ParametersFeature).preset_files
     window.panels["parameters"].rows["beta"].slider.setValue(3)
     mine = window.session.document.parameters
     monkeypatch.setattr(dialogs, "ask_for_name", lambda parent, suggestion: "Soft")
-    keeper.save.trigger()
-    kept = keeper.store.called("Soft")
+    preset_files.save.trigger()
+    kept = preset_files.store.called("Soft")
     assert kept.parameters == mine
     assert QImage.fromData(kept.picture).width() == 2 * PICTURE.width()
     assert gallery.current == kept
     monkeypatch.setattr(dialogs, "ask_for_name", lambda parent, suggestion: f"{suggestion}er")
-    keeper.rename.trigger()
+    preset_files.rename.trigger()
     assert gallery.current.name == "Softer"
     shared = tmp_path / "softer.cpmpreset"
     monkeypatch.setattr(dialogs, "ask_for_preset", lambda parent, names, question: names[0])
     monkeypatch.setattr(dialogs, "ask_where_to", lambda parent, suggestion: str(shared))
-    keeper.hand_out.trigger()
+    preset_files.hand_out.trigger()
     monkeypatch.setattr(dialogs, "agrees_to_delete", lambda parent, name: True)
-    keeper.delete.trigger()
-    assert keeper.store.called("Softer") is None
+    preset_files.delete.trigger()
+    assert preset_files.store.called("Softer") is None
     monkeypatch.setattr(dialogs, "ask_for_preset_file", lambda parent, folder: str(shared))
-    keeper.bring_in.trigger()
+    preset_files.bring_in.trigger()
     assert gallery.current.name == "Softer"
 
 
 def test_a_bad_file_is_told_where_everything_is_told(window, monkeypatch, tmp_path) -> None:
-    keeper = window.part(ParametersPart).keeper
+    preset_files = window.feature(ParametersFeature).preset_files
     bad = tmp_path / "bad.cpmpreset"
     bad.write_text("nothing")
     for path in (bad, tmp_path / "nowhere.cpmpreset"):
         monkeypatch.setattr(dialogs, "ask_for_preset_file", lambda parent, folder, path=path: str(path))
-        keeper.bring_in.trigger()
-        assert path.name in window.stage.messages.text
+        preset_files.bring_in.trigger()
+        assert path.name in window.canvas_area.messages.text
 
 
 def test_the_menu_offers_every_preset(window) -> None:

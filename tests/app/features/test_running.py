@@ -12,7 +12,7 @@ from PySide6.QtGui import QImage
 
 from app.model.display.shades import of_edge_map
 from app.model.document import edits
-from app.views.features.run.running import RunningPart
+from app.views.features.run.running import RunningFeature
 from cpm_core import Engine, Parameters
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Circle
@@ -81,7 +81,7 @@ def test_single_steps_are_counted_one_by_one_and_none_is_lost(ready, hand) -> No
     hand.wait(lambda: ready.session.idle)
     assert ready.session.status.step == 7
     assert ready.session.status.phase == "paused"
-    assert len(ready.part(RunningPart)._snapshot.trace.step) == 7
+    assert len(ready.feature(RunningFeature)._snapshot.metrics.step) == 7
 
 
 def test_single_steps_are_the_engines_own(ready, hand) -> None:
@@ -92,7 +92,7 @@ def test_single_steps_are_the_engines_own(ready, hand) -> None:
         hand.key(KEY.Key_Period)
         state = engine.step(state, Parameters())
     hand.wait(lambda: ready.session.idle)
-    np.testing.assert_array_equal(ready.part(RunningPart)._snapshot.position, state.position)
+    np.testing.assert_array_equal(ready.feature(RunningFeature)._snapshot.position, state.position)
 
 
 def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -> None:
@@ -111,7 +111,7 @@ def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -
     state = engine.step(state, changed)
     hand.wait(lambda: ready.session.idle)
     assert ready.session.generation == generation
-    np.testing.assert_array_equal(ready.part(RunningPart)._snapshot.position, state.position)
+    np.testing.assert_array_equal(ready.feature(RunningFeature)._snapshot.position, state.position)
 
 
 def test_reset_leaves_the_drawing_and_nothing_of_the_run(ready, hand) -> None:
@@ -135,13 +135,13 @@ def test_a_changed_drawing_is_said_and_run_starts_anew_from_it(ready, hand) -> N
     hand.key(KEY.Key_N)
     hand.key(KEY.Key_Right)
     assert session.status.phase == "running"
-    assert "Reset" in ready.stage.hint.text()
+    assert "Reset" in ready.canvas_area.hint.text()
     hand.key(KEY.Key_Space)
     assert ready.actions_by_name["run"].text() == "Run anew"
     hand.key(KEY.Key_Space)
     assert session.generation > generation
     assert not session.status.stale
-    assert ready.stage.hint.text() == ""
+    assert ready.canvas_area.hint.text() == ""
 
 
 def test_a_run_at_rest_goes_on_with_other_parameters(ready, hand) -> None:
@@ -152,7 +152,7 @@ def test_a_run_at_rest_goes_on_with_other_parameters(ready, hand) -> None:
     generation, step, count = session.generation, session.status.step, session.status.count
     session.edit("spacing", lambda document: edits.set_parameter(document, "d_min", 4.0))
     assert ready.actions_by_name["run"].text() == "Resume"
-    assert "parameters have changed" in ready.stage.hint.text()
+    assert "parameters have changed" in ready.canvas_area.hint.text()
     hand.key(KEY.Key_Space)
     hand.wait(lambda: session.status.phase == "finished" and session.status.step > step)
     hand.wait(lambda: session.idle)
@@ -194,7 +194,7 @@ def test_a_wider_gap_bridges_at_rest_and_is_shown_and_told(window, hand, tmp_pat
     step = session.status.step
     assert (canvas.layers.contours.counts, canvas.layers.contours.bridged) == ((0, 1), 0)
     assert window.panels["run"].status.value("Bridged") == "no gap"
-    (contour,) = session._runner._run.result().contours
+    (contour,) = session._worker_thread._run.result().contours
     gap = float(np.linalg.norm(contour.points[0] - contour.points[-1]))
     assert gap > 5.0
     slider = window.panels["parameters"].rows["max_gap"].slider
@@ -290,12 +290,12 @@ def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand) -> 
 
 
 def test_the_speed_control_offers_full_speed_and_limits_the_engine(ready, hand) -> None:
-    slider = ready.part(RunningPart).speed.slider
-    assert ready.part(RunningPart).speed._label.text() == "60 steps/s"
+    slider = ready.feature(RunningFeature).speed.slider
+    assert ready.feature(RunningFeature).speed._label.text() == "60 steps/s"
     slider.setValue(slider.maximum())
-    assert ready.part(RunningPart).speed._label.text() == "full speed"
+    assert ready.feature(RunningFeature).speed._label.text() == "full speed"
     hand.key(KEY.Key_BracketLeft)
-    assert ready.part(RunningPart).speed._label.text() == "120 steps/s"
+    assert ready.feature(RunningFeature).speed._label.text() == "120 steps/s"
 
 
 @pytest.mark.parametrize("name", ["beta", "ratio", "annealing"])

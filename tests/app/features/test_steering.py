@@ -10,8 +10,8 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.session.worker.commands.timeline import SetTimelineBudget
-from app.views.features.run.running import RunningPart
-from app.views.features.run.timeline import TimelinePart
+from app.views.features.run.running import RunningFeature
+from app.views.features.run.timeline import TimelineFeature
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
 
@@ -22,7 +22,7 @@ CONTROL = Qt.KeyboardModifier.ControlModifier
 @pytest.fixture
 def shown(ready):
     """The newest snapshot."""
-    return lambda: ready.part(RunningPart)._snapshot
+    return lambda: ready.feature(RunningFeature)._snapshot
 
 
 @pytest.fixture
@@ -195,7 +195,7 @@ def test_what_is_taken_back_after_it_has_joined_makes_the_run_out_of_date_until_
     hand.wait(lambda: session.idle)
     assert session.status.stale
     assert session.status.count == count
-    assert "Run starts anew" in begun.stage.hint.text()
+    assert "Run starts anew" in begun.canvas_area.hint.text()
     hand.key(KEY.Key_Y, CONTROL)
     hand.wait(lambda: session.idle)
     assert not session.status.stale
@@ -276,9 +276,9 @@ def test_steps_taken_with_charges_new_particles_and_the_eraser_are_found_again_a
     session.edit("barrier", lambda document: edits.add_shape(document, Barrier(((2.0, 30.0), (60.0, 30.0)))))
     take_a_step()
     take_a_step()
-    travel = begun.part(TimelinePart).travel
+    navigation = begun.feature(TimelineFeature).navigation
     for step, position in seen.items():
-        travel.go(1, step)
+        navigation.go(1, step)
         hand.wait(lambda step=step: session.idle and shown().state.step == step)
         np.testing.assert_array_equal(shown().position, position)
 

@@ -24,7 +24,7 @@ def held(ready, hand):
 
 def moment(window):
     """Engine, state and parameters of the run; nothing steps."""
-    run = window.session._runner._run
+    run = window.session._worker_thread._run
     return run.engine, run.state, run.parameters
 
 
@@ -41,8 +41,8 @@ def test_the_forces_on_the_particle_under_the_pointer_are_those_of_the_engine(he
         size = 2.0**state.scale
         for name in NAMES:
             assert probed.forces[name] == pytest.approx(size * getattr(expected, name)[0]), name
-        parts = np.sum([probed.forces[name] for name in NAMES if name != "total"], axis=0)
-        assert parts == pytest.approx(probed.forces["total"])
+        features = np.sum([probed.forces[name] for name in NAMES if name != "total"], axis=0)
+        assert features == pytest.approx(probed.forces["total"])
         assert held.item.isVisible()
 
 

@@ -20,7 +20,7 @@ def another(option: Amount | Choice | Switch, value: object) -> object:
 
 
 def test_every_setting_of_every_layer_comes_back_from_its_view_state(window):
-    for layer in window.stage.canvas.layers:
+    for layer in window.canvas_area.canvas.layers:
         before = layer.view_state()
         layer.set_shown(not layer.shown)
         layer.set_opacity(0.4)
@@ -39,7 +39,7 @@ def test_every_setting_of_every_layer_comes_back_from_its_view_state(window):
 
 @pytest.mark.parametrize("nonsense", [None, 7.5, "no such way", True, -3, float("nan"), [1], {}])
 def test_a_setting_that_makes_no_sense_changes_nothing(window, nonsense):
-    for layer in window.stage.canvas.layers:
+    for layer in window.canvas_area.canvas.layers:
         before = layer.view_state()
         wrong = {option.name: nonsense for option in layer.options if option.taken(nonsense) is None}
         layer.use_view_state({**wrong, "low": nonsense, "opacity": "much"})
@@ -85,7 +85,7 @@ def test_space_on_a_check_box_does_not_run_the_particles(ready, hand):
 
 
 def test_layers_have_keys_of_their_own(window):
-    keys = [layer.shortcut for layer in window.stage.canvas.layers if layer.shortcut]
+    keys = [layer.shortcut for layer in window.canvas_area.canvas.layers if layer.shortcut]
     assert len(set(keys)) == len(keys)
     others = [key for entry in window.actions_by_name.entries for key in entry.shortcuts]
     assert len(set(others)) == len(others)
@@ -102,16 +102,16 @@ def test_the_menu_tells_and_changes_what_particles_are_coloured_by(window, hand)
 
 
 def test_settings_are_kept_for_the_next_start_but_not_what_is_shown(window):
-    layer = window.stage.canvas.layers["particles"]
+    layer = window.canvas_area.canvas.layers["particles"]
     layer.choose("colour", "force")
     layer.set_shown(False)
-    window.stage.canvas.layers["image"].choose("range", "1")
+    window.canvas_area.canvas.layers["image"].choose("range", "1")
     window.close()
     session = Session()
     other = MainWindow(session)
-    again = other.stage.canvas.layers["particles"]
+    again = other.canvas_area.canvas.layers["particles"]
     assert again.word("colour") == "force"
     assert again.shown
-    assert other.stage.canvas.layers["image"].word("range") == "1"
+    assert other.canvas_area.canvas.layers["image"].word("range") == "1"
     other.close()
     other.deleteLater()

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
 from app.model.display.colouring import QUANTITIES, SHADES, Births, age, coloured, convergence, speed
 from app.model.display.round_numbers import round_down, round_up
-from app.session.worker.run_record import Recorder
+from app.session.worker.run_record import RunRecord
 from app.views.canvas.items.discs import Discs
 from app.views.theme import colour_maps, theme
 from cpm_core import Engine, Parameters
@@ -76,7 +76,7 @@ def test_the_contributions_are_those_whose_signed_mean_is_epsilon():
 
 def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(compiled_loops):
     parameters = Parameters(scales=1)
-    engine, recorder = Engine(disc(), parameters), Recorder()
+    engine, recorder = Engine(disc(), parameters), RunRecord()
     state = engine.start([(32.0 + 10.0 * np.sin(a), 32.0 + 10.0 * np.cos(a)) for a in np.arange(0.0, 6.2, 0.7)])
     seen: dict[int, int] = {}
     for _ in range(40):
@@ -84,8 +84,8 @@ def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(comp
         recorder.record(state)
         for identity in state.particles.identity.tolist():
             seen.setdefault(identity, state.step)
-    trace = recorder.trace()
-    told = age(state, Births(trace.step, trace.numbered))
+    metrics = recorder.metrics()
+    told = age(state, Births(metrics.step, metrics.numbered))
     expected = [state.step - seen[identity] for identity in state.particles.identity.tolist()]
     assert len(set(expected)) > 2
     assert told.tolist() == expected

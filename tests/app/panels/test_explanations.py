@@ -7,7 +7,7 @@ from PySide6.QtCore import Qt
 
 from app.model.parameters.controls import controls
 from app.model.text.wording import WORDS, rich
-from app.views.features.file.preferring import PreferringPart
+from app.views.features.file.preferring import PreferringFeature
 from app.views.panels.parameters.drawings import DRAWINGS
 from app.views.panels.parameters.parameter_drawing import ParameterDrawing
 from cpm_core.parameters import PARAMETERS
@@ -117,7 +117,7 @@ def test_symbols_are_set_with_what_stands_lower() -> None:
 
 
 def test_the_preferences_offer_wording_motion_and_colours(window, hand) -> None:
-    dialog = window.part(PreferringPart).show()
+    dialog = window.feature(PreferringFeature).show()
     wording, motion, colours = (dialog.rows[label] for label in ("Wording", "Drawings", "Colours"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
     wording.activated.emit(1)
@@ -139,6 +139,6 @@ def test_space_presses_what_has_the_focus_and_runs_nothing(ready, hand) -> None:
     hand.key(Qt.Key.Key_Space)
     assert ready.session.document.parameters.smoothing == "auto"
     assert ready.session.status.phase == "ready"
-    ready.stage.canvas.setFocus()
+    ready.canvas_area.canvas.setFocus()
     hand.key(Qt.Key.Key_Space)
     assert ready.session.status.phase != "ready"

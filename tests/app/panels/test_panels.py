@@ -13,7 +13,7 @@ from app.model.parameters.controls import controls
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation
 from app.model.state.status import RunStatus
-from app.session.exchange.messages import Trace
+from app.session.exchange.messages import RunMetrics
 from app.views.canvas.items.curves import pieces
 from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
 from app.views.help.help import show_about
@@ -111,7 +111,7 @@ def test_the_plot_draws_whatever_a_run_can_give(qtbot) -> None:
     for epsilon in ([np.nan], [np.nan, np.nan, 0.0], [0.1, np.nan, 1e-12, 1e9], np.geomspace(1, 1e-7, 5000)):
         values = np.asarray(epsilon, dtype=float)
         steps = np.arange(1.0, len(values) + 1)
-        plot.show_trace(Trace(steps, values, steps, steps, values, values, -values, steps // 7, steps))
+        plot.show_metrics(RunMetrics(steps, values, steps, steps, values, values, -values, steps // 7, steps))
         drawn = plot.grab().toImage()
     assert drawn != empty
 

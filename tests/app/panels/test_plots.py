@@ -9,17 +9,17 @@ from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 
 from app.model.display.plots import PLOTS, figure
-from app.session.exchange.messages import Trace
-from app.session.worker.run_record import Recorder
+from app.session.exchange.messages import RunMetrics
+from app.session.worker.run_record import RunRecord
 from app.views.panels.run.plot import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc
 
 
-def trace_of(length: int) -> Trace:
+def trace_of(length: int) -> RunMetrics:
     """A record of so many steps over three scales."""
     step = np.arange(1.0, length + 1)
-    return Trace(
+    return RunMetrics(
         step, 1.0 / step, 10 * step, step % 3, step % 2, 1.0 / step**2, -step, 2.0 - step // (length / 3), step
     )
 
@@ -38,7 +38,7 @@ def panel(qtbot):
 @given(st.lists(st.floats(1e-12, 1e9), min_size=1, max_size=20))
 def test_every_value_has_its_place_on_the_axis(plot, values):
     column = np.array(values)
-    record = Trace(column, column, column, column, column, column, -column, column, column)
+    record = RunMetrics(column, column, column, column, column, column, -column, column, column)
     axis = plot.axis(record)
     for series in plot.series:
         heights = axis.fractions(series.of(record))
@@ -53,13 +53,13 @@ def test_the_stopping_line_is_always_in_sight_of_a_curve_that_nears_it():
     plot = PLOTS[0]
     for epsilon in (1.0, 1e-2, 5e-4, 1e-5):
         column = np.full(4, epsilon)
-        at = plot.axis(Trace(*[column] * 9)).fractions(np.array([plot.line]))[0]
+        at = plot.axis(RunMetrics(*[column] * 9)).fractions(np.array([plot.line]))[0]
         assert 0.0 <= at <= 1.0
 
 
 def test_the_record_holds_what_the_states_were(compiled_loops):
     parameters = Parameters()
-    engine, recorder = Engine(disc(), parameters), Recorder()
+    engine, recorder = Engine(disc(), parameters), RunRecord()
     state = engine.start([(32.0, 20.0), (32.0, 44.0), (20.0, 32.0)])
     states = []
     for _ in range(20):
@@ -67,21 +67,21 @@ def test_the_record_holds_what_the_states_were(compiled_loops):
         wanted = engine.energies(state, parameters).potential if state.step % 4 == 0 else None
         recorder.record(state, wanted)
         states.append(state)
-    trace = recorder.trace()
+    metrics = recorder.metrics()
     for name in ("step", "count", "born", "deleted", "scale"):
-        assert getattr(trace, name).tolist() == [getattr(state, name) for state in states]
+        assert getattr(metrics, name).tolist() == [getattr(state, name) for state in states]
     told = [engine.energies(state, parameters) for state in states]
-    assert trace.kinetic == pytest.approx([energies.kinetic for energies in told])
-    assert np.isnan(trace.potential[:3]).all()
-    assert trace.potential[3:] == pytest.approx(
+    assert metrics.kinetic == pytest.approx([energies.kinetic for energies in told])
+    assert np.isnan(metrics.potential[:3]).all()
+    assert metrics.potential[3:] == pytest.approx(
         [told[i - i % 4 + 3 - 4 * (i % 4 != 3)].potential for i in range(3, 20)]
     )
 
 
 def test_pointer_and_keys_read_the_figures_of_a_step(panel, qtbot):
-    chart, trace = panel.chart, trace_of(61)
+    chart, metrics = panel.chart, trace_of(61)
     panel.show_plots([plot.name for plot in PLOTS])
-    panel.show_trace(trace)
+    panel.show_metrics(metrics)
     left, width = chart._sides()
     qtbot.mouseMove(chart, QPoint(round(left + 0.5 * width), 40))
     qtbot.waitUntil(lambda: chart.reading != "")
@@ -98,11 +98,11 @@ def test_pointer_and_keys_read_the_figures_of_a_step(panel, qtbot):
 
 
 def test_what_is_read_may_be_gone_when_a_run_is_taken_back(panel):
-    panel.show_trace(trace_of(60))
+    panel.show_metrics(trace_of(60))
     panel.chart.read(50)
-    panel.show_trace(trace_of(10))
+    panel.show_metrics(trace_of(10))
     assert panel.chart.reading == ""
-    panel.show_trace(None)
+    panel.show_metrics(None)
     panel.grab()
 
 
@@ -114,7 +114,7 @@ def test_curves_are_chosen_by_keys_and_stay_chosen(window, hand, qtbot):
     hand.key(Qt.Key.Key_Space)
     assert plot.shown == ("epsilon", "potential", "count")
     assert window.preferences.get("run/plots", [""]) == ["epsilon", "potential", "count"]
-    hand.wait(lambda: window.session._runner._run.gauge.wanted)
+    hand.wait(lambda: window.session._worker_thread._run.energy_sampler.wanted)
     before = plot.chart.grab().toImage()
     hand.key(Qt.Key.Key_Space)
     assert plot.chart.grab().toImage() != before
@@ -124,16 +124,16 @@ def test_each_curve_and_each_change_of_scale_is_drawn(panel):
     pictures = []
     for names in ([], *([plot.name] for plot in PLOTS)):
         panel.show_plots(names)
-        panel.show_trace(trace_of(60))
+        panel.show_metrics(trace_of(60))
         pictures.append(panel.chart.grab().toImage())
     assert all(one != other for i, one in enumerate(pictures) for other in pictures[:i])
     panel.show_plots(["count"])
-    trace = trace_of(60)
+    metrics = trace_of(60)
     with_scales = panel.chart.grab().toImage()
-    panel.show_trace(Trace(*[column if name != "scale" else 0 * column for name, column in columns(trace)]))
+    panel.show_metrics(RunMetrics(*[column if name != "scale" else 0 * column for name, column in columns(metrics)]))
     assert panel.chart.grab().toImage() != with_scales
 
 
-def columns(trace: Trace) -> list[tuple[str, np.ndarray]]:
+def columns(metrics: RunMetrics) -> list[tuple[str, np.ndarray]]:
     """Names and columns of a trace."""
-    return [(name, getattr(trace, name)) for name in Trace.__dataclass_fields__]
+    return [(name, getattr(metrics, name)) for name in RunMetrics.__dataclass_fields__]

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 
-from app.session.worker.command_context import Workshop
+from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
-from app.views.features.file.preferring import PreferringPart
-from app.views.features.run.running import RunningPart
-from app.views.features.run.timeline import BUDGET, TimelinePart
+from app.views.features.file.preferring import PreferringFeature
+from app.views.features.run.running import RunningFeature
+from app.views.features.run.timeline import BUDGET, TimelineFeature
 from app.views.window.preferences_dialog import PreferencesDialog
 from cpm_core import Engine, Parameters
 from cpm_core.particles.initialization import circle
@@ -45,13 +45,13 @@ def rested(ready, hand):
     return ready
 
 
-def travel(window):
-    return window.part(TimelinePart).travel
+def navigation(window):
+    return window.feature(TimelineFeature).navigation
 
 
 def shown(window) -> np.ndarray:
     """Positions of the particles on the canvas, in the order of rows and columns."""
-    layer = window.stage.canvas.layers.particles
+    layer = window.canvas_area.canvas.layers.particles
     position = np.concatenate([layer._resting._position, layer._moving._position])
     return position[np.lexsort(position.T)]
 
@@ -78,7 +78,7 @@ def go_on_otherwise(window, hand) -> None:
     """Change the damping by its slider, and run to the end."""
     hand.qtbot.keyClick(window.panels["parameters"].rows["beta"].slider, KEY.Key_PageUp)
     assert window.session.document.parameters.beta > Parameters().beta
-    window.stage.canvas.setFocus()
+    window.canvas_area.canvas.setFocus()
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: window.session.idle)
@@ -87,13 +87,13 @@ def go_on_otherwise(window, hand) -> None:
 def test_scrubbing_back_shows_the_very_particles_of_that_step(rested, hand, fresh) -> None:
     assert rested.session.status.step == fresh[-1].step
     scrub(rested, hand, 1, 10, 25, 60, 40)
-    step = travel(rested).place[1]
+    step = navigation(rested).place[1]
     assert abs(step - 40) <= 1  # a pixel of the timeline may be more than a step
     settle(rested, hand, step)
     assert rested.session.status.phase == "paused"
     np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
     assert rested.panels["run"].status.value("Step") == str(step)
-    assert len(rested.part(RunningPart)._snapshot.trace.step) == step
+    assert len(rested.feature(RunningFeature)._snapshot.metrics.step) == step
 
 
 def test_going_on_otherwise_from_an_earlier_step_keeps_both_branches(rested, hand, fresh) -> None:
@@ -105,19 +105,19 @@ def test_going_on_otherwise_from_an_earlier_step_keeps_both_branches(rested, han
     settle(rested, hand, 40)
     np.testing.assert_array_equal(shown(rested), ordered(fresh[40]))
     go_on_otherwise(rested, hand)
-    kept, new = travel(rested).outline.branches
+    kept, new = navigation(rested).outline.branches
     assert (kept.last, new.parent, new.first) == (fresh[-1].step, kept.identity, 40)
     engine, state = Engine(rested.pointer_readout._image, Parameters()), fresh[40]
     for _ in range(20):
         state = engine.step(state, rested.session.document.parameters)
     scrub(rested, hand, new.identity, 45)
     panel.view.setFocus()
-    while travel(rested).place[1] != 60:
-        hand.key(KEY.Key_Right if travel(rested).place[1] < 60 else KEY.Key_Left)
+    while navigation(rested).place[1] != 60:
+        hand.key(KEY.Key_Right if navigation(rested).place[1] < 60 else KEY.Key_Left)
     settle(rested, hand, 60)
     np.testing.assert_array_equal(shown(rested), ordered(state))
     hand.key(KEY.Key_Up)
-    hand.wait(lambda: travel(rested).outline.branch == kept.identity and rested.session.idle)
+    hand.wait(lambda: navigation(rested).outline.branch == kept.identity and rested.session.idle)
     np.testing.assert_array_equal(shown(rested), ordered(fresh[60]))
     assert not np.array_equal(ordered(state), ordered(fresh[60]))
 
@@ -126,7 +126,7 @@ def test_a_branch_compared_with_is_seen_beside_and_the_difference_told(rested, h
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
     go_on_otherwise(rested, hand)
-    panel, ghost = rested.panels["timeline"], rested.stage.canvas.layers["ghost"]
+    panel, ghost = rested.panels["timeline"], rested.canvas_area.canvas.layers["ghost"]
     assert (ghost.count, ghost.contours) == (0, 0)
     panel.compare.setFocus()
     hand.qtbot.keyClick(panel.compare, KEY.Key_Down)
@@ -138,7 +138,7 @@ def test_a_branch_compared_with_is_seen_beside_and_the_difference_told(rested, h
     hand.canvas.setFocus()
     for _ in range(3):
         hand.key(KEY.Key_Comma)
-    step = travel(rested).place[1]
+    step = navigation(rested).place[1]
     settle(rested, hand, step)
     hand.wait(lambda: ghost.count == fresh[step].count)
     hand.qtbot.keyClick(panel.compare, KEY.Key_Up)
@@ -157,12 +157,12 @@ def test_steps_backwards_return_exactly_and_forwards_repeat_the_branch(rested, h
         hand.key(KEY.Key_Period)
         settle(rested, hand, last - 5 + forward)
         np.testing.assert_array_equal(shown(rested), ordered(fresh[last - 5 + forward]))
-    assert len(travel(rested).outline.branches) == 1
-    assert travel(rested).last(1) == last
+    assert len(navigation(rested).outline.branches) == 1
+    assert navigation(rested).last(1) == last
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     assert rested.session.status.step == last
-    assert len(travel(rested).outline.branches) == 1
+    assert len(navigation(rested).outline.branches) == 1
 
 
 def test_keys_go_ten_steps_and_to_both_ends(rested, hand, fresh) -> None:
@@ -195,7 +195,7 @@ def test_going_back_while_it_runs_holds_it(ready, hand) -> None:
     hand.wait(lambda: ready.session.idle)
     assert ready.session.status.phase == "paused"
     assert abs(ready.session.status.step - 5) <= 1
-    assert travel(ready).last(1) >= 12
+    assert navigation(ready).last(1) >= 12
 
 
 @dataclass(frozen=True)
@@ -204,7 +204,7 @@ class Wait(Command):
 
     gate: threading.Event
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         assert self.gate.wait(20)
 
 
@@ -214,7 +214,7 @@ def test_of_many_places_on_the_way_only_the_last_is_gone_to(rested, hand, monkey
     monkeypatch.setattr(Run, "go_to", lambda run, *at: gone.append(at[1]) or go_to(run, *at))
     rested.session.post(Wait(gate))
     scrub(rested, hand, 1, *range(5, 60))
-    step = travel(rested).place[1]
+    step = navigation(rested).place[1]
     assert abs(step - 59) <= 1
     assert rested.panels["timeline"].step.value() == step  # shown at once, before anything has been worked out
     gate.set()
@@ -224,14 +224,14 @@ def test_of_many_places_on_the_way_only_the_last_is_gone_to(rested, hand, monkey
 
 def test_recorded_steps_are_played_to_the_end(rested, hand, fresh) -> None:
     scrub(rested, hand, 1, fresh[-1].step - 6)
-    begun = travel(rested).place[1]
+    begun = navigation(rested).place[1]
     settle(rested, hand, begun)
     seen: list[int] = []
     rested.session.snapshot_changed.connect(lambda snapshot: seen.append(snapshot.state.step))
     hand.qtbot.mouseClick(rested.panels["timeline"].buttons["play"], LEFT)
-    assert travel(rested).playing
+    assert navigation(rested).playing
     settle(rested, hand, fresh[-1].step)
-    hand.wait(lambda: not travel(rested).playing)
+    hand.wait(lambda: not navigation(rested).playing)
     assert seen == list(range(begun + 1, fresh[-1].step + 1))
 
 
@@ -245,10 +245,10 @@ def test_branches_are_named_and_deleted(rested, hand, fresh) -> None:
     panel.name.selectAll()
     hand.qtbot.keyClicks(panel.name, "stiffer")
     hand.qtbot.keyClick(panel.name, KEY.Key_Return)
-    hand.wait(lambda: [branch.name for branch in travel(rested).outline.branches] == ["Branch 1", "stiffer"])
-    fork = travel(rested).outline.branches[1].first
+    hand.wait(lambda: [branch.name for branch in navigation(rested).outline.branches] == ["Branch 1", "stiffer"])
+    fork = navigation(rested).outline.branches[1].first
     hand.qtbot.mouseClick(panel.delete, LEFT)
-    hand.wait(lambda: len(travel(rested).outline.branches) == 1 and rested.session.idle)
+    hand.wait(lambda: len(navigation(rested).outline.branches) == 1 and rested.session.idle)
     assert rested.session.status.step == fork
     np.testing.assert_array_equal(shown(rested), ordered(fresh[fork]))
     assert not panel.delete.isEnabled()
@@ -259,7 +259,7 @@ def test_a_reset_forgets_the_timeline(rested, hand) -> None:
     assert panel.view.accessibleDescription().startswith("Branch 1, step")
     hand.canvas.setFocus()
     hand.key(KEY.Key_R)
-    assert travel(rested).outline.branches == ()
+    assert navigation(rested).outline.branches == ()
     assert not panel.step.isEnabled()
     assert not any(button.isEnabled() for button in panel.buttons.values())
     hand.key(KEY.Key_Comma)
@@ -270,14 +270,14 @@ def test_a_press_on_a_name_changes_the_branch_and_keeps_the_step(rested, hand) -
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
     go_on_otherwise(rested, hand)
-    step = min(branch.last for branch in travel(rested).outline.branches) - 2
+    step = min(branch.last for branch in navigation(rested).outline.branches) - 2
     scrub(rested, hand, 2, step)
-    step = travel(rested).place[1]
+    step = navigation(rested).place[1]
     settle(rested, hand, step)
     view = rested.panels["timeline"].view
     y = view.point(1, 0).toPoint().y()
     hand.qtbot.mouseClick(view, LEFT, pos=QPoint(14, y))
-    hand.wait(lambda: travel(rested).outline.branch == 1 and rested.session.idle)
+    hand.wait(lambda: navigation(rested).outline.branch == 1 and rested.session.idle)
     assert rested.session.status.step == step
 
 
@@ -288,7 +288,7 @@ def test_the_parameters_of_a_step_can_be_set_again_and_going_on_then_repeats_its
     assert not panel.parameters.isVisible()
     go_on_otherwise(rested, hand)
     scrub(rested, hand, 1, 50)
-    step = travel(rested).place[1]
+    step = navigation(rested).place[1]
     settle(rested, hand, step)
     assert panel.parameters.isVisible()
     hand.qtbot.mouseClick(panel.parameters, LEFT)
@@ -299,12 +299,12 @@ def test_the_parameters_of_a_step_can_be_set_again_and_going_on_then_repeats_its
     hand.key(KEY.Key_Period)
     settle(rested, hand, step + 1)
     np.testing.assert_array_equal(shown(rested), ordered(fresh[step + 1]))
-    assert travel(rested).outline.branch == 1
-    assert len(travel(rested).outline.branches) == 2
+    assert navigation(rested).outline.branch == 1
+    assert len(navigation(rested).outline.branches) == 2
 
 
 def test_memory_is_preferred_in_the_dialog_and_kept_to_at_once(rested, hand, fresh) -> None:
-    used = travel(rested).outline.used
+    used = navigation(rested).outline.used
     assert used > 0
     hand.key(KEY.Key_Comma, CONTROL)
     (dialog,) = rested.findChildren(PreferencesDialog)
@@ -315,34 +315,34 @@ def test_memory_is_preferred_in_the_dialog_and_kept_to_at_once(rested, hand, fre
     hand.qtbot.keyClicks(field, "16")
     hand.qtbot.keyClick(field, KEY.Key_Tab)
     assert rested.preferences.get(BUDGET, 0) == 16
-    hand.wait(lambda: travel(rested).outline.budget == 16 * MEGABYTE)
+    hand.wait(lambda: navigation(rested).outline.budget == 16 * MEGABYTE)
     hand.qtbot.keyClick(dialog, KEY.Key_Escape)
     hand.wait(lambda: not rested.findChildren(PreferencesDialog))
-    travel(rested).by(-1)
+    navigation(rested).by(-1)
     settle(rested, hand, fresh[-1].step - 1)
 
 
 def test_with_hardly_any_memory_every_step_is_still_exact(rested, hand, fresh) -> None:
-    chronicle = rested.session._runner._run.chronicle
-    chronicle.set_budget(1)
+    recorded = rested.session._worker_thread._run.recorded
+    recorded.set_budget(1)
     for step in (40, 3, 57, 56):
-        travel(rested).go(1, step)
+        navigation(rested).go(1, step)
         settle(rested, hand, step)
         np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
-    assert travel(rested).outline.kept <= 2
+    assert navigation(rested).outline.kept <= 2
 
 
 def test_every_part_of_the_window_has_the_rows_that_it_brings(rested) -> None:
-    dialog = rested.part(PreferringPart).show()
-    labels = {row.label for part in rested.parts.values() for row in part.preferences()}
+    dialog = rested.feature(PreferringFeature).show()
+    labels = {row.label for feature in rested.features.values() for row in feature.preferences()}
     assert {"Memory for steps", "In use now"} <= labels == set(dialog.rows)
     dialog.reject()
 
 
 def test_the_state_gone_back_to_is_the_whole_state(rested, hand, fresh) -> None:
-    travel(rested).go(1, 33)
+    navigation(rested).go(1, 33)
     settle(rested, hand, 33)
-    state = rested.part(RunningPart)._snapshot.state
+    state = rested.feature(RunningFeature)._snapshot.state
     for name in ("position", "velocity", "force", "distance", "identity"):
         np.testing.assert_array_equal(getattr(state.particles, name), getattr(fresh[33].particles, name))
     assert replace(state, particles=fresh[33].particles).annealed == fresh[33].annealed

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.differences import differences
 from app.session.exchange.latest_only import Latest
-from app.views.features.contours.truth import TruthPart
+from app.views.features.contours.truth import TruthFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour
@@ -49,7 +49,7 @@ def compared(ready: MainWindow, hand: Hand, mask_file: Path, monkeypatch: pytest
     hand.wait(lambda: ready.session.idle)
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(mask_file), ""))
     hand.key(KEY.Key_T, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
-    hand.wait(lambda: ready.session.curation.truth.verified is not None)
+    hand.wait(lambda: ready.session.review.truth.verified is not None)
     return ready
 
 
@@ -84,7 +84,7 @@ def test_where_they_differ_is_drawn_and_a_larger_tolerance_leaves_nothing(compar
 
 def test_the_worst_place_is_brought_into_sight(compared, hand) -> None:
     hand.qtbot.mouseClick(compared.panels["truth"].worst_button, LEFT)
-    worst = compared.session.curation.truth.verified.differences[0]
+    worst = compared.session.review.truth.verified.differences[0]
     assert worst.farthest == pytest.approx(SHIFT, abs=0.8)
     seen = hand.canvas.view.viewRect()
     low, high = worst.points.min(axis=0), worst.points.max(axis=0)
@@ -109,7 +109,7 @@ def test_contours_written_by_the_program_are_their_own_truth(compared, hand, tmp
     compared.session.export(path)
     hand.wait(path.exists)
     hand.wait(lambda: compared.session.idle)
-    compared.part(TruthPart).truth.load(path)
+    compared.feature(TruthFeature).truth.load(path)
     hand.wait(lambda: "own.geojson" in compared.panels["truth"].source.text())
     hand.wait(lambda: compared.panels["truth"].figures["dice"].text() == "1.0000")
     assert figure(compared, "hausdorff") == 0.0
@@ -119,9 +119,9 @@ def test_contours_written_by_the_program_are_their_own_truth(compared, hand, tmp
 def test_a_mask_of_another_size_is_refused_in_a_sentence_and_the_truth_stays(compared, hand, tmp_path) -> None:
     path = tmp_path / "small.npy"
     np.save(path, np.eye(20))
-    compared.part(TruthPart).truth.load(path)
-    hand.wait(lambda: "64 x 64" in compared.stage.messages.text)
-    assert compared.session.curation.truth.truth.source == "mask.npy"
+    compared.feature(TruthFeature).truth.load(path)
+    hand.wait(lambda: "64 x 64" in compared.canvas_area.messages.text)
+    assert compared.session.review.truth.truth.source == "mask.npy"
 
 
 def test_another_image_has_no_truth_yet(compared, hand, tmp_path) -> None:
@@ -129,7 +129,7 @@ def test_another_image_has_no_truth_yet(compared, hand, tmp_path) -> None:
     np.save(other, disc(10.0))
     compared.session.open(other)
     hand.wait(lambda: compared.session.document.image.name == "other.npy")
-    assert compared.session.curation.truth.truth is None
+    assert compared.session.review.truth.truth is None
     assert hand.canvas.layers["truth"].counts == (0, 0, 0)
     assert compared.panels["truth"].figures["dice"].text() == "–"
 

@@ -26,7 +26,7 @@ from app.model.document import edits
 from app.session.session import Session
 from app.views.application import make_application
 from app.views.canvas.layers.layer import Layer
-from app.views.features.file.files import FilesPart
+from app.views.features.file.files import FilesFeature
 from app.views.main_window import MainWindow
 from cpm_core import Parameters, uniform_grid
 from cpm_core.shapes import Circle, Points
@@ -49,7 +49,7 @@ class Watch:
 
     def __init__(self) -> None:
         self.longest = 0.0
-        self.doing = ""
+        self.activity = ""
         self._at = time.thread_time()
         self._thread = threading.get_ident()
         self._clock = time.pthread_getcpuclockid(self._thread) if hasattr(time, "pthread_getcpuclockid") else None
@@ -76,7 +76,7 @@ class Watch:
         """The loop has come round."""
         now = time.thread_time()
         if now - self._at > self.longest:
-            self.longest, self.doing = now - self._at, self._seen
+            self.longest, self.activity = now - self._at, self._seen
         self._at, self._seen = time.thread_time(), ""
 
     def _look(self) -> None:
@@ -106,7 +106,7 @@ def free(what: str, do: Callable[[], object]) -> None:
             do()
         watches.append(watch)
     best = min(watches, key=lambda watch: watch.longest)
-    assert best.longest <= LONGEST, f"{what} kept the loop waiting for {1e3 * best.longest:.0f} ms:\n{best.doing}"
+    assert best.longest <= LONGEST, f"{what} kept the loop waiting for {1e3 * best.longest:.0f} ms:\n{best.activity}"
 
 
 @pytest.fixture(autouse=True)
@@ -188,7 +188,7 @@ def test_the_watch_sees_what_blocks(qtbot) -> None:
         qtbot.wait(300)
     assert watch.longest > LONGEST
     if hasattr(time, "pthread_getcpuclockid"):
-        assert "in block" in watch.doing
+        assert "in block" in watch.activity
 
 
 def test_nothing_blocks_the_window_while_it_runs(large: MainWindow, hand, qtbot) -> None:
@@ -234,7 +234,7 @@ def test_nothing_blocks_the_window_while_it_runs(large: MainWindow, hand, qtbot)
 
 def test_nothing_blocks_the_window_while_it_is_worked_with(large: MainWindow, hand, qtbot, tmp_path: Path) -> None:
     session = large.session
-    keeper = large.part(FilesPart).keeper
+    document_file = large.feature(FilesFeature).document_file
 
     def edit() -> None:
         for row in range(5):
@@ -247,8 +247,8 @@ def test_nothing_blocks_the_window_while_it_is_worked_with(large: MainWindow, ha
 
     def save() -> None:
         session.edit("draw", lambda document: edits.add_shape(document, Circle((9.0, 9.0), 5.0)))
-        keeper.save(tmp_path / "large.cpm")
-        qtbot.waitUntil(lambda: not keeper.unsaved, timeout=PATIENCE)
+        document_file.save(tmp_path / "large.cpm")
+        qtbot.waitUntil(lambda: not document_file.unsaved, timeout=PATIENCE)
 
     def open_again() -> None:
         session.open(tmp_path / "large.cpm")

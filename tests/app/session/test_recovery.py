@@ -16,8 +16,8 @@ from PySide6.QtWidgets import QMessageBox
 from app.model.document import edits
 from app.session.storage.autosave import KEY, folder_of_journals, lock_of
 from app.session.storage.recovery import left_behind
-from app.views.features.file.files import FilesPart
-from app.views.features.file.recovery import RecoveryPart
+from app.views.features.file.files import FilesFeature
+from app.views.features.file.recovery import RecoveryFeature
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 
@@ -38,7 +38,7 @@ def draw(window, row: float = 20.0) -> None:
 
 
 def journal(window):
-    return window.part(RecoveryPart).journal
+    return window.feature(RecoveryFeature).journal
 
 
 def written(window) -> Path:
@@ -49,9 +49,9 @@ def written(window) -> Path:
 
 
 def offer(window) -> QMessageBox | None:
-    part = window.part(RecoveryPart)
-    part.offer()
-    return part.box
+    feature = window.feature(RecoveryFeature)
+    feature.offer()
+    return feature.box
 
 
 def press(box: QMessageBox, text: str) -> None:
@@ -73,8 +73,8 @@ def test_the_journal_goes_when_the_work_is_saved_taken_back_or_closed(window, ha
     assert not written(window).exists()
     window.session.redo()
     assert written(window).exists()
-    window.part(FilesPart).keeper.save(tmp_path / "a.cpm")
-    hand.wait(lambda: not window.part(FilesPart).keeper.unsaved)
+    window.feature(FilesFeature).document_file.save(tmp_path / "a.cpm")
+    hand.wait(lambda: not window.feature(FilesFeature).document_file.unsaved)
     assert not written(window).exists()
     draw(window, 40.0)
     assert written(window).exists()
@@ -103,16 +103,16 @@ def test_what_was_left_is_restored_with_its_file_and_counts_as_unsaved(window, h
     assert str(session_file) in box.informativeText()
     press(box, "Restore")
     hand.wait(lambda: len(window.session.document.shapes) == 2 and window.session.idle)
-    keeper = window.part(FilesPart).keeper
-    assert keeper.path == session_file
-    assert keeper.unsaved
-    assert "restored" in window.stage.messages.text
+    document_file = window.feature(FilesFeature).document_file
+    assert document_file.path == session_file
+    assert document_file.unsaved
+    assert "restored" in window.canvas_area.messages.text
     assert not left.exists()
     # what was restored is safe again already
     assert load_session(journal(window).path).shapes == window.session.document.shapes
-    assert KEY not in keeper.file.extra
-    keeper.save(session_file)
-    hand.wait(lambda: not keeper.unsaved)
+    assert KEY not in document_file.file.extra
+    document_file.save(session_file)
+    hand.wait(lambda: not document_file.unsaved)
     assert KEY not in load_session(session_file).extra
 
 
@@ -124,7 +124,7 @@ def test_what_is_discarded_is_gone_and_the_next_is_offered(window, image_file) -
     assert "newer.cpm" in box.text()
     press(box, "Discard")
     assert not newer.exists()
-    box = window.part(RecoveryPart).box
+    box = window.feature(RecoveryFeature).box
     assert "older.cpm" in box.text()
     press(box, "Ask me later")
     assert older.exists()
@@ -153,7 +153,7 @@ def test_a_damaged_journal_is_removed_without_a_word(window, content: bytes) -> 
 def test_what_is_left_of_an_image_that_is_gone_says_so_and_stays(window, hand, tmp_path) -> None:
     left = leave(folder_of_journals(), tmp_path / "gone.png")
     press(offer(window), "Restore")
-    hand.wait(lambda: "gone.png" in window.stage.messages.text)
+    hand.wait(lambda: "gone.png" in window.canvas_area.messages.text)
     assert left.exists()
 
 
@@ -164,19 +164,19 @@ from PySide6.QtCore import QSettings, QTimer
 from app.model.document import edits
 from app.views.application import make_application, open_window
 from cpm_core.shapes import Circle
-from app.views.features.file.recovery import RecoveryPart
+from app.views.features.file.recovery import RecoveryFeature
 
 QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, sys.argv[1])
 application = make_application()
 window = open_window(sys.argv[2])
-journal = window.part(RecoveryPart).journal
+journal = window.feature(RecoveryFeature).journal
 journal._timer.setInterval(50)
 
 def work():
     if window.session.document.image is None:
         QTimer.singleShot(20, work)
         return
-    window.stage.canvas.layers["image"].set_opacity(0.25)
+    window.canvas_area.canvas.layers["image"].set_opacity(0.25)
     for radius in (5.0, 6.0, 7.0):
         circle = Circle((30.0, 31.0), radius)
         window.session.edit("draw", lambda document, circle=circle: edits.add_shape(document, circle))
@@ -203,7 +203,7 @@ def test_a_process_that_is_killed_leaves_its_work_to_the_next_window(window, han
     hand.wait(lambda: window.session.document.image.name == "killed.npy")
     assert window.session.document.shapes == tuple(Circle((30.0, 31.0), radius) for radius in (5.0, 6.0, 7.0))
     assert hand.canvas.layers["image"].opacity == 0.25
-    assert window.part(FilesPart).keeper.unsaved
+    assert window.feature(FilesFeature).document_file.unsaved
 
 
 def _journals_with_three_shapes() -> bool:

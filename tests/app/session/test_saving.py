@@ -15,8 +15,8 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMe
 
 from app.model.document import edits
 from app.model.parameters.presets import Preset
-from app.views.features.file.files import FilesPart
-from app.views.features.run.parameters import ParametersPart
+from app.views.features.file.files import FilesFeature
+from app.views.features.run.parameters import ParametersFeature
 from app.views.main_window import MainWindow
 from app.views.theme import theme
 from app.views.window.recent_files import MOST
@@ -38,8 +38,8 @@ def saved_to(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     return path
 
 
-def keeper(window: MainWindow):
-    return window.part(FilesPart).keeper
+def document_file(window: MainWindow):
+    return window.feature(FilesFeature).document_file
 
 
 def draw(window: MainWindow, row: float = 20.0) -> None:
@@ -80,17 +80,17 @@ def test_what_is_saved_by_a_key_is_restored_with_marks_and_view(ready, hand, sav
     seen = canvas.view.viewRect()
     hand.key(KEY.Key_S, CTRL)
     hand.wait(saved_to.exists)
-    hand.wait(lambda: not keeper(ready).unsaved)
+    hand.wait(lambda: not document_file(ready).unsaved)
     document = session.document
     np.save(tmp_path / "other.npy", np.eye(30))
-    ready.part(FilesPart).take([tmp_path / "other.npy"])
+    ready.feature(FilesFeature).take([tmp_path / "other.npy"])
     hand.wait(lambda: session.document.image.name == "other.npy")
     canvas.layers["edge_map"].set_shown(False)
     canvas.layers["image"].set_opacity(1.0)
     drop(ready, saved_to)
     hand.wait(lambda: session.document.image.name == "disc.npy" and session.idle)
     assert session.document == document
-    assert not keeper(ready).unsaved
+    assert not document_file(ready).unsaved
     assert session.situation.undo_name == ""
     assert canvas.layers["image"].opacity == 0.5
     assert canvas.layers["edge_map"].shown
@@ -114,59 +114,59 @@ def test_the_title_tells_the_file_and_whether_it_is_saved(ready, hand, saved_to)
 def test_looking_is_not_work_that_has_to_be_saved(window, hand) -> None:
     hand.canvas.zoom(3.0)
     hand.canvas.layers["image"].set_opacity(0.3)
-    assert not keeper(window).unsaved
+    assert not document_file(window).unsaved
 
 
 def test_saving_again_asks_for_no_file_and_saving_as_keeps_to_the_new_one(
     ready, hand, saved_to, tmp_path, monkeypatch
 ) -> None:
     hand.key(KEY.Key_S, CTRL)
-    hand.wait(lambda: not keeper(ready).unsaved)
+    hand.wait(lambda: not document_file(ready).unsaved)
     second = tmp_path / "second.cpm"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: pytest.fail("asked"))
     draw(ready)
     hand.key(KEY.Key_S, CTRL)
-    hand.wait(lambda: not keeper(ready).unsaved)
+    hand.wait(lambda: not document_file(ready).unsaved)
     assert len(load_session(saved_to).shapes) == 2
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(second), ""))
     hand.key(KEY.Key_S, CTRL | SHIFT)
     hand.wait(second.exists)
-    hand.wait(lambda: keeper(ready).path == second)
+    hand.wait(lambda: document_file(ready).path == second)
     draw(ready)
     hand.key(KEY.Key_S, CTRL)
-    hand.wait(lambda: not keeper(ready).unsaved)
+    hand.wait(lambda: not document_file(ready).unsaved)
     assert len(load_session(second).shapes) == 3
     assert len(load_session(saved_to).shapes) == 2
 
 
 def test_two_savings_in_a_row_leave_the_later_state(ready, hand, saved_to) -> None:
-    keeper(ready).save(saved_to)
+    document_file(ready).save(saved_to)
     draw(ready)
-    keeper(ready).save(saved_to)
+    document_file(ready).save(saved_to)
     draw(ready, 40.0)
-    keeper(ready).save(saved_to)
-    assert keeper(ready).unsaved
-    hand.wait(lambda: not keeper(ready).unsaved)
+    document_file(ready).save(saved_to)
+    assert document_file(ready).unsaved
+    hand.wait(lambda: not document_file(ready).unsaved)
     hand.wait(lambda: ready.session.idle)
     assert len(load_session(saved_to).shapes) == 3
 
 
 def test_what_cannot_be_saved_is_told_and_stays_unsaved(ready, hand, tmp_path) -> None:
-    keeper(ready).save(tmp_path / "no folder" / "a.cpm")
-    hand.wait(lambda: "no folder" in ready.stage.messages.text)
-    assert keeper(ready).unsaved
+    document_file(ready).save(tmp_path / "no folder" / "a.cpm")
+    hand.wait(lambda: "no folder" in ready.canvas_area.messages.text)
+    assert document_file(ready).unsaved
 
 
 def test_what_another_version_has_added_survives_saving(ready, hand, saved_to) -> None:
-    keeper(ready).save(saved_to)
-    hand.wait(lambda: not keeper(ready).unsaved)
+    document_file(ready).save(saved_to)
+    hand.wait(lambda: not document_file(ready).unsaved)
     plain = json.loads(saved_to.read_text())
     saved_to.write_text(json.dumps({**plain, "weather": 3, "mode": "shape"}))
     drop(ready, saved_to)
     hand.wait(lambda: ready.session.idle)
     draw(ready)
     hand.key(KEY.Key_S, CTRL)
-    hand.wait(lambda: not keeper(ready).unsaved)
+    hand.wait(lambda: not document_file(ready).unsaved)
     again = json.loads(saved_to.read_text())
     assert (again["weather"], again["mode"], len(again["shapes"])) == (3, "shape", 2)
 
@@ -184,24 +184,24 @@ def test_what_another_version_has_added_survives_saving(ready, hand, saved_to) -
 def test_a_session_that_cannot_be_used_is_told_and_everything_stays(
     ready, hand, saved_to, spoil: Callable[[Path], object], said: str
 ) -> None:
-    keeper(ready).save(saved_to)
-    hand.wait(lambda: not keeper(ready).unsaved)
+    document_file(ready).save(saved_to)
+    hand.wait(lambda: not document_file(ready).unsaved)
     document = ready.session.document
-    ready.stage.messages.hide()
+    ready.canvas_area.messages.hide()
     spoil(saved_to)
     drop(ready, saved_to)
-    hand.wait(lambda: said in ready.stage.messages.text)
+    hand.wait(lambda: said in ready.canvas_area.messages.text)
     hand.wait(lambda: ready.session.idle)
     assert ready.session.document == document
 
 
 def test_an_image_that_has_changed_since_is_opened_with_a_warning(ready, hand, saved_to, image_file) -> None:
-    keeper(ready).save(saved_to)
-    hand.wait(lambda: not keeper(ready).unsaved and ready.session.idle)
-    ready.stage.messages.hide()
+    document_file(ready).save(saved_to)
+    hand.wait(lambda: not document_file(ready).unsaved and ready.session.idle)
+    ready.canvas_area.messages.hide()
     np.save(image_file, np.load(image_file).T[:, ::-1] + 1.0)
     drop(ready, saved_to)
-    hand.wait(lambda: "has changed since" in ready.stage.messages.text)
+    hand.wait(lambda: "has changed since" in ready.canvas_area.messages.text)
     assert len(ready.session.document.shapes) == 1
 
 
@@ -217,7 +217,7 @@ def test_cancel_keeps_the_window_and_the_image(ready, hand, asked, tmp_path) -> 
     assert ready.isVisible()
     hand.wait(lambda: ready.session.idle)
     assert ready.session.document.image.name == "disc.npy"
-    ready.part(FilesPart).keeper.forget()
+    ready.feature(FilesFeature).document_file.forget()
 
 
 def test_discard_lets_go_of_it(ready, asked) -> None:
@@ -238,14 +238,14 @@ def test_save_that_fails_or_is_not_told_where_to_keeps_the_window(ready, asked, 
         click(STANDARD.Save)
         assert not ready.close()
         assert ready.isVisible()
-    assert "none" in ready.stage.messages.text
-    ready.part(FilesPart).keeper.forget()
+    assert "none" in ready.canvas_area.messages.text
+    ready.feature(FilesFeature).document_file.forget()
 
 
 def test_nothing_is_asked_where_nothing_would_be_lost(window, asked, hand, saved_to) -> None:
     draw(window)
-    keeper(window).save(saved_to)
-    hand.wait(lambda: not keeper(window).unsaved)
+    document_file(window).save(saved_to)
+    hand.wait(lambda: not document_file(window).unsaved)
     assert window.close()
 
 
@@ -262,7 +262,7 @@ def test_points_are_drawn_and_can_be_taken_back(window, hand, tmp_path) -> None:
 
 
 def test_a_preset_that_is_dropped_is_among_the_presets(window, hand, tmp_path) -> None:
-    store = window.part(ParametersPart).keeper.store
+    store = window.feature(ParametersFeature).preset_files.store
     path = tmp_path / "calm.cpmpreset"
     store.save(Preset("Calm", Parameters(beta=1.2)))
     store.hand_out(store.called("Calm"), path)
@@ -275,13 +275,13 @@ def test_of_several_images_dropped_the_first_is_opened_and_that_is_said(window, 
     for name in ("a", "b"):
         np.save(tmp_path / f"{name}.npy", np.eye(20))
     drop(window, tmp_path / "a.npy", tmp_path / "b.npy")
-    assert "a.npy" in window.stage.messages.text
+    assert "a.npy" in window.canvas_area.messages.text
     hand.wait(lambda: window.session.document.image.name == "a.npy")
 
 
 def recent(window: MainWindow) -> list[tuple[str, bool]]:
     menu = QMenu()
-    window.part(FilesPart).recent.fill(menu)
+    window.feature(FilesFeature).recent.fill(menu)
     return [(action.text().partition(" ")[2], action.isEnabled()) for action in menu.actions() if "." in action.text()]
 
 
@@ -293,7 +293,7 @@ def test_files_that_were_open_are_listed_newest_first_and_grey_when_gone(window,
     (tmp_path / "a.npy").unlink()
     assert recent(window) == [("b.npy", True), ("a.npy", False), ("disc.npy", True)]
     menu = QMenu()
-    window.part(FilesPart).recent.fill(menu)
+    window.feature(FilesFeature).recent.fill(menu)
     next(action for action in menu.actions() if "disc" in action.text()).trigger()
     hand.wait(lambda: window.session.document.image.name == "disc.npy")
     menu.actions()[-1].trigger()
@@ -301,7 +301,7 @@ def test_files_that_were_open_are_listed_newest_first_and_grey_when_gone(window,
 
 
 def test_the_list_of_files_stays_short(window, tmp_path) -> None:
-    files = window.part(FilesPart).recent
+    files = window.feature(FilesFeature).recent
     for number in range(MOST + 5):
         files.add(tmp_path / f"{number}.png")
     assert [path.stem for path in files.paths] == [str(number) for number in range(MOST + 4, 4, -1)]

@@ -24,11 +24,11 @@ from PySide6.QtCore import QCoreApplication
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.session.features.timeline_navigation import travel_of
+from app.session.features.timeline_navigation import navigation_of
 from app.session.session import Session
 from app.session.storage.autosave import Journal
 from app.session.storage.recovery import left_behind
-from app.session.storage.session_file import Keeper
+from app.session.storage.session_file import DocumentFile
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Shape
@@ -62,9 +62,9 @@ class SessionMachine(RuleBasedStateMachine):
         self.session = Session()
         self.session.set_pace(None)
         self.session.said.connect(lambda sentence, trouble: self.said.append(sentence) if trouble else None)
-        self.keeper = Keeper(self.session, lambda: {"place": {}})
-        self.journal = Journal(self.keeper, self.folder / "journals")
-        self.travel = travel_of(self.session)
+        self.document_file = DocumentFile(self.session, lambda: {"place": {}})
+        self.journal = Journal(self.document_file, self.folder / "journals")
+        self.navigation = navigation_of(self.session)
         self.past: list[Document] = []
         self.future: list[Document] = []
         self.saved: dict[Path, Document] = {}
@@ -203,46 +203,52 @@ class SessionMachine(RuleBasedStateMachine):
         """Whether the run has come to rest by the user's hand, so that it can be gone through."""
         self.session.pause()
         self.settle()
-        return self.session.status.step > 0 and self.travel.last(self.travel.place[0]) > self.travel.first
+        return self.session.status.step > 0 and self.navigation.last(self.navigation.place[0]) > self.navigation.first
 
     @rule(share=st.floats(0.0, 1.0))
     def seek(self, share: float) -> None:
         if not self.stands():
             return
-        branch, first, last = self.travel.place[0], self.travel.first, self.travel.last(self.travel.place[0])
+        branch, first, last = (
+            self.navigation.place[0],
+            self.navigation.first,
+            self.navigation.last(self.navigation.place[0]),
+        )
         step = round(first + share * (last - first))
-        self.travel.go(branch, step)
+        self.navigation.go(branch, step)
         self.settle()
-        assert self.travel.place == (branch, step)
+        assert self.navigation.place == (branch, step)
         assert self.session.status.step == step
-        assert self.travel.last(branch) == last
+        assert self.navigation.last(branch) == last
 
     @rule(share=st.floats(0.0, 0.9), beta=st.floats(0.1, 3.0))
     def branch(self, share: float, beta: float) -> None:
         if not self.stands() or self.session.status.stale:
             return
-        before = {branch.identity: self.travel.last(branch.identity) for branch in self.travel.outline.branches}
-        branch, last = self.travel.place[0], self.travel.last(self.travel.place[0])
-        step = min(round(self.travel.first + share * (last - self.travel.first)), last - 1)
-        self.travel.go(branch, step)
+        before = {branch.identity: self.navigation.last(branch.identity) for branch in self.navigation.outline.branches}
+        branch, last = self.navigation.place[0], self.navigation.last(self.navigation.place[0])
+        step = min(round(self.navigation.first + share * (last - self.navigation.first)), last - 1)
+        self.navigation.go(branch, step)
         self.settle()
         self.edit(edits.set_parameter(self.now, "beta", beta))
         self.session.step()
         self.settle()
         if self.session.status.step == step:  # it was the end of the run, or nobody was left
             return
-        assert self.travel.place == (self.travel.place[0], step + 1)
+        assert self.navigation.place == (self.navigation.place[0], step + 1)
         for identity, end in before.items():
-            assert self.travel.last(identity) >= end
+            assert self.navigation.last(identity) >= end
 
     # Save, load, recover
 
     @rule(name=st.sampled_from(["a.cpm", "b.cpm"]))
     def save(self, name: str) -> None:
         path = self.folder / name
-        self.keeper.save(path)
+        self.document_file.save(path)
         self.saved[path] = self.now
-        self.wait(lambda: self.session.tasks.idle and self.keeper.path == path and not self.keeper.unsaved)
+        self.wait(
+            lambda: self.session.tasks.idle and self.document_file.path == path and not self.document_file.unsaved
+        )
         file = load_session(path)
         assert (file.shapes, file.parameters) == (self.now.shapes, self.now.parameters)
 
@@ -255,7 +261,7 @@ class SessionMachine(RuleBasedStateMachine):
         self.wait(lambda: self.session.image_generation != before)
         self.settle()
         assert self.session.document == self.saved[path]
-        assert not self.keeper.unsaved
+        assert not self.document_file.unsaved
         assert self.session.status.phase == "ready"
         self.begin()
 
@@ -263,8 +269,8 @@ class SessionMachine(RuleBasedStateMachine):
     def what_is_unsaved_is_in_the_journal(self) -> None:
         self.journal.write()
         self.journal.flush()
-        assert self.journal.path.exists() == self.keeper.unsaved
-        if self.keeper.unsaved:
+        assert self.journal.path.exists() == self.document_file.unsaved
+        if self.document_file.unsaved:
             file = load_session(self.journal.path)
             assert (file.shapes, file.parameters) == (self.now.shapes, self.now.parameters)
         assert left_behind(self.folder / "journals") == []

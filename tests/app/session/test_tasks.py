@@ -15,13 +15,13 @@ from PySide6.QtCore import QObject, Qt
 
 from app.model.state.time_left import SURE_AFTER, in_words, seconds_left
 from app.session.core_functions import Core
-from app.session.exchange.messages import Report, Trouble
+from app.session.exchange.messages import CommandFailed, Report
 from app.session.session import Session
 from app.session.tasks.tasks import Cancelled, Task, Tasks
-from app.session.worker.command_context import Workshop
+from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from app.views.application import make_application
-from app.views.features.run.tasks import TasksPart
+from app.views.features.run.tasks import TasksFeature
 from app.views.main_window import MainWindow
 from app.views.window.task_bar import SHOWN_AFTER, TaskBar
 from cpm_core import Image, load_image
@@ -112,11 +112,11 @@ def test_what_a_task_returns_is_reported_and_what_goes_wrong_is_told(qtbot, task
     def fall(task: Task) -> Report:
         raise ValueError("the disk is full")
 
-    tasks.start("Good", lambda task: Trouble("News."), "being good")
+    tasks.start("Good", lambda task: CommandFailed("News."), "being good")
     qtbot.waitUntil(lambda: settled(tasks), timeout=PATIENCE)
     tasks.start("Bad", fall, "being bad")
     qtbot.waitUntil(lambda: settled(tasks), timeout=PATIENCE)
-    assert reports == [Trouble("News."), Trouble("The disk is full.")]
+    assert reports == [CommandFailed("News."), CommandFailed("The disk is full.")]
 
 
 def test_nothing_comes_of_a_task_that_was_given_up_whether_it_notices_or_not(qtbot, tasks, reports) -> None:
@@ -124,12 +124,12 @@ def test_nothing_comes_of_a_task_that_was_given_up_whether_it_notices_or_not(qtb
 
     def deaf(task: Task) -> Report:
         assert gate.wait(20)
-        return Trouble("Too late.")
+        return CommandFailed("Too late.")
 
     def listening(task: Task) -> Report:
         assert gate.wait(20)
         task.advance(0.5)
-        return Trouble("Too late.")
+        return CommandFailed("Too late.")
 
     for work in (deaf, listening):
         task = tasks.start("Work", work, "working")
@@ -162,7 +162,7 @@ class Wait(Command):
 
     gate: threading.Event
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         assert self.gate.wait(20)
 
 
@@ -202,7 +202,7 @@ def slow_file(tmp_path: Path) -> Path:
 def test_an_image_that_takes_long_is_given_up_by_a_click_and_the_one_before_runs_on(
     ready, hand, slow_file, reader, qtbot
 ) -> None:
-    session, bar = ready.session, ready.part(TasksPart).bar
+    session, bar = ready.session, ready.feature(TasksFeature).bar
     session.set_pace(30.0)
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.status.step >= 1)

@@ -12,8 +12,8 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from app.session.timeline.run_actions import Stepped
 from app.session.timeline.timeline import Timeline
-from app.session.worker.recorded_run import Chronicle
-from app.session.worker.run_record import Recorder
+from app.session.worker.recorded_run import RecordedRun
+from app.session.worker.run_record import RunRecord
 from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
@@ -30,9 +30,9 @@ def toy(count: int = 5) -> State:
     return State(Particles.at_rest(position), position, (64, 64), 1, no_coverage((64, 64)))
 
 
-def toy_step(state: State, deed: object) -> State:
+def toy_step(state: State, action: object) -> State:
     """A step that no two deeds have in common, nor the same deed twice."""
-    kind, value = deed
+    kind, value = action
     particles = state.particles
     position = particles.position * 1.000001 + value + state.step
     moved = replace(state, particles=replace(particles, position=position))
@@ -94,15 +94,15 @@ class TimelineMachine(RuleBasedStateMachine):
     def change_budget(self, budget: int) -> None:
         self.timeline.budget = budget
 
-    def _do(self, deed: tuple[str, int]) -> None:
+    def _do(self, action: tuple[str, int]) -> None:
         timeline, before = self.timeline, self.timeline.here
-        self.state = toy_step(self.state, deed)
-        (timeline.record if deed[0] == "step" else timeline.amend)(deed, self.state)
+        self.state = toy_step(self.state, action)
+        (timeline.record if action[0] == "step" else timeline.amend)(action, self.state)
         branch, step = timeline.here
         if branch not in self.book:
             self.book[branch] = self.book[before[0]][: before[1] + 1]
         book = self.book[branch]
-        if deed[0] == "change":
+        if action[0] == "change":
             assert step == before[1] == len(book) - 1
             book[step] = self.state
         elif step < len(book):
@@ -180,9 +180,9 @@ def test_a_seek_that_nobody_wants_any_more_changes_nothing() -> None:
 def test_steps_backwards_one_after_the_other_cost_about_one_step_each() -> None:
     taken = []
 
-    def counted(state: State, deed: object) -> State:
+    def counted(state: State, action: object) -> State:
         taken.append(state.step)
-        return toy_step(state, deed)
+        return toy_step(state, action)
 
     one = 5 * (2 + 2 + 4 + 4 + 1) * 8
     timeline, state = Timeline(counted, 40 * one + 5_000), toy()
@@ -236,10 +236,10 @@ def test_branches_are_renamed_but_not_to_nothing() -> None:
 def test_steps_of_the_engine_are_recovered_bit_for_bit(budget: int, asked: list[int], compiled_loops: None) -> None:
     engine, slow, fast = ENGINE, Parameters(), Parameters(beta=0.3)
 
-    def again(state: State, deed: object) -> State:
-        return engine.step(state, deed)
+    def apply(state: State, action: object) -> State:
+        return engine.step(state, action)
 
-    timeline, states = Timeline(again, budget), [engine.start(circle((32.0, 32.0), 10.0))]
+    timeline, states = Timeline(apply, budget), [engine.start(circle((32.0, 32.0), 10.0))]
     timeline.begin(states[0])
     for step in range(60):
         parameters = slow if step < 30 else fast
@@ -256,7 +256,7 @@ ENGINE = Engine(np.where(np.hypot(_row - 32, _col - 32) < 18.0, 200.0, 20.0), Pa
 def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit(compiled_loops: None) -> None:
     barrier = Regions(barriers=(((10.0, 20.0), (50.0, 20.0)),))
     charge = (PlacedCharge((20.0, 40.0), 2.0),)
-    parts = (
+    features = (
         Stepped(Parameters()),
         Stepped(Parameters(), charge),
         Stepped(Parameters(), charge, barrier),
@@ -264,41 +264,41 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
         Stepped(Parameters()),
     )
     engines = {None: ENGINE, barrier: ENGINE.with_regions(barrier)}
-    chronicle, recorder, states = Chronicle(), Recorder(), [ENGINE.start(circle((32.0, 32.0), 10.0))]
-    chronicle.set_budget(1)
-    chronicle.begin(ENGINE, states[0], recorder)
+    recorded, record, states = RecordedRun(), RunRecord(), [ENGINE.start(circle((32.0, 32.0), 10.0))]
+    recorded.set_budget(1)
+    recorded.begin(ENGINE, states[0], record)
     for step in range(50):
-        deed = parts[step // 10]
-        engine = engines[deed.regions]
-        states.append(engine.step(states[-1], deed.parameters, deed.charges))
-        recorder.record(states[-1])
-        chronicle.record(deed, states[-1], recorder)
-    assert chronicle.outline.kept <= 2
+        action = features[step // 10]
+        engine = engines[action.regions]
+        states.append(engine.step(states[-1], action.parameters, action.charges))
+        record.record(states[-1])
+        recorded.record(action, states[-1], record)
+    assert recorded.outline.kept <= 2
     for step in (49, 12, 31, 5):
-        state, until = chronicle.go(1, step, lambda: True)
+        state, until = recorded.go(1, step, lambda: True)
         assert same(state, states[step])
-        assert chronicle.outline.parameters == parts[(step - 1) // 10].parameters
-        assert list(until.trace().step) == list(range(1, step + 1))
+        assert recorded.outline.parameters == features[(step - 1) // 10].parameters
+        assert list(until.metrics().step) == list(range(1, step + 1))
 
 
 def test_records_for_plots_follow_their_branches() -> None:
-    chronicle, recorder, state = Chronicle(), Recorder(), toy()
-    chronicle._timeline = Timeline(toy_step, AMPLE)
-    chronicle.begin(ENGINE, state, recorder)
+    recorded, record, state = RecordedRun(), RunRecord(), toy()
+    recorded._timeline = Timeline(toy_step, AMPLE)
+    recorded.begin(ENGINE, state, record)
 
     def go_on(value: int, count: int) -> None:
         nonlocal state
         for _ in range(count):
             state = toy_step(state, ("step", value))
-            recorder.record(replace(state, epsilon=float(value)))
-            chronicle.record(("step", value), state, recorder)
+            record.record(replace(state, epsilon=float(value)))
+            recorded.record(("step", value), state, record)
 
     go_on(1, 20)
-    state, recorder = chronicle.go(1, 5, lambda: True)
+    state, record = recorded.go(1, 5, lambda: True)
     go_on(2, 10)
-    _, first = chronicle.go(1, 20, lambda: True)
-    _, second = chronicle.go(2, 15, lambda: True)
-    assert list(first.trace().epsilon) == [1.0] * 20
-    assert list(second.trace().epsilon) == [1.0] * 5 + [2.0] * 10
-    state, recorder = chronicle.drop(2)
-    assert (state.step, list(recorder.trace().epsilon)) == (5, [1.0] * 5)
+    _, first = recorded.go(1, 20, lambda: True)
+    _, second = recorded.go(2, 15, lambda: True)
+    assert list(first.metrics().epsilon) == [1.0] * 20
+    assert list(second.metrics().epsilon) == [1.0] * 5 + [2.0] * 10
+    state, record = recorded.drop(2)
+    assert (state.step, list(record.metrics().epsilon)) == (5, [1.0] * 5)

@@ -54,16 +54,16 @@ def folder_itself(folder: Path) -> Path:
 def test_a_file_that_cannot_be_used_is_told_in_one_sentence_and_the_image_stays(ready, hand, tmp_path, make) -> None:
     document = ready.session.document
     ready.session.open(make(tmp_path))
-    hand.wait(lambda: bool(ready.stage.messages.text))
+    hand.wait(lambda: bool(ready.canvas_area.messages.text))
     hand.wait(lambda: ready.session.idle)
-    said = ready.stage.messages.text
+    said = ready.canvas_area.messages.text
     assert said.endswith(".")
     assert "\n" not in said
     assert "Something unexpected" not in said
     assert "Traceback" not in said
     assert ready.session.document == document
     hand.key(KEY.Key_Escape)
-    assert ready.stage.messages.text == ""
+    assert ready.canvas_area.messages.text == ""
     hand.key(KEY.Key_Period)
     hand.wait(lambda: ready.session.status.step == 1)
 
@@ -79,8 +79,8 @@ def test_a_file_without_permission_is_told_and_the_image_stays(ready, hand, tmp_
 
     monkeypatch.setattr(Path, "open", refuse)
     ready.session.open(path)
-    hand.wait(lambda: bool(ready.stage.messages.text))
-    assert "permission" in ready.stage.messages.text
+    hand.wait(lambda: bool(ready.canvas_area.messages.text))
+    assert "permission" in ready.canvas_area.messages.text
     assert ready.session.document == document
 
 
@@ -89,22 +89,22 @@ def test_a_run_goes_on_while_another_file_turns_out_to_be_unusable(ready, hand, 
     hand.key(KEY.Key_Space)
     hand.wait(lambda: ready.session.status.step >= 1)
     ready.session.open(no_image(tmp_path))
-    hand.wait(lambda: bool(ready.stage.messages.text))
+    hand.wait(lambda: bool(ready.canvas_area.messages.text))
     step = ready.session.status.step
     hand.wait(lambda: ready.session.status.step > step or ready.session.status.phase == "finished")
 
 
 def test_run_without_a_drawing_says_what_to_do(window, hand) -> None:
     hand.key(KEY.Key_Space)
-    assert "draw a circle" in window.stage.messages.text
+    assert "draw a circle" in window.canvas_area.messages.text
     assert window.session.status.phase == "ready"
 
 
 def test_a_circle_wholly_outside_is_told_and_can_be_put_right(window, hand) -> None:
     window.session.edit("draw", lambda document: edits.add_shape(document, Circle((-50.0, -50.0), 5.0)))
     hand.key(KEY.Key_Space)
-    hand.wait(lambda: bool(window.stage.messages.text))
-    assert "inside" in window.stage.messages.text
+    hand.wait(lambda: bool(window.canvas_area.messages.text))
+    assert "inside" in window.canvas_area.messages.text
     assert window.session.status.phase == "ready"
     window.session.edit("move", lambda document: edits.move_shape(document, 0, (80.0, 80.0)))
     hand.key(KEY.Key_Space)
@@ -113,15 +113,15 @@ def test_a_circle_wholly_outside_is_told_and_can_be_put_right(window, hand) -> N
 
 def test_a_refused_parameter_is_told_and_the_old_value_is_shown_again(window) -> None:
     window.panels["parameters"]._change("scales", 0)
-    assert "scales" in window.stage.messages.text.lower()
+    assert "scales" in window.canvas_area.messages.text.lower()
     assert window.panels["parameters"].rows["scales"].number.value() == window.session.document.parameters.scales
 
 
 def test_more_scales_than_the_image_has_room_for_are_told_at_the_start(ready, hand) -> None:
     ready.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 8))
     hand.key(KEY.Key_Space)
-    hand.wait(lambda: bool(ready.stage.messages.text))
-    assert ready.stage.messages.text.startswith("Scales is 8 but must be from 1 to")
+    hand.wait(lambda: bool(ready.canvas_area.messages.text))
+    assert ready.canvas_area.messages.text.startswith("Scales is 8 but must be from 1 to")
     assert ready.session.status.phase == "ready"
 
 
@@ -130,7 +130,7 @@ def test_a_small_image_opens_with_as_many_scales_as_it_has_room_for_and_says_so(
     window.session.open(tmp_path / "small.npy")
     hand.wait(lambda: window.session.document.image.name == "small.npy")
     assert window.session.document.parameters.scales < 3
-    assert "scales" in window.stage.messages.text
+    assert "scales" in window.canvas_area.messages.text
     window.session.edit("draw", lambda document: edits.add_shape(document, Circle((8.0, 8.0), 4.0)))
     hand.key(KEY.Key_Period)
     hand.wait(lambda: window.session.status.step == 1)
@@ -139,11 +139,11 @@ def test_a_small_image_opens_with_as_many_scales_as_it_has_room_for_and_says_so(
 def test_trouble_stays_until_dismissed_and_news_does_not_hide_it(window) -> None:
     window.session.say("Something is wrong.", True)
     window.session.say("By the way.", False)
-    assert window.stage.messages.text == "Something is wrong."
-    window.stage.messages._button.click()
-    assert window.stage.messages.text == ""
+    assert window.canvas_area.messages.text == "Something is wrong."
+    window.canvas_area.messages._button.click()
+    assert window.canvas_area.messages.text == ""
     window.session.say("By the way.", False)
-    assert window.stage.messages.text == "By the way."
+    assert window.canvas_area.messages.text == "By the way."
 
 
 def test_a_dropped_file_is_opened_and_an_address_elsewhere_is_told(window, hand, tmp_path) -> None:
@@ -158,6 +158,6 @@ def test_a_dropped_file_is_opened_and_an_address_elsewhere_is_told(window, hand,
         window.dropEvent(event)
 
     drop(QUrl("https://example.org/picture.png"))
-    assert "not a file on this computer" in window.stage.messages.text
+    assert "not a file on this computer" in window.canvas_area.messages.text
     drop(QUrl.fromLocalFile(str(path)))
     hand.wait(lambda: window.session.document.image.name == "dropped.npy")

@@ -16,12 +16,12 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.session.core_functions import Core
 from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Failed, Opened, SeedsFound, Snapshot, Trouble, WentOn
+from app.session.exchange.messages import CommandFailed, Opened, RunFailed, SeedsFound, Snapshot, WentOn
 from app.session.exchange.pacing import Pacer
 from app.session.worker.commands.run import Adopt, Discard, FindSeeds, Go, Halt, SetPace, SetParameters, Start, WarmUp
 from app.session.worker.commands.steering import PlaceCharges
-from app.session.worker.run_record import Recorder
-from app.session.worker.worker_thread import Runner
+from app.session.worker.run_record import RunRecord
+from app.session.worker.worker_thread import WorkerThread
 from cpm_core import Image, Parameters, Regions, uniform_grid
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.particles.coverage import Coverage, no_coverage
@@ -113,7 +113,7 @@ class Bench:
         self.hold = threading.Event()
         self.hold.set()
         core = Core(load_image=self._load, engine=self._build, export=lambda *_: None, warm_up=self._warm_up)
-        self.runner = Runner(core)  # type: ignore[arg-type]
+        self.worker_thread = WorkerThread(core)  # type: ignore[arg-type]
         self.reports: list[object] = []
 
     def _load(self, path: Path) -> Image:
@@ -130,11 +130,11 @@ class Bench:
         image = self._load(Path("good.png"))
         engine = self._build(image, Parameters(), None)
         opened = Opened(image, engine, None, Path("good.png"), Parameters(), ())  # type: ignore[arg-type]
-        self.runner.post(Adopt(generation, opened))
+        self.worker_thread.post(Adopt(generation, opened))
         return engine
 
     def take(self) -> None:
-        self.reports += self.runner.reports()
+        self.reports += self.worker_thread.reports()
 
     def wait(self, condition: Callable[[], object]) -> None:
         end = time.monotonic() + 20
@@ -148,8 +148,8 @@ class Bench:
         """Open, start as run 2 and let it go until it stops by itself; return the newest snapshot too."""
         engine = self.open()
         engine.last_step = last_step
-        self.runner.post(Start(2, 1, DOCUMENT))
-        self.runner.post(Go(2))
+        self.worker_thread.post(Start(2, 1, DOCUMENT))
+        self.worker_thread.post(Go(2))
         return engine, self.settle()
 
     def settle(self) -> Snapshot | None:
@@ -157,12 +157,12 @@ class Bench:
         newest: list[Snapshot] = []
 
         def idle() -> bool:
-            snapshot = self.runner.snapshots.take()
+            snapshot = self.worker_thread.snapshots.take()
             if snapshot is not None:
                 newest.append(snapshot)
-            self.runner.reconstructor.results.take()
+            self.worker_thread.reconstructor.results.take()
             self.take()
-            return self.runner.idle
+            return self.worker_thread.idle
 
         self.wait(idle)
         return newest[-1] if newest else None
@@ -174,18 +174,18 @@ def bench() -> Iterator[Bench]:
     yield made
     for engine in made.engines:
         engine.gate.set()
-    made.runner.close()
+    made.worker_thread.close()
 
 
 def test_commands_are_obeyed_in_order_and_none_is_lost(bench: Bench) -> None:
     engine = bench.open()
-    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
     betas = [0.1 * k for k in range(1, 40)]
     for beta in betas:
-        bench.runner.post(SetParameters(Parameters(beta=beta)))
-        bench.runner.post(Go(2, steps=1))
-        bench.runner.post(Halt())
-        bench.runner.post(Go(2, steps=1))
+        bench.worker_thread.post(SetParameters(Parameters(beta=beta)))
+        bench.worker_thread.post(Go(2, steps=1))
+        bench.worker_thread.post(Halt())
+        bench.worker_thread.post(Go(2, steps=1))
     snapshot = bench.settle()
     # Halt may come before or after the step that was asked for, but later parameters never act on earlier steps.
     assert snapshot is not None
@@ -197,10 +197,10 @@ def test_commands_are_obeyed_in_order_and_none_is_lost(bench: Bench) -> None:
 
 def test_parameters_sent_between_steps_act_at_exactly_the_next_one(bench: Bench) -> None:
     engine = bench.open()
-    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
     for beta in (0.5, 1.5, 1.0):
-        bench.runner.post(SetParameters(Parameters(beta=beta)))
-        bench.runner.post(Go(2, steps=1))
+        bench.worker_thread.post(SetParameters(Parameters(beta=beta)))
+        bench.worker_thread.post(Go(2, steps=1))
         bench.settle()
     assert engine.states[-1].betas == (0.5, 1.5, 1.0)
 
@@ -209,41 +209,41 @@ def test_the_newest_snapshot_wins_and_carries_the_whole_trace(bench: Bench) -> N
     _, snapshot = bench.run_to_the_end(2500)
     assert snapshot is not None
     assert (snapshot.state.step, snapshot.state.stop_reason, snapshot.generation) == (2500, "far enough", 2)
-    np.testing.assert_array_equal(snapshot.trace.step, np.arange(1, 2501))
+    np.testing.assert_array_equal(snapshot.metrics.step, np.arange(1, 2501))
 
 
 def test_a_stopped_run_does_not_go_on(bench: Bench) -> None:
     engine, _ = bench.run_to_the_end(3)
-    bench.runner.post(Go(2))
+    bench.worker_thread.post(Go(2))
     assert bench.settle() is None
     assert len(engine.states) == 3
 
 
 def test_a_stopped_run_goes_on_with_other_parameters(bench: Bench) -> None:
     engine, _ = bench.run_to_the_end(3)
-    bench.runner.post(SetParameters(Parameters(beta=1.5)))
-    bench.runner.post(Go(2))
+    bench.worker_thread.post(SetParameters(Parameters(beta=1.5)))
+    bench.worker_thread.post(Go(2))
     bench.settle()
     assert [state.betas[-1] for state in engine.states] == [0.8, 0.8, 0.8, 1.5]
 
 
 def test_what_was_meant_for_another_image_or_run_is_not_obeyed(bench: Bench) -> None:
     engine = bench.open(generation=5)
-    bench.runner.post(Start(6, 4, DOCUMENT))
-    bench.runner.post(Go(6))
-    bench.runner.post(Start(7, 5, DOCUMENT))
-    bench.runner.post(Discard(8))
-    bench.runner.post(Go(7))
+    bench.worker_thread.post(Start(6, 4, DOCUMENT))
+    bench.worker_thread.post(Go(6))
+    bench.worker_thread.post(Start(7, 5, DOCUMENT))
+    bench.worker_thread.post(Discard(8))
+    bench.worker_thread.post(Go(7))
     bench.settle()
     assert engine.states == []
 
 
 def test_other_scales_make_another_engine_at_the_next_start_only(bench: Bench) -> None:
     bench.open()
-    bench.runner.post(SetParameters(Parameters(scales=2)))
+    bench.worker_thread.post(SetParameters(Parameters(scales=2)))
     bench.settle()
     assert len(bench.engines) == 1
-    bench.runner.post(Start(2, 1, replace(DOCUMENT, parameters=Parameters(scales=2))))
+    bench.worker_thread.post(Start(2, 1, replace(DOCUMENT, parameters=Parameters(scales=2))))
     bench.settle()
     assert [engine.scales for engine in bench.engines] == [3, 2]
 
@@ -253,45 +253,45 @@ def test_limits_go_to_another_engine_at_the_next_start_and_stay_until_they_chang
     barrier = Barrier(((1.0, 1.0), (1.0, 9.0)))
     limited = replace(DOCUMENT, shapes=(*DOCUMENT.shapes, barrier))
     for generation, document in enumerate((limited, limited, DOCUMENT), start=2):
-        bench.runner.post(Start(generation, 1, document))
+        bench.worker_thread.post(Start(generation, 1, document))
         bench.settle()
     assert [engine.regions for engine in bench.engines] == [None, Regions(barriers=(barrier.points,)), None]
 
 
 def test_placed_charges_act_at_the_next_step_and_of_many_moves_the_last_wins(bench: Bench) -> None:
     engine = bench.open()
-    bench.runner.post(Start(2, 1, DOCUMENT))
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
     bench.settle()
     bench.hold = threading.Event()
-    bench.runner.post(WarmUp())
+    bench.worker_thread.post(WarmUp())
     charges = [(PlacedCharge((1.0, float(col)), 1.0),) for col in range(9)]
     for placed in charges:
-        bench.runner.post(PlaceCharges(1, placed))
-    bench.runner.post(Go(2, steps=1))
+        bench.worker_thread.post(PlaceCharges(1, placed))
+    bench.worker_thread.post(Go(2, steps=1))
     bench.hold.set()
     bench.settle()
-    bench.runner.post(PlaceCharges(1, ()))
-    bench.runner.post(PlaceCharges(0, charges[3]))
-    bench.runner.post(PlaceCharges(1, ()))
-    bench.runner.post(Go(2, steps=1))
+    bench.worker_thread.post(PlaceCharges(1, ()))
+    bench.worker_thread.post(PlaceCharges(0, charges[3]))
+    bench.worker_thread.post(PlaceCharges(1, ()))
+    bench.worker_thread.post(Go(2, steps=1))
     bench.settle()
     assert engine.charges == [charges[-1], ()]
 
 
 def test_a_run_that_has_ended_goes_on_when_a_charge_is_placed_and_a_halted_one_does_not(bench: Bench) -> None:
     engine = bench.open()
-    bench.runner.post(Start(2, 1, DOCUMENT))
-    bench.runner.post(Go(2, steps=2))
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
+    bench.worker_thread.post(Go(2, steps=2))
     bench.settle()
-    bench.runner.post(PlaceCharges(1, (PlacedCharge((1.0, 1.0), 1.0),)))
+    bench.worker_thread.post(PlaceCharges(1, (PlacedCharge((1.0, 1.0), 1.0),)))
     bench.settle()
     assert len(engine.states) == 2
     engine.last_step = 3
-    bench.runner.post(Go(2))
+    bench.worker_thread.post(Go(2))
     bench.settle()
     assert engine.states[-1].stop_reason
     engine.last_step = 6
-    bench.runner.post(PlaceCharges(1, ()))
+    bench.worker_thread.post(PlaceCharges(1, ()))
     bench.settle()
     assert len(engine.states) == 6
     assert [report.generation for report in bench.reports if isinstance(report, WentOn)] == [2]
@@ -302,10 +302,10 @@ def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(ben
     bench.settle()
     engine_is_busy = threading.Event()
     bench.hold = engine_is_busy
-    bench.runner.post(WarmUp())
+    bench.worker_thread.post(WarmUp())
     documents = [edits.toggle_everywhere(replace(DOCUMENT, parameters=Parameters(smoothing=s)), "grid") for s in (1, 2)]
     for document in (*documents, *documents):
-        bench.runner.post(FindSeeds(1, document))
+        bench.worker_thread.post(FindSeeds(1, document))
     engine_is_busy.set()
     bench.settle()
     (sowing,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
@@ -317,8 +317,8 @@ def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_r
     bench.open()
     region = Region(((10.0, 10.0), (10.0, 40.0), (30.0, 40.0), (30.0, 10.0)))
     document = edits.toggle_everywhere(Document(shapes=(region,)), "grid")
-    bench.runner.post(FindSeeds(1, document))
-    bench.runner.post(Start(2, 1, document))
+    bench.worker_thread.post(FindSeeds(1, document))
+    bench.worker_thread.post(Start(2, 1, document))
     bench.settle()
     (sowing,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
     grid = uniform_grid((64, 64))
@@ -329,28 +329,28 @@ def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_r
 
 def test_an_engine_that_fails_is_reported_in_a_sentence_and_the_worker_lives(bench: Bench, caplog) -> None:
     bench.open()
-    bench.runner.post(Start(2, 1, DOCUMENT))
-    bench.runner.post(SetParameters(Parameters(beta=4.0)))
-    bench.runner.post(Go(2))
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
+    bench.worker_thread.post(SetParameters(Parameters(beta=4.0)))
+    bench.worker_thread.post(Go(2))
     bench.settle()
-    (failed,) = [report for report in bench.reports if isinstance(report, Failed)]
+    (failed,) = [report for report in bench.reports if isinstance(report, RunFailed)]
     assert failed.generation == 2
     assert "kernel fell over" in failed.sentence
     assert "kernel fell over" in caplog.text
-    bench.runner.post(SetParameters(Parameters()))
-    bench.runner.post(Go(2, steps=2))
+    bench.worker_thread.post(SetParameters(Parameters()))
+    bench.worker_thread.post(Go(2, steps=2))
     snapshot = bench.settle()
     assert snapshot is not None
     assert snapshot.state.step == 2
 
 
 def test_a_start_without_an_image_or_a_drawing_is_refused_in_words(bench: Bench) -> None:
-    bench.runner.post(Start(1, 0, DOCUMENT))
+    bench.worker_thread.post(Start(1, 0, DOCUMENT))
     bench.settle()
     bench.open(generation=2)
-    bench.runner.post(Start(3, 2, Document()))
+    bench.worker_thread.post(Start(3, 2, Document()))
     bench.settle()
-    failures = [report.sentence for report in bench.reports if isinstance(report, Failed)]
+    failures = [report.sentence for report in bench.reports if isinstance(report, RunFailed)]
     assert len(failures) == 2
     assert "open one first" in failures[0]
     assert "draw a circle" in failures[1]
@@ -360,15 +360,15 @@ def test_the_last_state_is_always_reconstructed(bench: Bench) -> None:
     engine = bench.open()
     engine.last_step = 400
     results = []
-    bench.runner.post(Start(2, 1, DOCUMENT))
-    bench.runner.post(Go(2))
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
+    bench.worker_thread.post(Go(2))
 
     def done() -> bool:
-        bench.runner.snapshots.take()
-        reconstruction = bench.runner.reconstructor.results.take()
+        bench.worker_thread.snapshots.take()
+        reconstruction = bench.worker_thread.reconstructor.results.take()
         if reconstruction is not None:
             results.append(reconstruction.result.steps)
-        return bench.runner.idle
+        return bench.worker_thread.idle
 
     bench.wait(done)
     assert results[-1] == 400
@@ -378,22 +378,22 @@ def test_the_last_state_is_always_reconstructed(bench: Bench) -> None:
 def test_closing_waits_for_the_step_that_is_being_taken_and_no_more(bench: Bench) -> None:
     engine = bench.open()
     engine.gate.clear()
-    bench.runner.post(Start(2, 1, DOCUMENT))
-    bench.runner.post(Go(2))
-    bench.wait(lambda: bench.runner.snapshots.take() is not None)
-    closing = threading.Thread(target=bench.runner.close)
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
+    bench.worker_thread.post(Go(2))
+    bench.wait(lambda: bench.worker_thread.snapshots.take() is not None)
+    closing = threading.Thread(target=bench.worker_thread.close)
     closing.start()
     engine.gate.set()
     closing.join(20)
     assert not closing.is_alive()
-    bench.runner.close()
+    bench.worker_thread.close()
 
 
 def test_warming_up_is_done_on_the_worker(bench: Bench) -> None:
-    bench.runner.post(WarmUp())
+    bench.worker_thread.post(WarmUp())
     bench.settle()
     assert bench.warm.is_set()
-    assert not [report for report in bench.reports if isinstance(report, Trouble | Opened)]
+    assert not [report for report in bench.reports if isinstance(report, CommandFailed | Opened)]
 
 
 def test_a_mailbox_gives_the_newest_once() -> None:
@@ -412,13 +412,13 @@ def a_state(step: int, epsilon: float, count: int) -> State:
 
 
 def test_a_trace_given_out_never_changes() -> None:
-    recorder = Recorder()
-    recorder.record(a_state(1, 0.5, 10))
-    first = recorder.trace()
+    record = RunRecord()
+    record.record(a_state(1, 0.5, 10))
+    first = record.metrics()
     for step in range(2, 3000):
-        recorder.record(a_state(step, 0.1, 20))
+        record.record(a_state(step, 0.1, 20))
     assert (first.step.tolist(), first.epsilon.tolist(), first.count.tolist()) == ([1.0], [0.5], [10.0])
-    assert len(recorder.trace().step) == 2999
+    assert len(record.metrics().step) == 2999
 
 
 def test_the_pacer_spaces_steps_evenly_and_does_not_make_up_for_a_pause() -> None:
@@ -444,11 +444,11 @@ def test_the_pacer_spaces_steps_evenly_and_does_not_make_up_for_a_pause() -> Non
 def test_the_pace_can_be_changed_while_a_slow_step_is_waited_for(bench: Bench) -> None:
     engine = bench.open()
     engine.last_step = 50
-    bench.runner.post(SetPace(0.01))
-    bench.runner.post(Start(2, 1, DOCUMENT))
-    bench.runner.post(Go(2))
+    bench.worker_thread.post(SetPace(0.01))
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
+    bench.worker_thread.post(Go(2))
     bench.wait(lambda: len(engine.states) >= 1)
-    bench.runner.post(SetPace(None))
+    bench.worker_thread.post(SetPace(None))
     snapshot = bench.settle()
     assert snapshot is not None
     assert snapshot.state.step == 50

@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
-from app.views.features.run.running import RunningPart
+from app.views.features.run.running import RunningFeature
 from cpm_core import Regions
 from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Region, Stroke
@@ -99,13 +99,13 @@ def test_escape_gives_up_a_path_and_leaves_nothing_to_undo(window, hand, key) ->
     hand.click(10, 40)
     hand.move(40, 40)
     assert window.session.document.shapes == ()
-    assert "Esc gives up" in window.stage.hint.text()
+    assert "Esc gives up" in window.canvas_area.hint.text()
     hand.canvas.setFocus()
     hand.key(KEY.Key_Escape)
     hand.key(KEY.Key_Return)
     assert window.session.document.shapes == ()
     assert not window.actions_by_name["undo"].isEnabled()
-    assert "Esc gives up" not in window.stage.hint.text()
+    assert "Esc gives up" not in window.canvas_area.hint.text()
 
 
 def test_backspace_takes_back_the_last_corner_and_leaves_the_selected_shape_alone(ready, hand) -> None:
@@ -129,7 +129,7 @@ def test_a_single_click_makes_nothing_and_says_how(window, hand, key) -> None:
     hand.click(20, 20)
     hand.key(KEY.Key_Return)
     assert window.session.document.shapes == ()
-    assert "corner by corner" in window.stage.messages.text
+    assert "corner by corner" in window.canvas_area.messages.text
 
 
 def test_another_tool_gives_up_the_path_that_was_begun(window, hand) -> None:
@@ -186,10 +186,10 @@ def test_limits_alone_ask_for_a_start_and_go_to_the_engine_in_px_of_the_image(wi
     draw(hand, KEY.Key_B, CORNERS[:2])
     region, barrier = window.session.document.shapes
     assert window.session.document.regions == Regions(interest=(region.points,), barriers=(barrier.points,))
-    assert "where particles start" in window.stage.hint.text()
+    assert "where particles start" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Space)
     assert window.session.status.phase == "ready"
-    assert "nothing to start from" in window.stage.messages.text
+    assert "nothing to start from" in window.canvas_area.messages.text
 
 
 def test_a_limit_drawn_during_a_run_acts_in_it_at_once(ready, hand) -> None:
@@ -205,8 +205,8 @@ def test_a_limit_drawn_during_a_run_acts_in_it_at_once(ready, hand) -> None:
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
     assert session.generation == generation
-    assert len(ready.part(RunningPart)._snapshot.position) > 10
-    assert ready.part(RunningPart)._snapshot.position[:, 0].max() < 40.0 + PIXEL
+    assert len(ready.feature(RunningFeature)._snapshot.position) > 10
+    assert ready.feature(RunningFeature)._snapshot.position[:, 0].max() < 40.0 + PIXEL
 
 
 def test_a_region_beside_the_image_is_refused_in_a_sentence(ready, hand) -> None:
@@ -215,7 +215,7 @@ def test_a_region_beside_the_image_is_refused_in_a_sentence(ready, hand) -> None
     draw(hand, KEY.Key_I, ((70.0, 70.0), (70.0, 90.0), (90.0, 90.0)))
     hand.key(KEY.Key_Space)
     hand.wait(lambda: ready.session.idle)
-    assert ready.stage.messages.text.startswith("Region of interest 1 holds no pixel")
+    assert ready.canvas_area.messages.text.startswith("Region of interest 1 holds no pixel")
     assert ready.session.status.phase == "ready"
 
 

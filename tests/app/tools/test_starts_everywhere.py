@@ -76,7 +76,7 @@ def test_it_is_selected_in_turn_and_deleted_like_any_shape(ready, hand) -> None:
     hand.key(KEY.Key_N)
     hand.key(KEY.Key_N)
     assert isinstance(ready.session.document.shapes[ready.session.selected], Everywhere)
-    assert "takes back" in ready.stage.hint.text()
+    assert "takes back" in ready.canvas_area.hint.text()
     hand.key(KEY.Key_Up)
     hand.key(KEY.Key_Delete)
     assert not ready.session.document.sowable
@@ -110,7 +110,7 @@ def test_the_window_says_that_it_is_looking_for_places_and_what_went_wrong(windo
     assert window.panels["run"].status.state.startswith("Looking for places")
     hand.wait(lambda: window.session.idle)
     assert window.panels["run"].status.state == "Ready"
-    assert "out of places" in window.stage.messages.text
+    assert "out of places" in window.canvas_area.messages.text
     assert "out of places" in caplog.text
 
 

@@ -31,7 +31,7 @@ def test_a_drag_with_the_circle_tool_draws_from_the_center_to_the_pointer(window
 def test_a_click_with_the_circle_tool_draws_nothing_and_says_how(window, hand) -> None:
     hand.click(30, 20)
     assert window.session.document.shapes == ()
-    assert "drag" in window.stage.messages.text
+    assert "drag" in window.canvas_area.messages.text
 
 
 def test_escape_takes_back_the_circle_being_drawn_and_leaves_nothing_to_undo(window, hand) -> None:

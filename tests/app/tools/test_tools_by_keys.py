@@ -38,7 +38,7 @@ def drawn(window):
 
 
 def test_enter_shows_the_cross_hair_in_the_middle_and_arrows_lead_it(window, hand, keys) -> None:
-    crosshair = window.stage.crosshair
+    crosshair = window.canvas_area.crosshair
     assert crosshair.at is None
     keys("!")
     assert crosshair.at == pytest.approx((32, 32), abs=1)
@@ -46,10 +46,10 @@ def test_enter_shows_the_cross_hair_in_the_middle_and_arrows_lead_it(window, han
     keys("v>.>.^.")
     assert crosshair.at == (row + 9, col + 2)
     assert window.pointer_readout.text().startswith(f"row {row + 9:.0f}, col {col + 2:.0f}:")
-    assert "cross-hair" in window.stage.hint.text()
+    assert "cross-hair" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Escape)
     assert crosshair.at is None
-    assert "cross-hair" not in window.stage.hint.text()
+    assert "cross-hair" not in window.canvas_area.hint.text()
 
 
 PATHS = {"polygon": Polygon, "stroke": Stroke, "grid_area": Grid, "threshold": Threshold, "region": Region}
@@ -59,7 +59,7 @@ PATHS = {"polygon": Polygon, "stroke": Stroke, "grid_area": Grid, "threshold": T
 def test_paths_are_drawn_corner_by_corner_and_ended_by_a_second_enter(window, hand, keys, name) -> None:
     hand.key(KEYS[name])
     keys("!")
-    row, col = window.stage.crosshair.at
+    row, col = window.canvas_area.crosshair.at
     keys("!v!>!!")
     (shape,) = drawn(window)
     assert type(shape) is {**PATHS, "barrier": Barrier}[name]
@@ -69,7 +69,7 @@ def test_paths_are_drawn_corner_by_corner_and_ended_by_a_second_enter(window, ha
 def test_the_last_corner_is_taken_back_and_ctrl_enter_ends_a_path(window, hand, keys) -> None:
     hand.key(KEYS["stroke"])
     keys("!")
-    row, col = window.stage.crosshair.at
+    row, col = window.canvas_area.crosshair.at
     keys("!v!>!")
     hand.key(KEY.Key_Backspace)
     hand.key(KEY.Key_Return, MODIFIER.ControlModifier)
@@ -81,7 +81,7 @@ def test_the_last_corner_is_taken_back_and_ctrl_enter_ends_a_path(window, hand, 
 def test_circles_and_ellipses_are_dragged(window, hand, keys, name, kind) -> None:
     hand.key(KEYS[name])
     keys("!")
-    row, col = window.stage.crosshair.at
+    row, col = window.canvas_area.crosshair.at
     keys("!>v!>")
     (shape,) = drawn(window)
     assert shape == (
@@ -92,7 +92,7 @@ def test_circles_and_ellipses_are_dragged(window, hand, keys, name, kind) -> Non
 def test_points_are_placed_one_enter_each(window, hand, keys) -> None:
     hand.key(KEYS["points"])
     keys("!")
-    row, col = window.stage.crosshair.at
+    row, col = window.canvas_area.crosshair.at
     keys("!>!v!")
     assert drawn(window) == tuple(Points((at,)) for at in ((row, col), (row, col + 10), (row + 10, col + 10)))
 
@@ -101,7 +101,7 @@ def test_points_are_placed_one_enter_each(window, hand, keys) -> None:
 def test_a_charge_is_dropped_led_and_let_go_and_taken_hold_of_again(window, hand, keys, name) -> None:
     hand.key(KEYS[name])
     keys("!")
-    row, col = window.stage.crosshair.at
+    row, col = window.canvas_area.crosshair.at
     keys("!>>!v")
     (charge,) = drawn(window)
     assert charge.position == (row, col + 20)
@@ -126,7 +126,7 @@ def test_the_eraser_and_the_spray_work_between_two_enters(window, hand, keys) ->
 
 def test_a_shape_and_its_handle_are_dragged_with_the_select_tool(window, hand, keys) -> None:
     keys("!")
-    row, col = window.stage.crosshair.at
+    row, col = window.canvas_area.crosshair.at
     window.session.edit("add", lambda document: edits.add_shape(document, Circle((row, col), 10.0)))
     hand.key(KEYS["select"])
     keys("!>!")
@@ -140,18 +140,18 @@ def test_escape_gives_up_the_drag_before_it_puts_the_cross_hair_away(window, han
     assert len(drawn(window)) == 1
     hand.key(KEY.Key_Escape)
     assert drawn(window) == ()
-    assert window.stage.crosshair.at is not None
+    assert window.canvas_area.crosshair.at is not None
     assert not hand.canvas.dragging
     hand.key(KEY.Key_Escape)
-    assert window.stage.crosshair.at is None
+    assert window.canvas_area.crosshair.at is None
 
 
 def test_a_press_of_the_pointer_takes_over_from_the_cross_hair(window, hand, keys) -> None:
     keys("!")
     hand.move(5, 5)
-    assert window.stage.crosshair.at == pytest.approx((32, 32), abs=1)
+    assert window.canvas_area.crosshair.at == pytest.approx((32, 32), abs=1)
     hand.drag((20, 20), (20, 25), (20, 28))
-    assert window.stage.crosshair.at is None
+    assert window.canvas_area.crosshair.at is None
     (circle,) = drawn(window)
     assert circle.radius == pytest.approx(8, abs=0.5)
 
@@ -159,7 +159,7 @@ def test_a_press_of_the_pointer_takes_over_from_the_cross_hair(window, hand, key
 def test_the_image_follows_the_cross_hair_out_of_sight(window, hand, keys) -> None:
     hand.canvas.zoom(8.0)
     keys("!>>>vvv")
-    assert hand.canvas.view.viewRect().contains(*reversed(window.stage.crosshair.at))
+    assert hand.canvas.view.viewRect().contains(*reversed(window.canvas_area.crosshair.at))
 
 
 def test_enter_on_an_empty_stage_does_nothing_and_space_still_runs(window, hand, keys) -> None:
@@ -167,7 +167,7 @@ def test_enter_on_an_empty_stage_does_nothing_and_space_still_runs(window, hand,
     keys("!")
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
-    assert window.stage.crosshair.at is not None
+    assert window.canvas_area.crosshair.at is not None
 
 
 def test_a_question_mark_opens_the_sheet_of_all_keys_and_closes_it(window, hand) -> None:
@@ -198,6 +198,6 @@ def test_the_strength_and_place_of_a_charge_are_changed_by_keys_alone(window, ha
     (charge,) = drawn(window)
     assert charge.strength == Charge((0.0, 0.0)).strength + 0.5
     hand.key(KEY.Key_Escape)
-    assert f"of strength {charge.strength:g}" in window.stage.hint.text()
+    assert f"of strength {charge.strength:g}" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Down)
     assert drawn(window)[0].position == (charge.position[0] + 1, charge.position[1])

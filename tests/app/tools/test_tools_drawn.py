@@ -101,7 +101,7 @@ def test_an_ellipse_is_resized_and_turned_by_its_handles_whichever_tool_is_in_us
 def test_a_closed_line_is_drawn_corner_by_corner_and_its_particles_are_shown(window, hand, key, kind) -> None:
     hand.canvas.setFocus()
     hand.key(key)
-    assert "corner by corner" in window.stage.hint.text()
+    assert "corner by corner" in window.canvas_area.hint.text()
     for corner in CORNERS:
         hand.click(*corner)
     hand.key(KEY.Key_Return)
@@ -151,12 +151,12 @@ def test_less_and_greater_change_the_size_of_the_selected_shape_and_undo_brings_
 
 def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_in_one_place(window, hand) -> None:
     hand.key(KEY.Key_Y)
-    assert "spray" in window.stage.hint.text()
+    assert "spray" in window.canvas_area.hint.text()
     way = [(20.0, 20.0), (20.0, 30.0), (30.0, 40.0), (40.0, 40.0)]
     hand.drag(*way)
     points = only(window)
     assert isinstance(points, Points)
-    radius = window.stage.canvas.tool.radius
+    radius = window.canvas_area.canvas.tool.radius
     positions = np.array(points.positions)
     assert len(positions) > 5
     assert polyline.distances(way, positions).max() <= radius + PIXEL

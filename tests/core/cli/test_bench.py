@@ -21,7 +21,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.segmentation.segment import segment
 
 KEYS = ["part", "what", "value", "unit", "peer", "peer_value", "error", "growth", "note", "ratio"]
-PARTS = ["run", "field", "coulomb", "step", "reconstruction", "start"]
+FEATURES = ["run", "field", "coulomb", "step", "reconstruction", "start"]
 
 
 @pytest.fixture(scope="module")
@@ -44,8 +44,8 @@ def command(monkeypatch, capsys, measured):
 
 
 def test_every_part_is_measured_beside_something(measured):
-    assert list(dict.fromkeys(row.part for row in measured)) == PARTS
-    for part in PARTS:
+    assert list(dict.fromkeys(row.part for row in measured)) == FEATURES
+    for part in FEATURES:
         assert any(row.part == part and row.ratio for row in measured)
     for row in measured:
         assert row.value > 0.0

@@ -11,7 +11,7 @@ from cpm_core import Parameters, circle, segment
 from cpm_core.contours.bridge import Bridge
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import REACH, Mark, Neighbourhood, anchor, apply, attached, curated, distances, middle
+from cpm_core.contours.review import REACH, Mark, Neighbourhood, anchor, apply, attached, distances, middle, reviewed
 
 
 def ring(row: float, col: float, radius: float, count: int = 60, turn: float = 0.0) -> Contour:
@@ -44,7 +44,7 @@ def test_marks_find_their_contours_though_those_have_moved_turned_and_changed_pl
     marks = [Mark(anchor(first, index), "rejected", f"ring {index}") for index in chosen]
     again = [ring(30 + 40 * (i // 3) + down, 30 + 40 * (i % 3) + right, 8.0 + i // 3 + 3 * (i % 3), 47, turn)
              for i in order]  # fmt: skip
-    for one in curated(again, marks):
+    for one in reviewed(again, marks):
         index = order[one.index]
         assert (one.mark.name if one.mark else "") == (f"ring {index}" if index in chosen else "")
         assert one.contour.name == (f"ring {index}" if index in chosen else "")
@@ -86,15 +86,15 @@ def test_a_contour_that_splits_leaves_its_mark_with_the_piece_at_the_anchor() ->
     whole = line((10, 10), (10, 110))
     mark = Mark(anchor([whole], 0), "kept", "vein")
     left, right = line((10, 10), (10, 40)), line((10, 44), (10, 110))
-    assert [one.contour.name for one in curated([left, right], [mark])] == ["", "vein"]
-    assert [one.contour.name for one in curated([left], [mark])] == [""]
+    assert [one.contour.name for one in reviewed([left, right], [mark])] == ["", "vein"]
+    assert [one.contour.name for one in reviewed([left], [mark])] == [""]
 
 
 def test_of_two_marks_on_what_has_become_one_contour_the_nearer_one_counts_and_both_come_back() -> None:
     marks = [Mark((10.4, 20.0), name="left"), Mark((10.1, 80.0), name="right")]
-    assert [one.contour.name for one in curated([line((10, 0), (10, 100))], marks)] == ["right"]
+    assert [one.contour.name for one in reviewed([line((10, 0), (10, 100))], marks)] == ["right"]
     apart = [line((10, 60), (10, 100)), line((10, 0), (10, 40))]
-    assert [one.contour.name for one in curated(apart, marks)] == ["right", "left"]
+    assert [one.contour.name for one in reviewed(apart, marks)] == ["right", "left"]
 
 
 def test_an_anchor_keeps_away_from_what_could_be_taken_for_its_contour() -> None:
@@ -162,5 +162,5 @@ def test_marks_survive_a_run_from_another_start() -> None:
         Mark(anchor(first.contours, i), name=f"{c.points[:, 1].mean() > 60}") for i, c in enumerate(first.contours)
     ]
     assert len(first.contours) == len(second.contours) == 2
-    for one in curated(second.contours, marks):
+    for one in reviewed(second.contours, marks):
         assert one.contour.name == f"{one.contour.points[:, 1].mean() > 60}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.session.worker.command_context import Workshop
+from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 
 
@@ -14,6 +14,6 @@ class WatchEnergy(Command):
 
     wanted: bool
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Set the gauge."""
-        shop.run.gauge.wanted = self.wanted
+        context.run.energy_sampler.wanted = self.wanted

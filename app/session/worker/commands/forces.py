@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Report
-from app.session.worker.command_context import Workshop
+from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from cpm_core.numerics.polyline import Position
 
@@ -63,27 +63,27 @@ class Probe(Command):
     reach: float
 
     latest_only = True
-    doing = "working out the forces on a particle"
+    activity = "working out the forces on a particle"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Find it and ask the engine."""
-        engine, state = shop.run.engine, shop.run.state
-        if engine is None or state is None or self.generation != shop.run.generation:
-            shop.report(Probed(self.generation, -1))
+        engine, state = context.run.engine, context.run.state
+        if engine is None or state is None or self.generation != context.run.generation:
+            context.report(Probed(self.generation, -1))
             return
         position = state.position
         distance = np.hypot(*(position - self.place).T)
         nearest = int(distance.argmin()) if len(distance) else -1
         if nearest < 0 or distance[nearest] > self.reach:
-            shop.report(Probed(self.generation, state.step))
+            context.report(Probed(self.generation, state.step))
             return
-        found = engine.forces(state, shop.run.parameters, state.charges, [nearest])
+        found = engine.forces(state, context.run.parameters, state.charges, [nearest])
         size = 2.0**state.scale
         at = (float(position[nearest, 0]), float(position[nearest, 1]))
         forces = {name: size * getattr(found, name)[0] for name in NAMES}
-        shop.report(Probed(self.generation, state.step, int(state.particles.identity[nearest]), at, forces))
+        context.report(Probed(self.generation, state.step, int(state.particles.identity[nearest]), at, forces))
 
-    def refusal(self, error: Exception) -> Report:
+    def failure_report(self, error: Exception) -> Report:
         """There is none; who points would be told so in every frame, so that nothing is said."""
-        logging.getLogger(__name__).error("%s", sentence(error, self.doing))
+        logging.getLogger(__name__).error("%s", sentence(error, self.activity))
         return Probed(self.generation, -1)

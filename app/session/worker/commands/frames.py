@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.session.exchange.contour_tracking import Surveyor
+from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Reconstruction, Report, Snapshot
 from app.session.tasks.tasks import Task
-from app.session.worker.command_context import Workshop
+from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from app.session.worker.commands.timeline import Compared
 
@@ -38,32 +38,32 @@ class TakeFrame(Command):
     contours: bool
     compared: int | None = None
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Find it."""
-        run = shop.run
+        run = context.run
         if self.task.over:
             return
         if self.generation != run.generation:
-            shop.report(FrameTaken(self.task))
+            context.report(FrameTaken(self.task))
             return
 
         def wanted() -> bool:
-            return not (self.task.over or shop.closing())
+            return not (self.task.over or context.closing())
 
         moment = run.moment(self.branch, self.step, wanted)
-        other = run.chronicle.state(self.compared, self.step, wanted) if self.compared is not None else None
+        other = run.recorded.state(self.compared, self.step, wanted) if self.compared is not None else None
         if moment is None or not wanted():
             return
         contours, beside = None, Compared(self.generation)
         if self.contours and moment.state.step > 0:
             result = run.result_of(moment.state)
-            contours = Reconstruction(self.generation, result, Surveyor().survey(result, thorough=False))
+            contours = Reconstruction(self.generation, result, ContourTracker().track(result, thorough=False))
         if other is not None:
             found = run.result_of(other) if self.contours and other.step > 0 else None
             beside = Compared(self.generation, self.compared, other, other.position, found)
-        shop.report(FrameTaken(self.task, moment, contours, beside))
+        context.report(FrameTaken(self.task, moment, contours, beside))
 
-    def refusal(self, error: Exception) -> Report:
+    def failure_report(self, error: Exception) -> Report:
         """The film cannot be made."""
         return FrameTaken(self.task, sentence=sentence(error, "taking a picture of a step"))
 

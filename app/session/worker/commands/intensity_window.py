@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.model.display import shades
-from app.model.display.shades import Shades, Window
+from app.model.display.shades import DisplayImage, Window
 from app.session.exchange.messages import Report
-from app.session.worker.command_context import Workshop
+from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from cpm_core.image.image import Image
 
@@ -28,7 +28,7 @@ class Shaded(Report):
 
     image: Image
     window: Window
-    shades: Shades
+    shades: DisplayImage
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -39,12 +39,12 @@ class FindWindow(Command):
     percent: float
 
     latest_only = True
-    doing = "looking for the range of grey values"
+    activity = "looking for the range of grey values"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Find it."""
         low, high = shades.window_without(self.image.values, self.percent)
-        shop.report(WindowFound(self.image, self.percent, low, high))
+        context.report(WindowFound(self.image, self.percent, low, high))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,8 +55,8 @@ class Shade(Command):
     window: Window
 
     latest_only = True
-    doing = "changing the levels"
+    activity = "changing the levels"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Make them."""
-        shop.report(Shaded(self.image, self.window, shades.windowed(self.image.values, self.window)))
+        context.report(Shaded(self.image, self.window, shades.windowed(self.image.values, self.window)))

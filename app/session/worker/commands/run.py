@@ -13,9 +13,9 @@ from typing import ClassVar
 
 from app.model.document.document import Document
 from app.session.exchange.error_messages import sentence
-from app.session.exchange.messages import Exported, Failed, Opened, Report, SeedsFound, Trouble, WarmedUp
+from app.session.exchange.messages import CommandFailed, Exported, Opened, Report, RunFailed, SeedsFound, WarmedUp
 from app.session.tasks.tasks import Task
-from app.session.worker.command_context import Workshop
+from app.session.worker.command_context import CommandContext
 from cpm_core.contours.review import Mark, apply
 from cpm_core.parameters import Parameters
 from cpm_core.shapes.image_starts import NO_SEEDS
@@ -29,16 +29,16 @@ class Command:
     latest_only: ClassVar[bool] = False
     """Whether of many in a row, as while a slider is moved, only the last is worth the work."""
 
-    doing: ClassVar[str] = "working"
+    activity: ClassVar[str] = "working"
     """What it does, as it stands after "while" in a sentence on trouble."""
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Do it."""
         raise NotImplementedError
 
-    def refusal(self, error: Exception) -> Report:
+    def failure_report(self, error: Exception) -> Report:
         """What is reported when it cannot be done."""
-        return Trouble(sentence(error, self.doing))
+        return CommandFailed(sentence(error, self.activity))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,11 +48,11 @@ class Adopt(Command):
     generation: int
     opened: Opened
 
-    doing = "changing to another image"
+    activity = "changing to another image"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Change to it."""
-        shop.run.use(self.generation, self.opened.engine, self.opened.parameters)
+        context.run.use(self.generation, self.opened.engine, self.opened.parameters)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,14 +63,14 @@ class Start(Command):
     image_generation: int
     document: Document
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Begin it; nobody moves yet."""
-        if self.image_generation == shop.run.image_generation:
-            shop.run.start(self.generation, self.document)
+        if self.image_generation == context.run.image_generation:
+            context.run.start(self.generation, self.document)
 
-    def refusal(self, error: Exception) -> Report:
+    def failure_report(self, error: Exception) -> Report:
         """There is no run."""
-        return Failed(self.generation, sentence(error, "starting"))
+        return RunFailed(self.generation, sentence(error, "starting"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,19 +80,19 @@ class Go(Command):
     generation: int
     steps: int | None = None
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Set the run going."""
-        if self.generation == shop.run.generation:
-            shop.run.go(self.steps)
+        if self.generation == context.run.generation:
+            context.run.go(self.steps)
 
 
 @dataclass(frozen=True, slots=True)
 class Halt(Command):
     """Stop stepping and keep the particles."""
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Stop."""
-        shop.run.halt()
+        context.run.halt()
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,9 +101,9 @@ class Discard(Command):
 
     generation: int
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Forget them."""
-        shop.run.discard(self.generation)
+        context.run.discard(self.generation)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,11 +112,11 @@ class SetParameters(Command):
 
     parameters: Parameters
 
-    doing = "changing parameters"
+    activity = "changing parameters"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Use them."""
-        shop.run.set_parameters(self.parameters)
+        context.run.set_parameters(self.parameters)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,9 +125,9 @@ class SetPace(Command):
 
     steps_per_second: float | None
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Keep to it."""
-        shop.run.pacer.limit(self.steps_per_second)
+        context.run.pacer.limit(self.steps_per_second)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,11 +136,11 @@ class SetOverlays(Command):
 
     names: frozenset[str]
 
-    doing = "preparing what lies over the image"
+    activity = "preparing what lies over the image"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Send them up now and whenever they change."""
-        shop.run.set_overlays(self.names)
+        context.run.set_overlays(self.names)
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,12 +152,12 @@ class FindSeeds(Command):
 
     latest_only = True
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Find them."""
-        if self.image_generation == shop.run.image_generation:
-            shop.report(SeedsFound(self.image_generation, shop.run.seeds_for(self.document)))
+        if self.image_generation == context.run.image_generation:
+            context.report(SeedsFound(self.image_generation, context.run.seeds_for(self.document)))
 
-    def refusal(self, error: Exception) -> Report:
+    def failure_report(self, error: Exception) -> Report:
         """There are none."""
         return SeedsFound(self.image_generation, NO_SEEDS, sentence(error, "looking for places to start from"))
 
@@ -170,34 +170,34 @@ class Export(Command):
     task: Task
     marks: tuple[Mark, ...] = ()
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Write it."""
         try:
-            result = None if self.task.cancelled else shop.run.result()
+            result = None if self.task.cancelled else context.run.result()
             if result is not None and not self.task.cancelled:
-                shop.core.export(apply(result, self.marks), self.path)
-                shop.report(Exported(self.path))
+                context.core.export(apply(result, self.marks), self.path)
+                context.report(Exported(self.path))
         finally:
             self.task.end()
 
-    def refusal(self, error: Exception) -> Report:
+    def failure_report(self, error: Exception) -> Report:
         """Nothing has been written."""
-        return Trouble(sentence(error, f"writing {self.path.name}"))
+        return CommandFailed(sentence(error, f"writing {self.path.name}"))
 
 
 @dataclass(frozen=True, slots=True)
 class WarmUp(Command):
     """Compile or load the kernels, so that the first step does not wait for them."""
 
-    doing = "preparing"
+    activity = "preparing"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Compile or load them."""
-        shop.core.warm_up(shop.closing)
+        context.core.warm_up(context.closing)
         # All that is loaded by now stays; looking through it for garbage would hold up the window for frames, even a
         # single time.
         gc.freeze()
-        shop.report(WarmedUp())
+        context.report(WarmedUp())
 
 
 @dataclass(frozen=True, slots=True)

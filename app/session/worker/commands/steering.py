@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from app.model.document.document import Document
 from app.session.exchange.messages import WentOn
-from app.session.worker.command_context import Workshop
+from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
@@ -21,12 +21,12 @@ class PlaceCharges(Command):
     charges: tuple[PlacedCharge, ...]
 
     latest_only = True
-    doing = "placing charges"
+    activity = "placing charges"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Place them."""
-        if self.image_generation == shop.run.image_generation:
-            _tell(shop, shop.run.place(self.charges))
+        if self.image_generation == context.run.image_generation:
+            _tell(context, context.run.place(self.charges))
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,12 +37,12 @@ class Limit(Command):
     regions: Regions | None
 
     latest_only = True
-    doing = "changing what limits the particles"
+    activity = "changing what limits the particles"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Hold them back."""
-        if self.generation == shop.run.generation:
-            _tell(shop, shop.run.limit(self.regions))
+        if self.generation == context.run.generation:
+            _tell(context, context.run.limit(self.regions))
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +52,12 @@ class Join(Command):
     generation: int
     document: Document
 
-    doing = "adding particles"
+    activity = "adding particles"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Add them."""
-        if self.generation == shop.run.generation:
-            _tell(shop, shop.run.join(self.document))
+        if self.generation == context.run.generation:
+            _tell(context, context.run.join(self.document))
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,14 +68,14 @@ class Erase(Command):
     path: tuple[Position, ...]
     radius: float
 
-    doing = "erasing particles"
+    activity = "erasing particles"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Take them away."""
-        if self.generation == shop.run.generation:
-            shop.run.erase(self.path, self.radius)
+        if self.generation == context.run.generation:
+            context.run.erase(self.path, self.radius)
 
 
-def _tell(shop: Workshop, went_on: bool) -> None:
+def _tell(context: CommandContext, went_on: bool) -> None:
     if went_on:
-        shop.report(WentOn(shop.run.generation))
+        context.report(WentOn(context.run.generation))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from app.model.display.difference import Difference, difference
 from app.session.exchange.messages import Array, Report
-from app.session.worker.command_context import Workshop
+from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from cpm_core.contours.result import Result
 from cpm_core.particles.state import State
@@ -27,12 +27,12 @@ class Seek(Command):
     wanted: Callable[[], bool] = _always
 
     latest_only = True
-    doing = "going to another step"
+    activity = "going to another step"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Go there."""
-        if self.generation == shop.run.generation:
-            shop.run.go_to(self.branch, self.step, lambda: self.wanted() and not shop.closing())
+        if self.generation == context.run.generation:
+            context.run.go_to(self.branch, self.step, lambda: self.wanted() and not context.closing())
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,13 +43,13 @@ class RenameBranch(Command):
     branch: int
     name: str
 
-    doing = "renaming a branch"
+    activity = "renaming a branch"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Rename it."""
-        if self.generation == shop.run.generation:
-            shop.run.chronicle.rename(self.branch, self.name)
-            shop.run.tell()
+        if self.generation == context.run.generation:
+            context.run.recorded.rename(self.branch, self.name)
+            context.run.tell()
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +59,12 @@ class DropBranch(Command):
     generation: int
     branch: int
 
-    doing = "deleting a branch"
+    activity = "deleting a branch"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Forget it."""
-        if self.generation == shop.run.generation:
-            shop.run.drop_branch(self.branch)
+        if self.generation == context.run.generation:
+            context.run.drop_branch(self.branch)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,12 +73,12 @@ class SetTimelineBudget(Command):
 
     budget: int
 
-    doing = "making room"
+    activity = "making room"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Make room."""
-        shop.run.chronicle.set_budget(self.budget)
-        shop.run.tell()
+        context.run.recorded.set_budget(self.budget)
+        context.run.tell()
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,20 +103,20 @@ class Compare(Command):
     against: Result | None = None
 
     latest_only = True
-    doing = "comparing branches"
+    activity = "comparing branches"
 
-    def obey(self, shop: Workshop) -> None:
+    def execute(self, context: CommandContext) -> None:
         """Find it."""
-        run = shop.run
+        run = context.run
         if self.branch is None or self.generation != run.generation:
-            shop.report(Compared(self.generation))
+            context.report(Compared(self.generation))
             return
-        state = run.chronicle.state(self.branch, self.step, lambda: not shop.closing())
+        state = run.recorded.state(self.branch, self.step, lambda: not context.closing())
         if state is None:
             return
         result = run.result_of(state) if self.against is not None and state.step > 0 else None
         apart = difference(self.against, result) if self.against is not None and result is not None else None
-        shop.report(Compared(self.generation, self.branch, state, state.position, result, apart))
+        context.report(Compared(self.generation, self.branch, state, state.position, result, apart))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

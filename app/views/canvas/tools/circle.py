@@ -14,7 +14,7 @@ class CircleTool(Dragged):
     """Draws a circle from its centre."""
 
     name = "circle"
-    doing = tr("draw circle")
+    activity = tr("draw circle")
     slip = tr("Keep the button down and drag to draw a circle from its centre.")
     by_keys = tr("Enter begins at the centre, arrow keys lead the rim, Enter ends.")
 

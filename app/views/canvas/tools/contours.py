@@ -20,23 +20,23 @@ class ContourTool(Momentary):
 
     def __init__(self, session: Session) -> None:
         super().__init__()
-        self._curation = session.curation
+        self._review = session.review
 
     @property
     def advice(self) -> str:
         """What can be done to contours."""
-        if self._curation.selected:
+        if self._review.selected:
             return tr("X rejects, K keeps, Enter names; Shift-click selects more.")
-        return tr("Click a contour to select it.") if self._curation.items else ""
+        return tr("Click a contour to select it.") if self._review.items else ""
 
     def press(self, at: Position, reach: float) -> None:
         """Select what lies under the pointer, or nothing."""
-        key = self._curation.under(at, reach)
+        key = self._review.under(at, reach)
         more = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
         if not QGuiApplication.keyboardModifiers() & more:
-            self._curation.select(() if key is None else (key,))
+            self._review.select(() if key is None else (key,))
         elif key is not None:
-            self._curation.select(self._curation.selected ^ {key})
+            self._review.select(self._review.selected ^ {key})
 
     def drag(self, at: Position) -> None:
         """Nothing is moved."""
@@ -46,10 +46,10 @@ class ContourTool(Momentary):
 
     def cancel(self) -> None:
         """Highlight nothing any more."""
-        self._curation.hover(None)
+        self._review.hover(None)
 
     def cursor(self, at: Position, reach: float) -> Cursor:
         """A hand over a contour, which is highlighted: it is asked for whenever the pointer moves."""
-        key = self._curation.under(at, reach)
-        self._curation.hover(key)
+        key = self._review.under(at, reach)
+        self._review.hover(key)
         return Cursor.ArrowCursor if key is None else Cursor.PointingHandCursor

@@ -23,7 +23,7 @@ class Dragged(Momentary):
     """
 
     name: ClassVar[str]
-    doing: ClassVar[str]
+    activity: ClassVar[str]
     """What is done, as it stands after "Undo"."""
     slip: ClassVar[str]
     """What is said when the pointer has not been moved."""
@@ -51,10 +51,10 @@ class Dragged(Momentary):
             shape, index = self.shape(self._begin, at), self._index
             if self._drawn:
                 self._session.edit(
-                    self.doing, lambda document: edits.replace_shape(document, index, shape), self._gesture
+                    self.activity, lambda document: edits.replace_shape(document, index, shape), self._gesture
                 )
             else:
-                self._session.edit(self.doing, lambda document: edits.add_shape(document, shape), self._gesture)
+                self._session.edit(self.activity, lambda document: edits.add_shape(document, shape), self._gesture)
             self._session.select(index)
 
     def release(self) -> None:
@@ -69,7 +69,7 @@ class Dragged(Momentary):
         """Take it back."""
         if self._begin is not None and self._drawn:
             index = self._index
-            self._session.edit(self.doing, lambda document: edits.delete_shape(document, index), self._gesture)
+            self._session.edit(self.activity, lambda document: edits.delete_shape(document, index), self._gesture)
         self._begin = None
         self._session.seal()
 

@@ -17,7 +17,7 @@ class EllipseTool(Dragged):
     """Draws an ellipse from corner to corner of its box; with Ctrl from its centre, with Shift as a circle."""
 
     name = "ellipse"
-    doing = tr("draw ellipse")
+    activity = tr("draw ellipse")
     slip = tr("Keep the button down and drag to draw an ellipse.")
     guidance = tr("Drag a box around the ellipse; Shift makes it round, Ctrl draws it from its centre.")
     by_keys = tr("Enter begins at a corner of its box, arrow keys lead the opposite one, Enter ends.")

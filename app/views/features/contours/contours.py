@@ -14,43 +14,43 @@ from app.model.text.language import tr
 from app.views.canvas.naming import NameField
 from app.views.panels.contour_table import ContourPanel
 from app.views.theme.colours import fill_colours
-from app.views.widgets.entry import STATE, Entry, Submenu
-from app.views.window.part import Desk, Panel, Part
+from app.views.widgets.entry import STATE, ActionSpec, Submenu
+from app.views.window.feature import Feature, FeatureContext, Panel
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 
 
-class ContoursPart(Part):
+class ContoursFeature(Feature):
     """What is done to contours once they are found."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        session, canvas = desk.session, desk.stage.canvas
-        self._curation = session.curation
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        session, canvas = context.session, context.canvas_area.canvas
+        self._review = session.review
         self._layer = canvas.layers.contours
         self.panel = ContourPanel(session, self._fill_colours)
-        self.name_field = NameField(canvas, self._curation)
+        self.name_field = NameField(canvas, self._review)
         self._keys = _CanvasKeys(self)
         canvas.installEventFilter(self._keys)
-        canvas.pointed.connect(lambda at: self._curation.hover(None) if at is None else None)
-        self._curation.selection_changed.connect(session.status_changed)
-        self.panel.buttons["keep"].clicked.connect(lambda: self._curation.judge("kept"))
-        self.panel.buttons["reject"].clicked.connect(lambda: self._curation.judge("rejected"))
+        canvas.pointed.connect(lambda at: self._review.hover(None) if at is None else None)
+        self._review.selection_changed.connect(session.status_changed)
+        self.panel.buttons["keep"].clicked.connect(lambda: self._review.judge("kept"))
+        self.panel.buttons["reject"].clicked.connect(lambda: self._review.judge("rejected"))
         self.panel.buttons["name"].clicked.connect(self.panel.table.name_selected)
 
-    def entries(self) -> Sequence[Entry | Submenu]:
+    def entries(self) -> Sequence[ActionSpec | Submenu]:
         """Table, selection, verdicts, names, colours."""
         return (
-            Entry(
+            ActionSpec(
                 name="contour_table",
                 menu="Contours",
                 text=tr("&Table of contours"),
-                do=lambda: self.desk.reveal("contours"),
+                do=lambda: self.context.reveal("contours"),
                 shortcuts=("Ctrl+T",),
                 tip=tr("Show what is known about each contour."),
             ),
-            Entry(
+            ActionSpec(
                 name="next_contour",
                 menu="Contours",
                 text=tr("Select ne&xt contour"),
@@ -60,35 +60,35 @@ class ContoursPart(Part):
                 gap=True,
                 when=self._any,
             ),
-            Entry(
+            ActionSpec(
                 name="all_contours",
                 menu="Contours",
                 text=tr("Select &all contours"),
-                do=lambda: self._curation.select(item.key for item in self._curation.items),
+                do=lambda: self._review.select(item.key for item in self._review.items),
                 shortcuts=("Ctrl+A",),
                 tip=tr("Select all contours."),
                 when=self._any,
             ),
-            Entry(
+            ActionSpec(
                 name="keep",
                 menu="Contours",
                 text=tr("&Keep"),
-                do=lambda: self._curation.judge("kept"),
+                do=lambda: self._review.judge("kept"),
                 shortcuts=("K",),
                 tip=tr("Say that the selected contours are right; once more takes it back."),
                 gap=True,
                 when=self._chosen,
             ),
-            Entry(
+            ActionSpec(
                 name="reject",
                 menu="Contours",
                 text=tr("&Reject"),
-                do=lambda: self._curation.judge("rejected"),
+                do=lambda: self._review.judge("rejected"),
                 shortcuts=("X",),
                 tip=tr("Leave the selected contours out of what is exported; once more takes it back."),
                 when=self._chosen,
             ),
-            Entry(
+            ActionSpec(
                 name="name_contour",
                 menu="Contours",
                 text=tr("&Name…"),
@@ -98,15 +98,15 @@ class ContoursPart(Part):
                 when=self._chosen,
             ),
             Submenu(name="colours", menu="Contours", text=tr("&Colour"), fill=self._fill_colours),
-            Entry(
+            ActionSpec(
                 name="forget_verdicts",
                 menu="Contours",
                 text=tr("&Forget verdicts, names and colours"),
-                do=lambda: self.desk.session.edit(tr("forget verdicts, names and colours"), marking.clear_marks),
+                do=lambda: self.context.session.edit(tr("forget verdicts, names and colours"), marking.clear_marks),
                 tip=tr("Begin anew with what has been said about contours."),
                 when=lambda situation: bool(situation.document.marks),
             ),
-            Entry(
+            ActionSpec(
                 name="show_rejected",
                 menu="Contours",
                 text=tr("&Show rejected contours"),
@@ -135,7 +135,7 @@ class ContoursPart(Part):
 
     def ask_name(self) -> None:
         """Ask for the name of the contour selected, on the canvas or in the table, wherever the hand is."""
-        chosen = self._curation.chosen
+        chosen = self._review.chosen
         if self.panel.table.hasFocus():
             self.panel.table.name_selected()
         elif chosen:
@@ -148,42 +148,42 @@ class ContoursPart(Part):
         if key in _ENTER:
             self.ask_name()
         elif key in _DELETE:
-            self._curation.judge("rejected")
+            self._review.judge("rejected")
         return key in _ENTER or key in _DELETE
 
     @property
     def _picking(self) -> bool:
-        tool = self.desk.stage.canvas.tool
-        return tool is not None and tool.name == "contours" and bool(self._curation.selected)
+        tool = self.context.canvas_area.canvas.tool
+        return tool is not None and tool.name == "contours" and bool(self._review.selected)
 
     def _any(self, situation: Situation) -> bool:
-        return bool(self._curation.items)
+        return bool(self._review.items)
 
     def _chosen(self, situation: Situation) -> bool:
-        return bool(self._curation.selected)
+        return bool(self._review.selected)
 
     def _select_next(self) -> None:
-        keys = [item.key for item in self._curation.items]
-        at = max((keys.index(key) for key in self._curation.selected if key in keys), default=-1)
+        keys = [item.key for item in self._review.items]
+        at = max((keys.index(key) for key in self._review.selected if key in keys), default=-1)
         if keys:
-            self._curation.select((keys[(at + 1) % len(keys)],))
+            self._review.select((keys[(at + 1) % len(keys)],))
 
     def _fill_colours(self, menu: QMenu) -> None:
-        fill_colours(menu, self.desk.window, self._curation.paint)
+        fill_colours(menu, self.context.window, self._review.paint)
         menu.setEnabled(True)
         for action in menu.actions():
-            action.setEnabled(bool(self._curation.selected))
+            action.setEnabled(bool(self._review.selected))
 
 
 class _CanvasKeys(QObject):
     """Keys of the canvas that concern contours."""
 
-    def __init__(self, part: ContoursPart) -> None:
-        super().__init__(part.desk.window)
-        self._part = part
+    def __init__(self, feature: ContoursFeature) -> None:
+        super().__init__(feature.context.window)
+        self._feature = feature
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Take those keys while contours are picked."""
         if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
-            return self._part.take_key(event.key())
+            return self._feature.take_key(event.key())
         return False

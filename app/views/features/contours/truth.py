@@ -11,8 +11,8 @@ from app.model.display.differences import Difference
 from app.model.state.situation import Situation, has_image
 from app.model.text.language import tr
 from app.views.panels.contour_table.truth_panel import TruthPanel
-from app.views.widgets.entry import Entry
-from app.views.window.part import Desk, Panel, Part
+from app.views.widgets.entry import ActionSpec
+from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.formats import READABLE
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE
 
@@ -20,23 +20,23 @@ _SPAN = 48.0
 """Side of what is shown of a place that is jumped to, at least [px of the image]."""
 
 
-class TruthPart(Part):
+class TruthFeature(Feature):
     """What contours are compared with."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        self.truth = desk.session.curation.truth
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.truth = context.session.review.truth
         self.panel = TruthPanel(self.truth)
         self._folder = ""
         self.panel.load_wanted.connect(self._load)
         self.panel.jump_wanted.connect(self._jump)
-        self.truth.changed.connect(desk.session.status_changed)
-        self.truth.compared.connect(desk.session.status_changed)
+        self.truth.changed.connect(context.session.status_changed)
+        self.truth.compared.connect(context.session.status_changed)
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Load, forget, look at the worst."""
         return (
-            Entry(
+            ActionSpec(
                 name="load_truth",
                 menu="Contours",
                 text=tr("Compare with &truth…"),
@@ -46,7 +46,7 @@ class TruthPart(Part):
                 gap=True,
                 when=has_image,
             ),
-            Entry(
+            ActionSpec(
                 name="worst_place",
                 menu="Contours",
                 text=tr("Look at the &worst place"),
@@ -54,7 +54,7 @@ class TruthPart(Part):
                 tip=tr("Show where contours and truth are farthest from each other."),
                 when=self._differs,
             ),
-            Entry(
+            ActionSpec(
                 name="next_place",
                 menu="Contours",
                 text=tr("Look at the next pla&ce"),
@@ -63,7 +63,7 @@ class TruthPart(Part):
                 tip=tr("Show the next place where they differ."),
                 when=self._differs,
             ),
-            Entry(
+            ActionSpec(
                 name="forget_truth",
                 menu="Contours",
                 text=tr("Compare no &longer"),
@@ -90,10 +90,10 @@ class TruthPart(Part):
         return self.truth.verified is not None and bool(self.truth.verified.differences)
 
     def _load(self) -> None:
-        self.desk.reveal("truth")
+        self.context.reveal("truth")
         patterns = " ".join(f"*{suffix}" for suffix in dict.fromkeys((*READABLE, *CONTOURS_READABLE)))
         filters = tr("Masks and contours ({patterns});;All files (*)").format(patterns=patterns)
-        chosen, _ = QFileDialog.getOpenFileName(self.desk.window, tr("Compare with truth"), self._folder, filters)
+        chosen, _ = QFileDialog.getOpenFileName(self.context.window, tr("Compare with truth"), self._folder, filters)
         if chosen:
             self._folder = str(Path(chosen).parent)
             self.truth.load(chosen)
@@ -102,4 +102,4 @@ class TruthPart(Part):
         low, high = difference.points.min(axis=0), difference.points.max(axis=0)
         span = max(_SPAN, 1.4 * float((high - low).max()))
         row, col = (0.5 * (low + high)).tolist()
-        self.desk.stage.canvas.look_at((row, col), span)
+        self.context.canvas_area.canvas.look_at((row, col), span)

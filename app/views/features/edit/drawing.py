@@ -9,10 +9,10 @@ from app.model.document import edits
 from app.model.document.naming import describe
 from app.model.state.situation import Condition, has_image
 from app.model.text.language import tr
-from app.views.canvas.stage import FIRST_TOOL
+from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
-from app.views.widgets.entry import STATE, Entry
-from app.views.window.part import Part
+from app.views.widgets.entry import STATE, ActionSpec
+from app.views.window.feature import Feature
 from cpm_core.shapes import Everywhere, Kind
 
 _STARTS: tuple[tuple[Kind, str, str, str], ...] = (
@@ -27,17 +27,17 @@ _STARTS: tuple[tuple[Kind, str, str, str], ...] = (
 )
 
 
-class DrawingPart(Part):
+class DrawingFeature(Feature):
     """What the initialization and its limits are drawn with."""
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Tools, starts everywhere, and a circle for those who have no pointer."""
         tools = [
-            Entry(
+            ActionSpec(
                 name=tool.name,
                 menu="Draw",
                 text=tool.text,
-                do=partial(self.desk.stage.use_tool, tool.name),
+                do=partial(self.context.canvas_area.use_tool, tool.name),
                 shortcuts=(tool.shortcut,) if tool.shortcut else (),
                 tip=tool.tip,
                 icon=tool.name,
@@ -49,7 +49,7 @@ class DrawingPart(Part):
             for index, tool in enumerate(TOOLS)
         ]
         starts = [
-            Entry(
+            ActionSpec(
                 name=f"start_{kind}",
                 menu="Draw",
                 text=text,
@@ -64,28 +64,28 @@ class DrawingPart(Part):
             )
             for index, (kind, text, keys, tip) in enumerate(_STARTS)
         ]
-        middle = Entry(
+        middle = ActionSpec(
             name="add_circle",
             menu="Draw",
             text=tr("Add circle in the &middle"),
-            do=self.desk.stage.add_circle,
+            do=self.context.canvas_area.add_circle,
             shortcuts=("Ctrl+K",),
             tip=tr("Add a circle in the middle of what is seen."),
             gap=True,
             when=has_image,
         )
-        keyed = Entry(
+        keyed = ActionSpec(
             name="cross_hair",
             menu="Draw",
             text=tr("Draw by &keys"),
-            do=self.desk.stage.crosshair.toggle,
+            do=self.context.canvas_area.crosshair.toggle,
             tip=tr("Show a cross-hair that arrow keys move, for the tool in use; Enter on the image does the same."),
             when=has_image,
         )
         return (*tools, *starts, middle, keyed)
 
     def _toggle(self, start: Everywhere) -> None:
-        session = self.desk.session
+        session = self.context.session
         name = describe(start)
         if start in session.document.shapes:
             name = tr("end {start}").format(start=name)

@@ -8,18 +8,18 @@ from app.model.document import edits
 from app.model.state.resolve import resolve
 from app.model.state.situation import can_redo, can_undo, has_selection, has_shapes
 from app.model.text.language import tr
-from app.views.widgets.entry import Entry
-from app.views.window.part import Part
+from app.views.widgets.entry import ActionSpec
+from app.views.window.feature import Feature
 
 
-class EditingPart(Part):
+class EditingFeature(Feature):
     """What changes the document without the pointer."""
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Undo, redo, selection, deletion."""
-        session = self.desk.session
+        session = self.context.session
         return (
-            Entry(
+            ActionSpec(
                 name="undo",
                 menu="Edit",
                 text=tr("Undo"),
@@ -31,7 +31,7 @@ class EditingPart(Part):
                 when=can_undo,
                 worded=lambda situation: resolve(situation).undo_text,
             ),
-            Entry(
+            ActionSpec(
                 name="redo",
                 menu="Edit",
                 text=tr("Redo"),
@@ -43,7 +43,7 @@ class EditingPart(Part):
                 when=can_redo,
                 worded=lambda situation: resolve(situation).redo_text,
             ),
-            Entry(
+            ActionSpec(
                 name="select_next",
                 menu="Edit",
                 text=tr("Select &next shape"),
@@ -53,15 +53,15 @@ class EditingPart(Part):
                 gap=True,
                 when=has_shapes,
             ),
-            Entry(
+            ActionSpec(
                 name="escape",
                 menu="Edit",
                 text=tr("Gi&ve up"),
-                do=self.desk.stage.escape,
+                do=self.context.canvas_area.escape,
                 shortcuts=("Escape",),
                 tip=tr("Give up what is being drawn, else select nothing and hide messages."),
             ),
-            Entry(
+            ActionSpec(
                 name="delete",
                 menu="Edit",
                 text=tr("&Delete"),
@@ -71,7 +71,7 @@ class EditingPart(Part):
                 gap=True,
                 when=has_selection,
             ),
-            Entry(
+            ActionSpec(
                 name="clear",
                 menu="Edit",
                 text=tr("Delete &all shapes"),

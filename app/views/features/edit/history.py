@@ -7,15 +7,15 @@ from collections.abc import Sequence
 from app.model.text.language import tr
 from app.views.panels.history import HistoryPanel
 from app.views.theme.theme import Theme
-from app.views.window.part import Desk, Panel, Part
+from app.views.window.feature import Feature, FeatureContext, Panel
 
 
-class HistoryPart(Part):
+class HistoryFeature(Feature):
     """What has been done and undone."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        session = desk.session
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        session = context.session
         self.panel = HistoryPanel(session.go_to)
         session.document_changed.connect(lambda _: self.panel.show_changes(*session.changes))
         self.panel.show_changes(*session.changes)

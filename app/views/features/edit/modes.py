@@ -10,20 +10,20 @@ from app.model.document.document import Mode
 from app.model.document.modes import MODES, use_mode
 from app.model.state.situation import Condition
 from app.model.text.language import tr
-from app.views.widgets.entry import STATE, Entry
+from app.views.widgets.entry import STATE, ActionSpec
 from app.views.window.dialogs import ask_for_export
-from app.views.window.part import Part
+from app.views.window.feature import Feature
 
 _KEYS = {"shape": "Alt+1", "automatic": "Alt+2", "skeleton": "Alt+3"}
 
 
-class ModesPart(Part):
+class ModesFeature(Feature):
     """What a person is after, and the skeleton."""
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """One mode each, and the export of the skeleton."""
         modes = [
-            Entry(
+            ActionSpec(
                 name=f"mode_{name}",
                 menu="Run",
                 text=info.title,
@@ -38,7 +38,7 @@ class ModesPart(Part):
             )
             for index, (name, info) in enumerate(MODES.items())
         ]
-        export = Entry(
+        export = ActionSpec(
             name="export_skeleton",
             menu="File",
             text=tr("Export s&keleton…"),
@@ -51,7 +51,7 @@ class ModesPart(Part):
         return (*modes, export)
 
     def _use(self, mode: Mode) -> None:
-        session = self.desk.session
+        session = self.context.session
         if session.document.mode != mode:
             name = tr("mode “{mode}”").format(mode=MODES[mode].title.replace("&", ""))
             session.edit(name, lambda document: use_mode(document, mode))
@@ -59,11 +59,11 @@ class ModesPart(Part):
         session.status_changed.emit()
 
     def _export(self) -> None:
-        image = self.desk.session.document.image
+        image = self.context.session.document.image
         stem = Path(image.name).stem if image else "image"
-        chosen = ask_for_export(self.desk.window, f"{stem}_skeleton.svg")
+        chosen = ask_for_export(self.context.window, f"{stem}_skeleton.svg")
         if chosen:
-            self.desk.session.skeletons.export(chosen)
+            self.context.session.skeletons.export(chosen)
 
 
 def _is(mode: Mode) -> Condition:

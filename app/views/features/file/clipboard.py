@@ -12,8 +12,8 @@ from app.model.state.situation import has_contours, has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.features.copy_contours import Copied, copy_contours
-from app.views.widgets.entry import Entry
-from app.views.window.part import Desk, Part
+from app.views.widgets.entry import ActionSpec
+from app.views.window.feature import Feature, FeatureContext
 
 _KINDS = (
     ("copy_svg", tr("Copy contours as &SVG"), ".svg", ("Ctrl+C",)),
@@ -24,21 +24,21 @@ _KINDS = (
 _MIME = {".svg": "image/svg+xml", ".csv": "text/csv", ".geojson": "application/geo+json"}
 
 
-class ClipboardPart(Part):
+class ClipboardFeature(Feature):
     """What other programs are given without a file."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        desk.session.reported.connect(self._hear)
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        context.session.reported.connect(self._hear)
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Contours in several formats, and the view."""
         contours = [
-            Entry(
+            ActionSpec(
                 name=name,
                 menu="Edit",
                 text=text,
-                do=partial(copy_contours, self.desk.session, suffix),
+                do=partial(copy_contours, self.context.session, suffix),
                 shortcuts=shortcuts,
                 tip=tr("Put the contours on the clipboard, for another program."),
                 gap=suffix == ".svg",
@@ -46,7 +46,7 @@ class ClipboardPart(Part):
             )
             for name, text, suffix, shortcuts in _KINDS
         ]
-        view = Entry(
+        view = ActionSpec(
             name="copy_view",
             menu="Edit",
             text=tr("Copy &view as picture"),
@@ -58,8 +58,8 @@ class ClipboardPart(Part):
         return (*contours, view)
 
     def _copy_view(self) -> None:
-        QApplication.clipboard().setImage(self.desk.stage.canvas.grab().toImage())
-        self.desk.session.say(tr("The view is on the clipboard."))
+        QApplication.clipboard().setImage(self.context.canvas_area.canvas.grab().toImage())
+        self.context.session.say(tr("The view is on the clipboard."))
 
     def _hear(self, report: Report) -> None:
         if isinstance(report, Copied):
@@ -67,4 +67,4 @@ class ClipboardPart(Part):
             data.setText(report.content.decode())  # most programs take text only
             data.setData(_MIME[report.suffix], report.content)
             QApplication.clipboard().setMimeData(data)
-            self.desk.session.say(tr("The contours are on the clipboard."))
+            self.context.session.say(tr("The contours are on the clipboard."))

@@ -15,12 +15,12 @@ from app.model.state.situation import has_contours, has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Opened, Report
 from app.session.features.import_points import PointsRead, read_points
-from app.session.storage.session_file import Keeper, Written
+from app.session.storage.session_file import DocumentFile, Written
 from app.views.canvas.view_state import use_view_state, view_state
-from app.views.widgets.entry import Entry, Submenu
+from app.views.widgets.entry import ActionSpec, Submenu
 from app.views.window import unsaved
 from app.views.window.dialogs import ask_for_export, ask_for_file, ask_where_to_save
-from app.views.window.part import Desk, Part
+from app.views.window.feature import Feature, FeatureContext
 from app.views.window.recent_files import RecentFiles
 
 _FOLDER, _EXPORTS = "files/folder", "files/exports"
@@ -29,27 +29,27 @@ _FOLDER, _EXPORTS = "files/folder", "files/exports"
 POINTS = ".csv"
 
 
-class FilesPart(Part):
+class FilesFeature(Feature):
     """What is read and written."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        canvas = desk.stage.canvas
-        self.keeper = Keeper(desk.session, lambda: view_state(canvas))
-        self.recent = RecentFiles(desk.preferences, lambda path: self.take([path]))
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        canvas = context.canvas_area.canvas
+        self.document_file = DocumentFile(context.session, lambda: view_state(canvas))
+        self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
         self.bring_in: Callable[[Path], None] | None = None
         """Takes in the file of a preset; the window knows who does."""
         self._exported: Path | None = None
-        self.keeper.changed.connect(self._name_window)
-        self.keeper.restored.connect(lambda state: use_view_state(canvas, state))
-        desk.session.document_changed.connect(lambda _: self._name_window())
-        desk.session.reported.connect(self._hear)
+        self.document_file.changed.connect(self._name_window)
+        self.document_file.restored.connect(lambda state: use_view_state(canvas, state))
+        context.session.document_changed.connect(lambda _: self._name_window())
+        context.session.reported.connect(self._hear)
         self._name_window()
 
-    def entries(self) -> Sequence[Entry | Submenu]:
+    def entries(self) -> Sequence[ActionSpec | Submenu]:
         """Open, save, export, quit."""
         return (
-            Entry(
+            ActionSpec(
                 name="open",
                 menu="File",
                 text=tr("&Open…"),
@@ -61,7 +61,7 @@ class FilesPart(Part):
             ),
             Submenu(name="recent", menu="File", text=tr("Open &recent"), fill=self.recent.fill),
             Submenu(name="samples", menu="File", text=tr("Open sa&mple"), fill=self._fill_samples),
-            Entry(
+            ActionSpec(
                 name="save",
                 menu="File",
                 text=tr("&Save session"),
@@ -73,7 +73,7 @@ class FilesPart(Part):
                 gap=True,
                 when=has_image,
             ),
-            Entry(
+            ActionSpec(
                 name="save_as",
                 menu="File",
                 text=tr("Save session &as…"),
@@ -83,11 +83,11 @@ class FilesPart(Part):
                 when=has_image,
             ),
             *self._exports(),
-            Entry(
+            ActionSpec(
                 name="quit",
                 menu="File",
                 text=tr("&Quit"),
-                do=self.desk.window.close,
+                do=self.context.window.close,
                 shortcuts=("Ctrl+Q",),
                 tip=tr("End the program."),
                 gap=True,
@@ -96,7 +96,7 @@ class FilesPart(Part):
 
     def take(self, paths: Sequence[Path]) -> None:
         """Do with files what suits them: open images and sessions, draw points, bring in presets."""
-        self.desk.stage.messages.hide()
+        self.context.canvas_area.messages.hide()
         documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
         for path in paths:
             if path.suffix.lower() == PRESET:
@@ -104,10 +104,10 @@ class FilesPart(Part):
             elif path.suffix.lower() == POINTS:
                 self._draw(path)
         if documents and self.may_leave():
-            self.desk.session.open(documents[0])
+            self.context.session.open(documents[0])
             if len(documents) > 1:
                 told = tr("One image is open at a time: of {count} files, {name} is opened.")
-                self.desk.session.say(told.format(count=len(documents), name=documents[0].name))
+                self.context.session.say(told.format(count=len(documents), name=documents[0].name))
 
     def take_dropped(self, urls: Sequence[QUrl]) -> None:
         """Take files that were dropped on the window."""
@@ -115,30 +115,30 @@ class FilesPart(Part):
         self.take([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
         if elsewhere:
             told = tr("{place} is not a file on this computer: save it first, then open it.")
-            self.desk.session.say(told.format(place=elsewhere[0].toDisplayString()), True)
+            self.context.session.say(told.format(place=elsewhere[0].toDisplayString()), True)
 
     def save(self) -> None:
         """Save to the file there is, else ask for one."""
-        if self.keeper.path is None:
+        if self.document_file.path is None:
             self.save_as()
         else:
-            self.keeper.save(self.keeper.path)
+            self.document_file.save(self.document_file.path)
 
     def save_as(self) -> None:
         """Ask for a file and save to it."""
         path = self._ask_where()
         if path is not None:
-            self.keeper.save(path)
+            self.document_file.save(path)
 
     def may_leave(self) -> bool:
         """Whether what is open may be closed; unsaved work is asked about, and saved if that is wished."""
-        if not self.keeper.unsaved:
+        if not self.document_file.unsaved:
             return True
-        answer = unsaved.ask(self.desk.window, self.keeper.name)
+        answer = unsaved.ask(self.context.window, self.document_file.name)
         if answer != "save":
             return answer == "discard"
-        path = self.keeper.path or self._ask_where()
-        return path is not None and self.keeper.save_at_once(path)
+        path = self.document_file.path or self._ask_where()
+        return path is not None and self.document_file.save_at_once(path)
 
     def close(self) -> bool:
         """Not before unsaved work has been asked about."""
@@ -146,9 +146,9 @@ class FilesPart(Part):
 
     # Inside
 
-    def _exports(self) -> Sequence[Entry]:
+    def _exports(self) -> Sequence[ActionSpec]:
         return (
-            Entry(
+            ActionSpec(
                 name="export",
                 menu="File",
                 text=tr("&Export contours…"),
@@ -160,7 +160,7 @@ class FilesPart(Part):
                 gap=True,
                 when=has_contours,
             ),
-            Entry(
+            ActionSpec(
                 name="export_again",
                 menu="File",
                 text=tr("Export a&gain"),
@@ -184,37 +184,37 @@ class FilesPart(Part):
             action.setStatusTip(sample.about)
 
     def _open(self) -> None:
-        chosen = ask_for_file(self.desk.window, self.desk.preferences.get(_FOLDER, ""))
+        chosen = ask_for_file(self.context.window, self.context.preferences.get(_FOLDER, ""))
         if chosen:
             self.take([Path(chosen)])
 
     def _ask_where(self) -> Path | None:
-        image, path = self.desk.session.document.image, self.keeper.path
+        image, path = self.context.session.document.image, self.document_file.path
         beside = path.parent if path else None
         if beside is None and image is not None and sample_at(Path(image.path)) is None:
             beside = Path(image.path).parent
-        folder = beside or Path(self.desk.preferences.get(_FOLDER, ""))
-        chosen = ask_where_to_save(self.desk.window, str(folder / self.keeper.name))
+        folder = beside or Path(self.context.preferences.get(_FOLDER, ""))
+        chosen = ask_where_to_save(self.context.window, str(folder / self.document_file.name))
         return Path(chosen) if chosen else None
 
     def _export(self) -> None:
-        image, last = self.desk.session.document.image, self._exported
+        image, last = self.context.session.document.image, self._exported
         suffix = "".join(last.suffixes[-1:]) if last else ".svg"
         stem = Path(image.name).stem if image else "contours"
-        folder = Path(self.desk.preferences.get(_EXPORTS, ""))
-        chosen = ask_for_export(self.desk.window, str(folder / f"{stem}_contours{suffix}"))
+        folder = Path(self.context.preferences.get(_EXPORTS, ""))
+        chosen = ask_for_export(self.context.window, str(folder / f"{stem}_contours{suffix}"))
         if chosen:
-            self.desk.session.export(chosen)
+            self.context.session.export(chosen)
 
     def _export_again(self) -> None:
         if self._exported is not None:
-            self.desk.session.export(self._exported)
+            self.context.session.export(self._exported)
 
     def _draw(self, path: Path) -> None:
-        if self.desk.session.document.image is None:
-            self.desk.session.say(tr("Open an image first; then {name} can be drawn.").format(name=path.name), True)
+        if self.context.session.document.image is None:
+            self.context.session.say(tr("Open an image first; then {name} can be drawn.").format(name=path.name), True)
         else:
-            read_points(self.desk.session, path)
+            read_points(self.context.session, path)
 
     def _bring_in(self, path: Path) -> None:
         if self.bring_in is not None:
@@ -230,21 +230,21 @@ class FilesPart(Part):
             self._remember(report.path)
         elif isinstance(report, Exported):
             self._exported = report.path
-            self.desk.preferences.put(_EXPORTS, str(report.path.absolute().parent))
-            self.desk.session.status_changed.emit()
+            self.context.preferences.put(_EXPORTS, str(report.path.absolute().parent))
+            self.context.session.status_changed.emit()
         elif isinstance(report, PointsRead):
             name = tr("draw {name}").format(name=report.path.name)
-            self.desk.session.edit(name, lambda document: edits.add_shape(document, report.points))
+            self.context.session.edit(name, lambda document: edits.add_shape(document, report.points))
 
     def _remember(self, path: Path) -> None:
         self.recent.add(path)
-        self.desk.preferences.put(_FOLDER, str(path.absolute().parent))
+        self.context.preferences.put(_FOLDER, str(path.absolute().parent))
 
     def _name_window(self) -> None:
-        image = self.desk.session.document.image
-        name = self.keeper.path.name if self.keeper.path else image.name if image else ""
+        image = self.context.session.document.image
+        name = self.document_file.path.name if self.document_file.path else image.name if image else ""
         title = f"{name}[*] – CPM" if name else "CPM"
-        window = self.desk.window
+        window = self.context.window
         if window.windowTitle() != title:
             window.setWindowTitle(title)
-        window.setWindowModified(self.keeper.unsaved)
+        window.setWindowModified(self.document_file.unsaved)

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from app.model.text.language import tr
-from app.views.widgets.entry import Entry
-from app.views.window.part import Part
+from app.views.widgets.entry import ActionSpec
+from app.views.window.feature import Feature
 from app.views.window.preferences_dialog import PreferencesDialog
 
 
-class PreferringPart(Part):
+class PreferringFeature(Feature):
     """Opens the dialog of the preferences."""
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """The dialog."""
         return (
-            Entry(
+            ActionSpec(
                 name="preferences",
                 menu="Edit",
                 text=tr("&Preferences…"),
@@ -29,7 +29,7 @@ class PreferringPart(Part):
 
     def show(self) -> PreferencesDialog:
         """Open the dialog; the window stays usable beside it."""
-        dialog = PreferencesDialog(self.desk.window, self.desk.preference_rows())
+        dialog = PreferencesDialog(self.context.window, self.context.preference_rows())
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog

@@ -10,25 +10,25 @@ from PySide6.QtWidgets import QMessageBox
 from app.model.text.language import tr
 from app.session.storage.autosave import Journal, folder_of_journals
 from app.session.storage.recovery import Leftover, left_behind
-from app.session.storage.session_file import Keeper
-from app.views.window.part import Desk, Part
+from app.session.storage.session_file import DocumentFile
+from app.views.window.feature import Feature, FeatureContext
 
 
-class RecoveryPart(Part):
+class RecoveryFeature(Feature):
     """Nothing is lost when the program ends without being asked to."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
         self._folder = folder_of_journals()
         self.journal: Journal | None = None
         self.box: QMessageBox | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
 
-    def keep(self, keeper: Keeper) -> None:
+    def keep(self, document_file: DocumentFile) -> None:
         """Keep a journal of what is open."""
-        self.journal = Journal(keeper, self._folder)
-        keeper.restored.connect(lambda _: self._restored())
+        self.journal = Journal(document_file, self._folder)
+        document_file.restored.connect(lambda _: self._restored())
 
     def offer(self) -> None:
         """Ask what is to become of what earlier windows have left behind."""
@@ -52,7 +52,7 @@ class RecoveryPart(Part):
         if not self._waiting:
             return
         leftover = self._waiting[0]
-        self.box = box = QMessageBox(self.desk.window)
+        self.box = box = QMessageBox(self.context.window)
         box.setIcon(QMessageBox.Icon.Question)
         box.setWindowTitle(tr("Restore unsaved work"))
         box.setText(tr("CPM did not end properly: restore “{name}”?").format(name=leftover.name))
@@ -69,7 +69,7 @@ class RecoveryPart(Part):
 
     def _restore(self) -> None:
         self._restoring = self._waiting.pop(0)
-        self.desk.session.begin(self._restoring.wanted)
+        self.context.session.begin(self._restoring.wanted)
 
     def _discard(self) -> None:
         self._waiting.pop(0).discard()

@@ -10,26 +10,26 @@ from app.views.help.guide import Guide
 from app.views.help.help import show_about
 from app.views.help.tour import Tour
 from app.views.help.tour_stops import stops
-from app.views.widgets.entry import Entry
-from app.views.window.part import Desk, Part
+from app.views.widgets.entry import ActionSpec
+from app.views.window.feature import Feature, FeatureContext
 
 SEEN = "tour/seen"
 """Preference: whether the tour has been shown."""
 
 
-class HelpingPart(Part):
+class HelpingFeature(Feature):
     """What explains the program."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
         self.guide: Guide | None = None
         self.tour: Tour | None = None
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Guide, keys, tour and about."""
-        window = self.desk.window
+        window = self.context.window
         return (
-            Entry(
+            ActionSpec(
                 name="guide",
                 menu="Help",
                 text=tr("&Guide"),
@@ -38,14 +38,14 @@ class HelpingPart(Part):
                 tip=tr("First steps, three tasks step by step, and what works on the canvas."),
                 icon="guide",
             ),
-            Entry(
+            ActionSpec(
                 name="tour",
                 menu="Help",
                 text=tr("&Tour of the window"),
                 do=self.begin_tour,
                 tip=tr("Five bubbles show how one works."),
             ),
-            Entry(
+            ActionSpec(
                 name="about",
                 menu="Help",
                 text=tr("&About CPM"),
@@ -57,20 +57,20 @@ class HelpingPart(Part):
 
     def welcome(self) -> None:
         """Begin the tour for somebody who has not seen it."""
-        if not self.desk.preferences.get(SEEN, False):
+        if not self.context.preferences.get(SEEN, False):
             self.begin_tour()
 
     def begin_tour(self) -> None:
         """Begin the tour."""
         if self.tour is None:
-            self.tour = Tour(self.desk.window, stops(self.desk.window, self.desk.reveal))
+            self.tour = Tour(self.context.window, stops(self.context.window, self.context.reveal))
             self.tour.ended.connect(self._end_tour)
         self.tour.begin()
 
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a page if one is named, or bring it to the front."""
         if self.guide is None:
-            self.guide = Guide(self.desk.window, self.desk.entries(), self._open_sample)
+            self.guide = Guide(self.context.window, self.context.entries(), self._open_sample)
             self.guide.destroyed.connect(self._forget_guide)
         if page:
             self.guide.turn_to(page)
@@ -87,13 +87,13 @@ class HelpingPart(Part):
     def _open_sample(self, file: str) -> None:
         sample = sample_called(file)
         if sample is not None:
-            self.desk.stage.messages.hide()
-            self.desk.session.open(sample.path)
+            self.context.canvas_area.messages.hide()
+            self.context.session.open(sample.path)
 
     def _forget_guide(self) -> None:
         self.guide = None
 
     def _end_tour(self) -> None:
         self.tour = None
-        self.desk.preferences.put(SEEN, True)
-        self.desk.stage.canvas.setFocus()
+        self.context.preferences.put(SEEN, True)
+        self.context.canvas_area.canvas.setFocus()

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 
 from app.model.text.language import tr
 from app.views.help.cheat_sheet import CheatSheet
-from app.views.widgets.entry import Entry
-from app.views.window.part import Part
+from app.views.widgets.entry import ActionSpec
+from app.views.window.feature import Feature
 
 
-class KeysPart(Part):
+class KeysFeature(Feature):
     """What shows all keys."""
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """The cheat sheet."""
         return (
-            Entry(
+            ActionSpec(
                 name="keys",
                 menu="Help",
                 text=tr("&Keys"),
@@ -27,10 +27,10 @@ class KeysPart(Part):
         )
 
     def _show(self) -> None:
-        open_ones = [sheet for sheet in self.desk.window.findChildren(CheatSheet) if sheet.isVisible()]
+        open_ones = [sheet for sheet in self.context.window.findChildren(CheatSheet) if sheet.isVisible()]
         for sheet in open_ones:
             sheet.close()
         if not open_ones:
-            sheet = CheatSheet(self.desk.window, self.desk.entries())
+            sheet = CheatSheet(self.context.window, self.context.entries())
             sheet.show()
             sheet.activateWindow()

@@ -13,12 +13,12 @@ from app.model.text.wording import FIRST_WORDING, Wording, wording_called
 from app.session.storage.preferences import Value
 from app.session.storage.presets import PresetStore
 from app.views.panels.parameters.parameters import ParametersPanel
-from app.views.presets.preset_keeper import PresetKeeper
+from app.views.presets.preset_files import PresetFiles
 from app.views.theme.theme import Theme
 from app.views.widgets.choice import choice
-from app.views.widgets.entry import STATE, Entry, Submenu
+from app.views.widgets.entry import STATE, ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
-from app.views.window.part import Desk, Panel, Part
+from app.views.window.feature import Feature, FeatureContext, Panel
 
 WORDING, MOTION = "parameters/wording", "motion"
 """Preferences: how parameters are called, and whether drawings move."""
@@ -29,21 +29,21 @@ _WORDINGS: tuple[tuple[Wording, str, str], ...] = (
 )
 
 
-class ParametersPart(Part):
+class ParametersFeature(Feature):
     """What the particles obey."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        self.keeper = PresetKeeper(desk, PresetStore(parent=desk.window))
-        self.panel = ParametersPanel(desk.session, self.keeper.gallery)
-        desk.preferences.changed.connect(self._follow)
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.preset_files = PresetFiles(context, PresetStore(parent=context.window))
+        self.panel = ParametersPanel(context.session, self.preset_files.gallery)
+        context.preferences.changed.connect(self._follow)
         self._follow(WORDING)
         self._follow(MOTION)
 
-    def entries(self) -> Sequence[Entry | Submenu]:
+    def entries(self) -> Sequence[ActionSpec | Submenu]:
         """Presets, and how parameters are called."""
-        presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.keeper.fill, gap=True)
-        motion = Entry(
+        presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.preset_files.fill, gap=True)
+        motion = ActionSpec(
             name="motion",
             menu="View",
             text=tr("Drawings that mo&ve"),
@@ -75,15 +75,15 @@ class ParametersPart(Part):
 
     @property
     def _wording(self) -> Wording:
-        return wording_called(self.desk.preferences.get(WORDING, FIRST_WORDING))
+        return wording_called(self.context.preferences.get(WORDING, FIRST_WORDING))
 
     @property
     def _moves(self) -> bool:
-        return self.desk.preferences.get(MOTION, True)
+        return self.context.preferences.get(MOTION, True)
 
-    def _wordings(self) -> list[Entry]:
+    def _wordings(self) -> list[ActionSpec]:
         return [
-            Entry(
+            ActionSpec(
                 name=f"wording_{name}",
                 menu="View",
                 text=text,
@@ -107,9 +107,9 @@ class ParametersPart(Part):
         return name == self._wording
 
     def _prefer(self, key: str, value: Value) -> None:
-        self.desk.preferences.put(key, value)
+        self.context.preferences.put(key, value)
         # The actions show what is preferred now.
-        self.desk.session.status_changed.emit()
+        self.context.session.status_changed.emit()
 
     def _follow(self, key: str) -> None:
         if key == WORDING:

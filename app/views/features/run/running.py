@@ -12,9 +12,9 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Snapshot
 from app.session.worker.commands.energy import WatchEnergy
 from app.views.panels.run.run_panel import RunPanel
-from app.views.widgets.entry import Entry
+from app.views.widgets.entry import ActionSpec
 from app.views.widgets.speed import SpeedControl
-from app.views.window.part import Desk, Panel, Part
+from app.views.window.feature import Feature, FeatureContext, Panel
 
 _FIGURES_EVERY = 250
 """Time between two looks at the frame counter [ms]."""
@@ -24,30 +24,30 @@ _PLOTS = "run/plots"
 """Preference that keeps which plots are shown."""
 
 
-class RunningPart(Part):
+class RunningFeature(Feature):
     """What drives a run and tells of it."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        self.speed = SpeedControl(desk.session)
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.speed = SpeedControl(context.session)
         self.panel = RunPanel()
         self._snapshot: Snapshot | None = None
         self._watched = False
-        chosen = desk.preferences.get(_PLOTS, list(self.panel.plot.shown))
+        chosen = context.preferences.get(_PLOTS, list(self.panel.plot.shown))
         self.panel.plot.show_plots(chosen)
         self.panel.plot.chosen.connect(self._choose_plots)
         self._choose_plots()
         self._figures = QTimer(self.panel)
         self._figures.setInterval(_FIGURES_EVERY)
         self._figures.timeout.connect(self._show_figures)
-        desk.session.status_changed.connect(self._show)
-        desk.session.snapshot_changed.connect(self._keep)
+        context.session.status_changed.connect(self._show)
+        context.session.snapshot_changed.connect(self._keep)
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Run, step, reset, speed."""
-        session = self.desk.session
+        session = self.context.session
         return (
-            Entry(
+            ActionSpec(
                 name="run",
                 menu="Run",
                 text=tr("Run"),
@@ -59,7 +59,7 @@ class RunningPart(Part):
                 worded=lambda situation: resolve(situation).run_text,
                 pictured=lambda situation: "pause" if is_running(situation) else "run",
             ),
-            Entry(
+            ActionSpec(
                 name="step",
                 menu="Run",
                 text=tr("&Step"),
@@ -70,7 +70,7 @@ class RunningPart(Part):
                 icon="step",
                 when=can_step,
             ),
-            Entry(
+            ActionSpec(
                 name="reset",
                 menu="Run",
                 text=tr("&Reset"),
@@ -81,7 +81,7 @@ class RunningPart(Part):
                 icon="reset",
                 when=is_started,
             ),
-            Entry(
+            ActionSpec(
                 name="faster",
                 menu="Run",
                 text=tr("&Faster"),
@@ -90,7 +90,7 @@ class RunningPart(Part):
                 tip=tr("Allow more steps a second."),
                 gap=True,
             ),
-            Entry(
+            ActionSpec(
                 name="slower",
                 menu="Run",
                 text=tr("S&lower"),
@@ -111,25 +111,25 @@ class RunningPart(Part):
 
     def _choose_plots(self) -> None:
         shown = self.panel.plot.shown
-        self.desk.preferences.put(_PLOTS, list(shown))
+        self.context.preferences.put(_PLOTS, list(shown))
         watched = "potential" in shown
         if watched != self._watched:
             self._watched = watched
-            self.desk.session.post(WatchEnergy(watched))
+            self.context.session.post(WatchEnergy(watched))
 
     def _show(self) -> None:
-        running = is_running(self.desk.session.situation)
+        running = is_running(self.context.session.situation)
         if running != self._figures.isActive():
             (self._figures.start if running else self._figures.stop)()
         if not running:
             self._show_figures()
 
     def _show_figures(self) -> None:
-        session = self.desk.session
+        session = self.context.session
         resolved = session.resolved
         frames = f"{session.frames_per_second:.0f}" if resolved.running else "–"
         self.panel.status.show_resolved(resolved, frames)
-        self.panel.plot.show_trace(self._snapshot.trace if self._snapshot else None)
+        self.panel.plot.show_metrics(self._snapshot.metrics if self._snapshot else None)
 
     def _keep(self, snapshot: Snapshot | None) -> None:
         # The plot is read, not watched: it follows at the slower pace of the figures.

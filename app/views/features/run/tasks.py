@@ -6,25 +6,25 @@ from collections.abc import Sequence
 
 from app.model.text.language import tr
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import Entry
-from app.views.window.part import Desk, Part
+from app.views.widgets.entry import ActionSpec
+from app.views.window.feature import Feature, FeatureContext
 from app.views.window.task_bar import TaskBar
 
 
-class TasksPart(Part):
+class TasksFeature(Feature):
     """What goes on beside the run, in the status bar."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        self.bar = TaskBar(desk.session.tasks)
-        desk.window.statusBar().addPermanentWidget(self.bar)
-        desk.session.tasks.changed.connect(desk.session.status_changed)
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.bar = TaskBar(context.session.tasks)
+        context.window.statusBar().addPermanentWidget(self.bar)
+        context.session.tasks.changed.connect(context.session.status_changed)
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Give up."""
-        tasks = self.desk.session.tasks
+        tasks = self.context.session.tasks
         return (
-            Entry(
+            ActionSpec(
                 name="cancel_task",
                 menu="Run",
                 text=tr("Cancel what is being &prepared"),

@@ -10,14 +10,14 @@ from PySide6.QtWidgets import QLabel, QSpinBox
 
 from app.model.state.situation import has_particles, is_running
 from app.model.text.language import tr
-from app.session.features.timeline_navigation import TimeTravel, travel_of
+from app.session.features.timeline_navigation import TimelineNavigation, navigation_of
 from app.session.worker.commands.timeline import SetTimelineBudget
 from app.session.worker.recorded_run import MEGABYTE, MEGABYTES
 from app.views.panels.timeline.timeline_panel import TimelinePanel
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import Entry
+from app.views.widgets.entry import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
-from app.views.window.part import Desk, Panel, Part
+from app.views.window.feature import Feature, FeatureContext, Panel
 
 BUDGET = "timeline/megabytes"
 """Preference: memory for the states of a run."""
@@ -28,115 +28,115 @@ _LEAST, _MOST = 16, 16384
 _MENU = "Run>" + tr("&Timeline")
 
 
-class TimelinePart(Part):
+class TimelineFeature(Feature):
     """What goes through the steps of a run."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        self.travel = travel_of(desk.session)
-        self.panel = TimelinePanel(self.travel, lambda: is_running(desk.session.situation))
-        self._keys = _Keys(self.travel, desk.window)
-        desk.stage.canvas.installEventFilter(self._keys)
-        desk.session.document_changed.connect(lambda _: self.panel.show_parameters())
-        desk.preferences.changed.connect(lambda key: self._use_budget() if key == BUDGET else None)
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.navigation = navigation_of(context.session)
+        self.panel = TimelinePanel(self.navigation, lambda: is_running(context.session.situation))
+        self._keys = _Keys(self.navigation, context.window)
+        context.canvas_area.canvas.installEventFilter(self._keys)
+        context.session.document_changed.connect(lambda _: self.panel.show_parameters())
+        context.preferences.changed.connect(lambda key: self._use_budget() if key == BUDGET else None)
         self._use_budget()
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Ways through the timeline."""
         return (*self._single_steps(), *self._far())
 
-    def _single_steps(self) -> Sequence[Entry]:
-        travel = self.travel
+    def _single_steps(self) -> Sequence[ActionSpec]:
+        navigation = self.navigation
         return (
-            Entry(
+            ActionSpec(
                 name="timeline_back",
                 menu=_MENU,
                 text=tr("One step &back"),
-                do=lambda: travel.by(-1),
+                do=lambda: navigation.by(-1),
                 shortcuts=(",",),
                 tip=tr("Go to the step before; the steps after it are kept."),
                 icon="back",
                 when=has_particles,
             ),
-            Entry(
+            ActionSpec(
                 name="timeline_forward",
                 menu=_MENU,
                 text=tr("One step &forward"),
-                do=lambda: travel.by(1),
+                do=lambda: navigation.by(1),
                 tip=tr("Go to the next step that is recorded."),
                 icon="forward",
                 when=has_particles,
             ),
-            Entry(
+            ActionSpec(
                 name="timeline_back_ten",
                 menu=_MENU,
                 text=tr("Ten steps b&ack"),
-                do=lambda: travel.by(-10),
+                do=lambda: navigation.by(-10),
                 shortcuts=("Shift+,",),
                 tip=tr("Go ten steps back."),
                 when=has_particles,
             ),
-            Entry(
+            ActionSpec(
                 name="timeline_forward_ten",
                 menu=_MENU,
                 text=tr("Ten steps f&orward"),
-                do=lambda: travel.by(10),
+                do=lambda: navigation.by(10),
                 shortcuts=("Shift+.",),
                 tip=tr("Go ten recorded steps forward."),
                 when=has_particles,
             ),
         )
 
-    def _far(self) -> Sequence[Entry]:
-        travel = self.travel
+    def _far(self) -> Sequence[ActionSpec]:
+        navigation = self.navigation
         return (
-            Entry(
+            ActionSpec(
                 name="timeline_first",
                 menu=_MENU,
                 text=tr("Fi&rst step"),
-                do=travel.to_first,
+                do=navigation.to_first,
                 shortcuts=("Ctrl+Home",),
                 tip=tr("Go to the beginning of the run; on the canvas Home does so too."),
                 icon="first",
                 when=has_particles,
             ),
-            Entry(
+            ActionSpec(
                 name="timeline_last",
                 menu=_MENU,
                 text=tr("&Last step"),
-                do=travel.to_last,
+                do=navigation.to_last,
                 shortcuts=("Ctrl+End",),
                 tip=tr("Go to the last step of the branch; on the canvas End does so too."),
                 icon="last",
                 when=has_particles,
             ),
-            Entry(
+            ActionSpec(
                 name="timeline_play",
                 menu=_MENU,
                 text=tr("&Play the recorded steps"),
-                do=travel.toggle_play,
+                do=navigation.toggle_play,
                 shortcuts=("Shift+Space",),
                 tip=tr("Show one recorded step after the other, or hold."),
                 icon="play",
                 when=has_particles,
             ),
-            Entry(
+            ActionSpec(
                 name="timeline_parameters",
                 menu=_MENU,
                 text=tr("Use the pa&rameters of this step"),
-                do=travel.use_its_parameters,
+                do=navigation.use_its_parameters,
                 tip=tr("Set the parameters with which the step that is shown was taken."),
                 gap=True,
-                when=lambda situation: has_particles(situation) and travel.other_parameters is not None,
+                when=lambda situation: has_particles(situation) and navigation.other_parameters is not None,
             ),
-            Entry(
+            ActionSpec(
                 name="timeline_delete",
                 menu=_MENU,
                 text=tr("&Delete the branch"),
-                do=lambda: travel.drop(travel.place[0]),
+                do=lambda: navigation.drop(navigation.place[0]),
                 tip=tr("Forget the branch that is shown; what it has in common with others stays."),
                 icon="bin",
-                when=lambda situation: has_particles(situation) and len(travel.outline.branches) > 1,
+                when=lambda situation: has_particles(situation) and len(navigation.outline.branches) > 1,
             ),
         )
 
@@ -168,44 +168,44 @@ class TimelinePart(Part):
         field.setSingleStep(64)
         field.setSuffix(tr(" MB"))
         field.setValue(self._preferred())
-        field.valueChanged.connect(lambda value: self.desk.preferences.put(BUDGET, value))
+        field.valueChanged.connect(lambda value: self.context.preferences.put(BUDGET, value))
         return field
 
     def _memory_label(self) -> QLabel:
         label = QLabel()
-        travel = self.travel
+        navigation = self.navigation
 
         def show() -> None:
-            outline = travel.outline
+            outline = navigation.outline
             words = tr("{used} MB for {count} steps")
             label.setText(words.format(used=f"{outline.used / MEGABYTE:.1f}", count=outline.kept))
 
         show()
-        travel.changed.connect(show)
-        label.destroyed.connect(lambda: travel.changed.disconnect(show))
+        navigation.changed.connect(show)
+        label.destroyed.connect(lambda: navigation.changed.disconnect(show))
         return label
 
     def _preferred(self) -> int:
-        return min(max(self.desk.preferences.get(BUDGET, MEGABYTES), _LEAST), _MOST)
+        return min(max(self.context.preferences.get(BUDGET, MEGABYTES), _LEAST), _MOST)
 
     def _use_budget(self) -> None:
-        self.desk.session.post(SetTimelineBudget(self._preferred() * MEGABYTE))
+        self.context.session.post(SetTimelineBudget(self._preferred() * MEGABYTE))
 
 
 class _Keys(QObject):
     """Home and End on the canvas; elsewhere they belong to sliders, lists and fields."""
 
-    def __init__(self, travel: TimeTravel, parent: QObject) -> None:
+    def __init__(self, navigation: TimelineNavigation, parent: QObject) -> None:
         super().__init__(parent)
-        self._travel = travel
+        self._navigation = navigation
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Take both."""
         if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
             if event.key() == Qt.Key.Key_Home:
-                self._travel.to_first()
+                self._navigation.to_first()
                 return True
             if event.key() == Qt.Key.Key_End:
-                self._travel.to_last()
+                self._navigation.to_last()
                 return True
         return False

@@ -14,15 +14,15 @@ from PySide6.QtWidgets import QFileDialog
 from app.model.state.situation import has_particles
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
-from app.session.features.timeline_navigation import travel_of
+from app.session.features.timeline_navigation import navigation_of
 from app.session.tasks.tasks import Task
 from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.film.filming import Filming
 from app.views.film.frame_renderer import Frame, FrameRenderer, frame_size, seen_part
 from app.views.film.strip_dialog import StripDialog, StripPlan
 from app.views.film.understudy import Told
-from app.views.widgets.entry import Entry
-from app.views.window.part import Desk, Part
+from app.views.widgets.entry import ActionSpec
+from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
 from cpm_core.formats.animations.snapshot_strip import strip, write_picture
 
@@ -41,23 +41,23 @@ class StripReady(Report):
     pixels: Frame
 
 
-class AnimationPart(Part):
+class AnimationFeature(Feature):
     """Films a run."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        self._travel = travel_of(desk.session)
-        self._told = Told(desk.session)
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self._navigation = navigation_of(context.session)
+        self._told = Told(context.session)
         self._folder = ""
         self._filming: list[Filming] = []
         self._strip_task: Task | None = None
         self._strip_dialog: StripDialog | None = None
-        desk.session.reported.connect(self._hear)
+        context.session.reported.connect(self._hear)
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Both exports."""
         return (
-            Entry(
+            ActionSpec(
                 name="export_animation",
                 menu="File",
                 text=tr("Export a&nimation…"),
@@ -66,7 +66,7 @@ class AnimationPart(Part):
                 tip=tr("Write the steps of the run as a GIF, an APNG or a film."),
                 when=has_particles,
             ),
-            Entry(
+            ActionSpec(
                 name="export_strip",
                 menu="File",
                 text=tr("Export snapshot s&trip…"),
@@ -86,9 +86,13 @@ class AnimationPart(Part):
 
     def ask_for_animation(self) -> AnimationDialog:
         """Ask how the animation is to be, then where to, then write it."""
-        branch = self._travel.place[0]
+        branch = self._navigation.place[0]
         dialog = AnimationDialog(
-            self.desk.window, self.desk.preferences, self._travel.first, self._travel.last(branch), self._part
+            self.context.window,
+            self.context.preferences,
+            self._navigation.first,
+            self._navigation.last(branch),
+            self._part,
         )
         dialog.accepted.connect(lambda: self._ask_for_place(branch, dialog.plan))
         dialog.finished.connect(dialog.deleteLater)
@@ -97,7 +101,7 @@ class AnimationPart(Part):
 
     def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
         """Write an animation; None where it cannot be, which is told."""
-        session = self.desk.session
+        session = self.context.session
         try:
             check_animation(path)
         except ValueError as error:
@@ -111,7 +115,7 @@ class AnimationPart(Part):
         )
         self._film(
             task,
-            FrameRenderer(session, self.desk.stage.canvas, self._told, self._part(plan.zoomed), plan.size),
+            FrameRenderer(session, self.context.canvas_area.canvas, self._told, self._part(plan.zoomed), plan.size),
             [(branch, step) for step in plan.steps],
             frames,
         )
@@ -124,14 +128,14 @@ class AnimationPart(Part):
         places: Sequence[tuple[int, int]],
         frames: queue.Queue[Frame | None],
     ) -> None:
-        layers = self.desk.stage.canvas.layers
+        layers = self.context.canvas_area.canvas.layers
         filming = Filming(
-            self.desk.session,
+            self.context.session,
             renderer,
             task,
             places,
             contours=layers["contours"].shown or layers["ghost"].shown,
-            compared=self._travel.comparing if layers["ghost"].shown else None,
+            compared=self._navigation.comparing if layers["ghost"].shown else None,
             take=frames.put,
             end=lambda: frames.put(None),
             has_room=lambda: frames.qsize() < _AHEAD,
@@ -143,7 +147,7 @@ class AnimationPart(Part):
         chosen_filter = next(text for text, suffix in filters.items() if suffix == plan.suffix)
         suggestion = self._suggestion("run", plan.suffix)
         chosen, _ = QFileDialog.getSaveFileName(
-            self.desk.window, tr("Export animation"), suggestion, ";;".join(filters), chosen_filter
+            self.context.window, tr("Export animation"), suggestion, ";;".join(filters), chosen_filter
         )
         if chosen:
             path = Path(chosen)
@@ -155,11 +159,11 @@ class AnimationPart(Part):
 
     def ask_for_strip(self) -> StripDialog:
         """Show a strip of evenly spaced steps, and save it when asked to."""
-        branch = self._travel.place[0]
+        branch = self._navigation.place[0]
         dialog = StripDialog(
-            self.desk.window,
-            self._travel.first,
-            self._travel.last(branch),
+            self.context.window,
+            self._navigation.first,
+            self._navigation.last(branch),
             partial(self._draw_strip, branch),
             self._ask_to_save_strip,
         )
@@ -172,7 +176,7 @@ class AnimationPart(Part):
     def _draw_strip(self, branch: int, plan: StripPlan) -> None:
         if self._strip_task is not None:
             self._strip_task.cancel()
-        session, part = self.desk.session, self._part(False)
+        session, part = self.context.session, self._part(False)
         frames: queue.Queue[Frame | None] = queue.Queue()
         captions = [tr("step {step}").format(step=step) for step in plan.steps]
 
@@ -181,7 +185,9 @@ class AnimationPart(Part):
             return StripReady(task, strip(taken, captions, columns=plan.columns))
 
         task = self._strip_task = session.tasks.start(tr("Drawing the strip…"), compose, "drawing the strip")
-        renderer = FrameRenderer(session, self.desk.stage.canvas, self._told, part, frame_size(part, plan.width))
+        renderer = FrameRenderer(
+            session, self.context.canvas_area.canvas, self._told, part, frame_size(part, plan.width)
+        )
         self._film(task, renderer, [(branch, step) for step in plan.steps], frames)
 
     def _hear(self, report: Report) -> None:
@@ -195,7 +201,7 @@ class AnimationPart(Part):
 
     def _ask_to_save_strip(self, pixels: Frame) -> None:
         chosen, _ = QFileDialog.getSaveFileName(
-            self._strip_dialog or self.desk.window,
+            self._strip_dialog or self.context.window,
             tr("Export snapshot strip"),
             self._suggestion("strip", ".png"),
             tr("Picture (*.png)"),
@@ -214,16 +220,16 @@ class AnimationPart(Part):
             return Exported(path)
 
         name = tr("Writing {name}…").format(name=path.name)
-        return self.desk.session.tasks.start(name, work, f"writing {path.name}", cancellable=False)
+        return self.context.session.tasks.start(name, work, f"writing {path.name}", cancellable=False)
 
     # Both
 
     def _part(self, zoomed: bool) -> QRectF:
-        image = self.desk.session.document.image
-        return seen_part(self.desk.stage.canvas, image.shape if image is not None else (1, 1), zoomed)
+        image = self.context.session.document.image
+        return seen_part(self.context.canvas_area.canvas, image.shape if image is not None else (1, 1), zoomed)
 
     def _suggestion(self, what: str, suffix: str) -> str:
-        image = self.desk.session.document.image
+        image = self.context.session.document.image
         stem = Path(image.name).stem if image is not None else "cpm"
         return str(Path(self._folder) / f"{stem}_{what}{suffix}")
 

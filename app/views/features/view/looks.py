@@ -11,9 +11,9 @@ from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.views.theme import theme
 from app.views.widgets.choice import choice
-from app.views.widgets.entry import STATE, Entry
+from app.views.widgets.entry import STATE, ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
-from app.views.window.part import Desk, Part
+from app.views.window.feature import Feature, FeatureContext
 
 _CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
     ("system", tr("Colours of the &desktop"), tr("Light or dark as the desktop is."), None),
@@ -23,19 +23,19 @@ _CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
 _KEY = "theme"
 
 
-class LooksPart(Part):
+class LooksFeature(Feature):
     """The colours of the window."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        self._chosen = desk.preferences.get(_KEY, "system")
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self._chosen = context.preferences.get(_KEY, "system")
         self._following = True
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._follow_desktop)
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """The choices."""
         return [
-            Entry(
+            ActionSpec(
                 name=f"theme_{name}",
                 menu="View",
                 text=text,
@@ -70,14 +70,14 @@ class LooksPart(Part):
 
     def _choose(self, name: str) -> None:
         self._chosen = name
-        self.desk.preferences.put(_KEY, name)
-        self.desk.use_theme(self.theme())
+        self.context.preferences.put(_KEY, name)
+        self.context.use_theme(self.theme())
         # The actions show what is chosen now.
-        self.desk.session.status_changed.emit()
+        self.context.session.status_changed.emit()
 
     def _holds(self, name: str, situation: Situation) -> bool:
         return name == self._chosen
 
     def _follow_desktop(self) -> None:
         if self._chosen == "system":
-            self.desk.use_theme(self.theme())
+            self.context.use_theme(self.theme())

@@ -6,33 +6,33 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import QRectF
 
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.model.state.situation import has_image
 from app.model.text.language import tr
 from app.session.features.parameter_sweep import Sweep
 from app.views.canvas.coordinates import image_rectangle
 from app.views.mosaic import MosaicDialog
-from app.views.widgets.entry import Entry
-from app.views.window.part import Desk, Part
+from app.views.widgets.entry import ActionSpec
+from app.views.window.feature import Feature, FeatureContext
 
 _LEAST_SEEN = 0.02
 """Part of the image that must be in sight for the tiles to show no more than is in sight."""
 
 
-class MosaicPart(Part):
+class MosaicFeature(Feature):
     """A small sweep of two parameters."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        self.sweep = Sweep(desk.session)
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.sweep = Sweep(context.session)
         self.dialog: MosaicDialog | None = None
-        self._shades: Shades | None = None
-        desk.session.image_changed.connect(self._keep)
+        self._shades: DisplayImage | None = None
+        context.session.image_changed.connect(self._keep)
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Open it."""
         return (
-            Entry(
+            ActionSpec(
                 name="mosaic",
                 menu="Run",
                 text=tr("&Mosaic of two parameters…"),
@@ -47,7 +47,9 @@ class MosaicPart(Part):
     def open(self) -> None:
         """Open the dialog, or bring it to the front; tiles show the part of the image that is in sight."""
         if self.dialog is None and self._shades is not None:
-            self.dialog = MosaicDialog(self.desk.window, self.desk.session, self.sweep, self._shades, self._crop())
+            self.dialog = MosaicDialog(
+                self.context.window, self.context.session, self.sweep, self._shades, self._crop()
+            )
             self.dialog.finished.connect(self._forget)
         if self.dialog is not None:
             self.dialog.show()
@@ -64,11 +66,11 @@ class MosaicPart(Part):
     def _crop(self) -> QRectF:
         assert self._shades is not None
         whole = image_rectangle(self._shades.shape[:2])
-        seen = self.desk.stage.canvas.view.viewRect().intersected(whole)
+        seen = self.context.canvas_area.canvas.view.viewRect().intersected(whole)
         enough = seen.width() * seen.height() > _LEAST_SEEN * whole.width() * whole.height()
         return seen if enough else whole
 
-    def _keep(self, _: object, shades: Shades) -> None:
+    def _keep(self, _: object, shades: DisplayImage) -> None:
         self._shades = shades
 
     def _forget(self, _: int) -> None:

@@ -13,39 +13,39 @@ from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.panels.layer_list.layers_panel import LayersPanel
-from app.views.widgets.entry import STATE, Entry
-from app.views.window.part import Desk, Panel, Part
+from app.views.widgets.entry import STATE, ActionSpec
+from app.views.window.feature import Feature, FeatureContext, Panel
 
 _KEY = "layers/{layer}"
 """Preference that keeps what has been chosen about a layer."""
 
 
-class ViewingPart(Part):
+class ViewingFeature(Feature):
     """What is seen of the image and of what lies over it."""
 
-    def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
-        layers = desk.stage.canvas.layers
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        layers = context.canvas_area.canvas.layers
         self._told: tuple[object, ...] = ()
         self._panel = LayersPanel(layers)
-        desk.stage.canvas.pointed.connect(layers.forces.point_at)
+        context.canvas_area.canvas.pointed.connect(layers.forces.point_at)
         for layer in layers:
             layer.changed.connect(self._follow)
-            layer.use_view_state(_kept(desk.preferences, layer))
+            layer.use_view_state(_kept(context.preferences, layer))
 
     def _follow(self) -> None:
         """Let the menu be right; what it does not show, as while levels are dragged, is none of its business."""
-        layers = self.desk.stage.canvas.layers
+        layers = self.context.canvas_area.canvas.layers
         told = (*(layer.shown for layer in layers), layers.particles.word("colour"))
         if told != self._told:
             self._told = told
-            self.desk.session.status_changed.emit()
+            self.context.session.status_changed.emit()
 
-    def entries(self) -> Sequence[Entry]:
+    def entries(self) -> Sequence[ActionSpec]:
         """Zoom, and one toggle a layer."""
-        canvas = self.desk.stage.canvas
+        canvas = self.context.canvas_area.canvas
         zoom = (
-            Entry(
+            ActionSpec(
                 name="fit",
                 menu="View",
                 text=tr("&Fit to window"),
@@ -56,7 +56,7 @@ class ViewingPart(Part):
                 icon="fit",
                 when=has_image,
             ),
-            Entry(
+            ActionSpec(
                 name="zoom_in",
                 menu="View",
                 text=tr("Zoom &in"),
@@ -64,7 +64,7 @@ class ViewingPart(Part):
                 shortcuts=("+", "=", "Ctrl++"),
                 tip=tr("Enlarge."),
             ),
-            Entry(
+            ActionSpec(
                 name="zoom_out",
                 menu="View",
                 text=tr("Zoom &out"),
@@ -82,10 +82,10 @@ class ViewingPart(Part):
 
     def close(self) -> bool:
         """Keep what has been chosen about the layers for the next start; which are shown is begun with anew."""
-        for layer in self.desk.stage.canvas.layers:
+        for layer in self.context.canvas_area.canvas.layers:
             chosen = {name: value for name, value in layer.chosen.items() if value != "hand"}
             if layer.options:
-                self.desk.preferences.put(_KEY.format(layer=layer.name), json.dumps(chosen))
+                self.context.preferences.put(_KEY.format(layer=layer.name), json.dumps(chosen))
         return True
 
 
@@ -98,11 +98,11 @@ def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
     return {name: kept[name] for name in layer.chosen if name in kept} if isinstance(kept, dict) else {}
 
 
-def _colourings(layer: ParticleLayer) -> list[Entry]:
+def _colourings(layer: ParticleLayer) -> list[ActionSpec]:
     """One entry for everything that particles can be coloured by."""
 
-    def entry(way: str, title: str) -> Entry:
-        return Entry(
+    def entry(way: str, title: str) -> ActionSpec:
+        return ActionSpec(
             name=f"colour_{way}",
             menu="View>" + tr("Colour particles by"),
             text=title,
@@ -115,8 +115,8 @@ def _colourings(layer: ParticleLayer) -> list[Entry]:
     return [entry(way, title) for way, title in layer.ways.items()]
 
 
-def _toggle(layer: Layer, first: bool) -> Entry:
-    return Entry(
+def _toggle(layer: Layer, first: bool) -> ActionSpec:
+    return ActionSpec(
         name=f"layer_{layer.name}",
         menu="View",
         text=layer.title,

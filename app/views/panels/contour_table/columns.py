@@ -61,7 +61,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("name", tr("Name"), tr("Name and colour; double click or F2 to write one."), lambda i: i.contour.name,
            lambda i: i.contour.name.casefold() or "\uffff", "left ventricle", False),
     Column("verdict", tr("Verdict"), tr("K keeps, X rejects; rejected contours are not exported."),
-           lambda i: VERDICTS[i.curated.verdict], lambda i: _ORDER[i.curated.verdict], "✗ rejected ", False),
+           lambda i: VERDICTS[i.reviewed.verdict], lambda i: _ORDER[i.reviewed.verdict], "✗ rejected ", False),
     Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
            lambda i: tr("closed") if i.contour.closed else tr("open"), lambda i: float(not i.contour.closed), "closed",
            False),

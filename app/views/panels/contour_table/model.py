@@ -7,7 +7,7 @@ from typing import Any
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, QSortFilterProxyModel, Qt
 from PySide6.QtGui import QColor, QFont, QGuiApplication, QPalette
 
-from app.session.features.contour_review import Curation, Item
+from app.session.features.contour_review import ContourReview, Item
 from app.views.panels.contour_table.columns import COLUMNS, NAME
 from app.views.theme import theme
 from app.views.theme.icons import swatch
@@ -29,15 +29,15 @@ class ContourModel(QAbstractTableModel):
 
     Parameters
     ----------
-    curation : Curation
+    review : ContourReview
         Where contours come from and names go to.
     parent : QObject
         The view, which it is not to outlive.
     """
 
-    def __init__(self, curation: Curation, parent: QObject) -> None:
+    def __init__(self, review: ContourReview, parent: QObject) -> None:
         super().__init__(parent)
-        self._curation = curation
+        self._review = review
         self._items: list[Item] = []
         self._rows: dict[int, int] = {}
         self._unit = _PX
@@ -52,12 +52,12 @@ class ContourModel(QAbstractTableModel):
 
     def refresh(self) -> None:
         """Show the contours there are now."""
-        present = {item.key: item for item in self._curation.items}
+        present = {item.key: item for item in self._review.items}
         self._drop(present.keys())
         self._items = [present[item.key] for item in self._items]
         if self._items:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self._items) - 1, len(COLUMNS) - 1))
-        new = [item for item in self._curation.items if item.key not in self._rows]
+        new = [item for item in self._review.items if item.key not in self._rows]
         if new:
             first = len(self._items)
             self.beginInsertRows(QModelIndex(), first, first + len(new) - 1)
@@ -103,9 +103,9 @@ class ContourModel(QAbstractTableModel):
                 return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
             case Role.DecorationRole if index.column() == NAME:
                 return swatch(item.contour.colour or (theme.CLOSED if item.contour.closed else theme.OPEN))
-            case Role.ForegroundRole if item.curated.rejected:
+            case Role.ForegroundRole if item.reviewed.rejected:
                 return QColor(QGuiApplication.palette().color(QPalette.ColorRole.PlaceholderText))
-            case Role.FontRole if item.curated.rejected:
+            case Role.FontRole if item.reviewed.rejected:
                 font = QFont()
                 font.setStrikeOut(index.column() == NAME)
                 return font
@@ -115,7 +115,7 @@ class ContourModel(QAbstractTableModel):
         """Name a contour."""
         if role != Role.EditRole or index.column() != NAME:
             return False
-        self._curation.rename(self.key(index.row()), str(value))
+        self._review.rename(self.key(index.row()), str(value))
         return True
 
     def flags(self, index: Index) -> Qt.ItemFlag:
@@ -141,7 +141,7 @@ class ContourModel(QAbstractTableModel):
         self._rows = {item.key: row for row, item in enumerate(self._items)}
 
     def _use_unit(self) -> None:
-        result = self._curation.result
+        result = self._review.result
         if result is None:
             return
         unit = result.unit or (_PX if set(result.spacing) == {1.0} else "units")

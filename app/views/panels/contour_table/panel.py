@@ -36,8 +36,8 @@ class ContourPanel(QWidget):
     def __init__(self, session: Session, fill_colours: Callable[[QMenu], None]) -> None:
         super().__init__()
         self._session = session
-        self._curation = session.curation
-        self.table = ContourTable(session.curation)
+        self._review = session.review
+        self.table = ContourTable(session.review)
         self.summary = QLabel()
         self.summary.setWordWrap(True)
         self.summary.setObjectName("dim")
@@ -61,8 +61,8 @@ class ContourPanel(QWidget):
         for name, threshold in self.thresholds.items():
             threshold.moved_to.connect(partial(self._set, name))
             threshold.settled.connect(session.seal)
-        session.curation.changed.connect(self._show)
-        session.curation.selection_changed.connect(self._enable)
+        session.review.changed.connect(self._show)
+        session.review.selection_changed.connect(self._enable)
         session.document_changed.connect(self._use_document)
         self._show()
 
@@ -119,7 +119,7 @@ class ContourPanel(QWidget):
             threshold.show_value(getattr(document.parameters, name))
 
     def _show(self) -> None:
-        items, result = self._curation.items, self._curation.result
+        items, result = self._review.items, self._review.result
         moment = (self._session.generation, result.steps) if result is not None else None
         self.thresholds["min_strength"].show_values(moment, [item.measures.strength for item in items])
         self.thresholds["min_length"].show_values(moment, [item.measures.length for item in items])
@@ -127,12 +127,12 @@ class ContourPanel(QWidget):
         self._enable()
 
     def _words(self) -> str:
-        items = self._curation.items
+        items = self._review.items
         if not items:
             return tr("No contours yet: let the particles run.")
         closed = sum(item.contour.closed for item in items)
-        rejected = sum(item.curated.rejected for item in items)
-        kept = sum(item.curated.verdict == "kept" for item in items)
+        rejected = sum(item.reviewed.rejected for item in items)
+        kept = sum(item.reviewed.verdict == "kept" for item in items)
         told = tr("{closed} closed, {open} open; {kept} kept, {rejected} rejected, {undecided} undecided.")
         return told.format(
             closed=closed,
@@ -144,4 +144,4 @@ class ContourPanel(QWidget):
 
     def _enable(self) -> None:
         for button in self.buttons.values():
-            button.setEnabled(bool(self._curation.selected))
+            button.setEnabled(bool(self._review.selected))

@@ -7,7 +7,7 @@ from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
 
 from app.model.text.language import tr
-from app.session.features.contour_review import Curation
+from app.session.features.contour_review import ContourReview
 from app.views.panels.contour_table.columns import COLUMNS, NAME
 from app.views.panels.contour_table.model import ContourModel, Sorted
 
@@ -30,16 +30,16 @@ class ContourTable(QTableView):
 
     Parameters
     ----------
-    curation : Curation
+    review : ContourReview
         What it shows, selects and names.
     """
 
-    def __init__(self, curation: Curation) -> None:
+    def __init__(self, review: ContourReview) -> None:
         super().__init__()
-        self._curation = curation
+        self._review = review
         self._showing = False
         self._stale = False
-        self._rows = ContourModel(curation, self)
+        self._rows = ContourModel(review, self)
         self._sorted = Sorted(self._rows, self)
         self.setModel(self._sorted)
         self.setItemDelegate(NameDelegate(self))
@@ -56,11 +56,11 @@ class ContourTable(QTableView):
         self.setTabKeyNavigation(False)
         self.setMinimumHeight(96)
         self._lay_out()
-        self.entered.connect(lambda index: curation.hover(self._key(index)))
+        self.entered.connect(lambda index: review.hover(self._key(index)))
         self.doubleClicked.connect(lambda index: self._name(index.row()))
         self.selectionModel().selectionChanged.connect(self._tell_selection)
-        curation.changed.connect(self._show)
-        curation.selection_changed.connect(self._show_selection)
+        review.changed.connect(self._show)
+        review.selection_changed.connect(self._show_selection)
 
     def column(self, name: str) -> list[str]:
         """What stands in a column, from above."""
@@ -87,7 +87,7 @@ class ContourTable(QTableView):
         if event.key() in _ENTER:
             self._name(self.currentIndex().row())
         elif event.key() in _DELETE:
-            self._curation.judge("rejected")
+            self._review.judge("rejected")
         else:
             super().keyPressEvent(event)
 
@@ -105,7 +105,7 @@ class ContourTable(QTableView):
 
     def leaveEvent(self, event: QEvent) -> None:
         """The pointer is over no row."""
-        self._curation.hover(None)
+        self._review.hover(None)
         super().leaveEvent(event)
 
     # Inside
@@ -140,12 +140,12 @@ class ContourTable(QTableView):
 
     def _tell_selection(self) -> None:
         if not self._showing:
-            self._curation.select(self._key(index) for index in self.selectionModel().selectedRows())
+            self._review.select(self._key(index) for index in self.selectionModel().selectedRows())
 
     def _show_selection(self) -> None:
         if self._stale:
             return
-        wanted = self._curation.selected
+        wanted = self._review.selected
         if {self._key(index) for index in self.selectionModel().selectedRows()} == wanted:
             return
         rows = [row for key in wanted if (row := self._rows.row(key)) is not None]

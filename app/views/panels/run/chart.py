@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.model.display.plots import PLOTS, Axis, Plot, figure
 from app.model.text.language import tr
-from app.session.exchange.messages import Trace
+from app.session.exchange.messages import RunMetrics
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ class Chart(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._trace: Trace | None = None
+        self._metrics: RunMetrics | None = None
         self._plots: tuple[Plot, ...] = tuple(plot for plot in PLOTS if plot.first)
         self._read: int | None = None
         self.setMinimumHeight(_LOWEST)
@@ -42,16 +42,18 @@ class Chart(QWidget):
     @property
     def reading(self) -> str:
         """The figures at the step that is read, empty when none is."""
-        trace, index = self._trace, self._read
-        if trace is None or index is None:
+        metrics, index = self._metrics, self._read
+        if metrics is None or index is None:
             return ""
-        figures = [f"{one.title} {figure(float(one.of(trace)[index]))}" for plot in self._plots for one in plot.series]
-        return ", ".join([tr("step {step}").format(step=f"{trace.step[index]:,.0f}"), *figures])
+        figures = [
+            f"{one.title} {figure(float(one.of(metrics)[index]))}" for plot in self._plots for one in plot.series
+        ]
+        return ", ".join([tr("step {step}").format(step=f"{metrics.step[index]:,.0f}"), *figures])
 
-    def show_trace(self, trace: Trace | None) -> None:
+    def show_metrics(self, metrics: RunMetrics | None) -> None:
         """Show a run, or none."""
-        self._trace = trace if trace is not None and len(trace.step) else None
-        last = len(self._trace.step) - 1 if self._trace is not None else -1
+        self._metrics = metrics if metrics is not None and len(metrics.step) else None
+        last = len(self._metrics.step) - 1 if self._metrics is not None else -1
         if self._read is not None and self._read > last:
             self._read = None
         self.update()
@@ -64,9 +66,9 @@ class Chart(QWidget):
 
     def read(self, index: int | None) -> None:
         """Read the figures of an entry of the trace, or none."""
-        if index is not None and self._trace is not None:
-            index = min(max(index, 0), len(self._trace.step) - 1)
-        self._read = index if self._trace is not None else None
+        if index is not None and self._metrics is not None:
+            index = min(max(index, 0), len(self._metrics.step) - 1)
+        self._read = index if self._metrics is not None else None
         self.setAccessibleDescription(self.reading)
         self.update()
 
@@ -74,9 +76,9 @@ class Chart(QWidget):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Read the step under the pointer."""
-        if self._trace is not None:
+        if self._metrics is not None:
             left, width = self._sides()
-            self.read(round((event.position().x() - left) / width * (len(self._trace.step) - 1)))
+            self.read(round((event.position().x() - left) / width * (len(self._metrics.step) - 1)))
 
     def leaveEvent(self, event: QEvent) -> None:
         """Read no more."""
@@ -89,7 +91,7 @@ class Chart(QWidget):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Lead the line step by step."""
-        last = len(self._trace.step) - 1 if self._trace is not None else 0
+        last = len(self._metrics.step) - 1 if self._metrics is not None else 0
         at = self._read if self._read is not None else last
         stride = _PAGE if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
         ways = {
@@ -132,15 +134,15 @@ class Chart(QWidget):
         return left, max(self.width() - left - _RIGHT, 1.0)
 
     def _draw_plot(self, painter: QPainter, box: QRectF, plot: Plot, first: bool) -> None:
-        axis = plot.axis(self._trace)
+        axis = plot.axis(self._metrics)
         painter.setPen(self._colour(QPalette.ColorRole.Mid))
         painter.setBrush(self._colour(QPalette.ColorRole.Base))
         painter.drawRect(box)
         self._draw_labels(painter, box, plot, axis)
-        if self._trace is not None:
-            self._draw_scales(painter, box, self._trace, first)
+        if self._metrics is not None:
+            self._draw_scales(painter, box, self._metrics, first)
             for series in plot.series:
-                self._curve(painter, box, axis.fractions(series.of(self._trace)), self._own(series.colours))
+                self._curve(painter, box, axis.fractions(series.of(self._metrics)), self._own(series.colours))
             if self._read is not None:
                 x = self._x(box, self._read)
                 painter.setPen(QPen(self._colour(QPalette.ColorRole.Text), 1.0))
@@ -161,22 +163,22 @@ class Chart(QWidget):
         if box.height() > 2 * line and (plot.line is None or at * box.height() > 1.7 * line):
             self._label(painter, box, 0.0, low)
 
-    def _draw_scales(self, painter: QPainter, box: QRectF, trace: Trace, named: bool) -> None:
+    def _draw_scales(self, painter: QPainter, box: QRectF, metrics: RunMetrics, named: bool) -> None:
         """Mark where the run went on to a finer scale."""
-        changes = np.flatnonzero(np.diff(trace.scale)) + 1
+        changes = np.flatnonzero(np.diff(metrics.scale)) + 1
         pen = QPen(self._colour(QPalette.ColorRole.PlaceholderText), 1, Qt.PenStyle.DotLine)
-        metrics = painter.fontMetrics()
+        font = painter.fontMetrics()
         right = box.left()
         for index in changes:
             painter.setPen(pen)
             x = self._x(box, int(index))
             painter.drawLine(QPointF(x, box.top()), QPointF(x, box.bottom()))
-            text = tr("scale {scale}").format(scale=f"{trace.scale[index]:.0f}")
-            room = metrics.horizontalAdvance(text) + 4.0
+            text = tr("scale {scale}").format(scale=f"{metrics.scale[index]:.0f}")
+            room = font.horizontalAdvance(text) + 4.0
             # names that would lie upon each other are left out but for the first
-            if named and box.height() > 3 * metrics.height() and x + room <= box.right() and x >= right:
+            if named and box.height() > 3 * font.height() and x + room <= box.right() and x >= right:
                 right = x + room
-                place = QRectF(x + 3.0, box.bottom() - metrics.height() - 1.0, room, metrics.height())
+                place = QRectF(x + 3.0, box.bottom() - font.height() - 1.0, room, font.height())
                 painter.drawText(place, Qt.AlignmentFlag.AlignLeft, text)
 
     def _draw_names(self, painter: QPainter, box: QRectF, plot: Plot) -> None:
@@ -186,8 +188,8 @@ class Chart(QWidget):
         x = box.left() + 3.0
         for series in plot.series:
             text = series.title
-            if self._trace is not None and self._read is not None:
-                text += f" {figure(float(series.of(self._trace)[self._read]))}"
+            if self._metrics is not None and self._read is not None:
+                text += f" {figure(float(series.of(self._metrics)[self._read]))}"
             place = QRectF(x, box.top() + 2.0, metrics.horizontalAdvance(text) + 6.0, metrics.height())
             painter.fillRect(place, ground)
             painter.setPen(self._own(series.colours))
@@ -197,21 +199,21 @@ class Chart(QWidget):
     def _draw_steps(self, painter: QPainter, box: QRectF) -> None:
         painter.setPen(self._colour(QPalette.ColorRole.PlaceholderText))
         line = QRectF(box.left(), box.bottom() + 1, box.width(), self.height() - box.bottom())
-        trace = self._trace
-        if trace is not None and self._read is not None:
-            text = tr("step {step}").format(step=f"{trace.step[self._read]:,.0f}")
+        metrics = self._metrics
+        if metrics is not None and self._read is not None:
+            text = tr("step {step}").format(step=f"{metrics.step[self._read]:,.0f}")
             width = painter.fontMetrics().horizontalAdvance(text)
             x = min(max(self._x(box, self._read) - width / 2, box.left()), box.right() - width)
             painter.setPen(self._colour(QPalette.ColorRole.Text))
             painter.drawText(QRectF(x, line.top(), width + 2.0, line.height()), Qt.AlignmentFlag.AlignLeft, text)
             return
-        first, last = (f"{trace.step[0]:,.0f}", f"{trace.step[-1]:,.0f}") if trace is not None else ("0", "")
+        first, last = (f"{metrics.step[0]:,.0f}", f"{metrics.step[-1]:,.0f}") if metrics is not None else ("0", "")
         painter.drawText(line, Qt.AlignmentFlag.AlignLeft, first)
         painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, tr("step"))
         painter.drawText(line, Qt.AlignmentFlag.AlignRight, last)
 
     def _x(self, box: QRectF, index: int) -> float:
-        last = len(self._trace.step) - 1 if self._trace is not None else 0
+        last = len(self._metrics.step) - 1 if self._metrics is not None else 0
         return box.left() + box.width() * index / max(last, 1)
 
     def _curve(self, painter: QPainter, box: QRectF, fractions: Array, colour: QColor) -> None:

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QHBoxLayout, QToolButton, QVBoxLayout, QWidget
 
 from app.model.display.plots import PLOTS
 from app.model.text.language import tr
-from app.session.exchange.messages import Trace
+from app.session.exchange.messages import RunMetrics
 from app.views.panels.run.chart import Chart
 from app.views.widgets.space_key import own_space
 
@@ -53,9 +53,9 @@ class PlotPanel(QWidget):
         for name, button in self.buttons.items():
             button.setChecked(name in names)
 
-    def show_trace(self, trace: Trace | None) -> None:
+    def show_metrics(self, metrics: RunMetrics | None) -> None:
         """Show a run, or none."""
-        self.chart.show_trace(trace)
+        self.chart.show_metrics(metrics)
 
     def _choose(self) -> None:
         self.chart.show_plots([plot for plot in PLOTS if plot.name in self.shown])

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
-from app.session.features.timeline_navigation import TimeTravel
+from app.session.features.timeline_navigation import TimelineNavigation
 from app.session.worker.commands.timeline import Compared
 from app.session.worker.recorded_run import MEGABYTE
 from app.views.panels.timeline.timeline_view import ROW, TimelineView
@@ -37,34 +37,34 @@ class TimelinePanel(QWidget):
 
     Parameters
     ----------
-    travel : TimeTravel
+    navigation : TimelineNavigation
         What it shows.
     running : callable
         Whether steps are being taken, so that a slower pace will do.
     """
 
-    def __init__(self, travel: TimeTravel, running: Callable[[], bool]) -> None:
+    def __init__(self, navigation: TimelineNavigation, running: Callable[[], bool]) -> None:
         super().__init__()
-        self._travel = travel
+        self._navigation = navigation
         self._running = running
         self._theme: Theme | None = None
-        self.view = TimelineView(travel)
-        self.view.asked.connect(travel.go)
+        self.view = TimelineView(navigation)
+        self.view.asked.connect(navigation.go)
         self.buttons = {
             name: self._button(name, tip, do)
             for name, tip, do in (
-                ("first", tr("Go to the beginning of the run (Home)."), travel.to_first),
-                ("back", tr("Go one step back (,)."), lambda: travel.by(-1)),
-                ("play", tr("Play the recorded steps, or hold."), travel.toggle_play),
-                ("forward", tr("Go one recorded step forward."), lambda: travel.by(1)),
-                ("last", tr("Go to the last step of the branch (End)."), travel.to_last),
+                ("first", tr("Go to the beginning of the run (Home)."), navigation.to_first),
+                ("back", tr("Go one step back (,)."), lambda: navigation.by(-1)),
+                ("play", tr("Play the recorded steps, or hold."), navigation.toggle_play),
+                ("forward", tr("Go one recorded step forward."), lambda: navigation.by(1)),
+                ("last", tr("Go to the last step of the branch (End)."), navigation.to_last),
             )
         }
         self.step = QSpinBox()
         self.step.setKeyboardTracking(False)
         self.step.setAccessibleName(tr("Step"))
         self.step.setToolTip(tr("Step that is shown; type one to go there."))
-        self.step.valueChanged.connect(lambda step: travel.go(travel.place[0], step))
+        self.step.valueChanged.connect(lambda step: navigation.go(navigation.place[0], step))
         self._of = QLabel()
         self._memory = QLabel()
         self.parameters = QToolButton()
@@ -73,17 +73,17 @@ class TimelinePanel(QWidget):
             tr("This step was taken with other parameters than are set now; set those, so that going on repeats it.")
         )
         self.parameters.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.parameters.clicked.connect(lambda _=False: travel.use_its_parameters())
+        self.parameters.clicked.connect(lambda _=False: navigation.use_its_parameters())
         self.name = QLineEdit()
         self.name.setAccessibleName(tr("Name of the branch"))
         self.name.setToolTip(tr("Name of the branch; type another one and press Enter."))
         self.name.setMaxLength(40)
         self.name.editingFinished.connect(self._rename)
-        self.delete = self._button("bin", tr("Delete the branch."), lambda: travel.drop(travel.place[0]))
+        self.delete = self._button("bin", tr("Delete the branch."), lambda: navigation.drop(navigation.place[0]))
         self.compare = QComboBox()
         self.compare.setAccessibleName(tr("Compare with"))
         self.compare.setToolTip(tr("Another branch to show beside this one, at the same step."))
-        self.compare.activated.connect(lambda index: travel.compare(self.compare.itemData(index)))
+        self.compare.activated.connect(lambda index: navigation.compare(self.compare.itemData(index)))
         self._difference = QLabel()
         self._difference.setWordWrap(True)
         self._difference.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
@@ -92,8 +92,8 @@ class TimelinePanel(QWidget):
         self._lay_out()
         self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
         self._later.timeout.connect(self._show)
-        travel.changed.connect(self._follow)
-        travel.compared.connect(self._show_difference)
+        navigation.changed.connect(self._follow)
+        navigation.compared.connect(self._show_difference)
         self._show()
 
     def use_theme(self, theme: Theme) -> None:
@@ -164,7 +164,7 @@ class TimelinePanel(QWidget):
         return button
 
     def _pictured(self, name: str) -> str:
-        return "pause" if name == "play" and self._travel.playing else name
+        return "pause" if name == "play" and self._navigation.playing else name
 
     def _follow(self) -> None:
         if not self._running():
@@ -174,20 +174,25 @@ class TimelinePanel(QWidget):
             self._later.start()
 
     def _show(self) -> None:
-        travel = self._travel
-        branch, step = travel.place
-        known, last = travel.branch(branch), travel.last(branch)
+        navigation = self._navigation
+        branch, step = navigation.place
+        known, last = navigation.branch(branch), navigation.last(branch)
         there = known is not None
         with QSignalBlocker(self.step):
-            self.step.setRange(travel.first, max(last, step))
+            self.step.setRange(navigation.first, max(last, step))
             self.step.setValue(step)
         self._of.setText(tr("of {last}").format(last=last) if there else "")
-        able = {"first": step > travel.first, "back": step > travel.first, "forward": step < last, "last": step < last}
+        able = {
+            "first": step > navigation.first,
+            "back": step > navigation.first,
+            "forward": step < last,
+            "last": step < last,
+        }
         for name, button in self.buttons.items():
             button.setEnabled(there and able.get(name, True))
         self.step.setEnabled(there)
         self.name.setEnabled(there)
-        self.delete.setEnabled(len(travel.outline.branches) > 1)
+        self.delete.setEnabled(len(navigation.outline.branches) > 1)
         if not self.name.hasFocus() or not self.name.isModified():
             self.name.setText(known.name if known is not None else "")
             self.name.setCursorPosition(0)
@@ -204,7 +209,9 @@ class TimelinePanel(QWidget):
             self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, ROW)
 
     def _show_others(self, branch: int) -> None:
-        others = [(known.name, known.identity) for known in self._travel.outline.branches if known.identity != branch]
+        others = [
+            (known.name, known.identity) for known in self._navigation.outline.branches if known.identity != branch
+        ]
         wanted = [(tr("nothing"), None), *others]
         shown = [(self.compare.itemText(index), self.compare.itemData(index)) for index in range(self.compare.count())]
         if shown != wanted:
@@ -213,17 +220,17 @@ class TimelinePanel(QWidget):
                 self.compare.addItem(name, identity)
         self.compare.setEnabled(bool(others))
         numbers = [identity for _, identity in wanted]
-        compared = self._travel.comparing
+        compared = self._navigation.comparing
         self.compare.setCurrentIndex(numbers.index(compared) if compared in numbers else 0)
 
     def show_parameters(self) -> None:
         """Offer the parameters of the step where others are set, in the place of what memory there is."""
-        other = self._travel.other_parameters is not None and not self._running()
+        other = self._navigation.other_parameters is not None and not self._running()
         self.parameters.setVisible(other)
         self._memory.setVisible(not other)
 
     def _show_memory(self) -> None:
-        outline = self._travel.outline
+        outline = self._navigation.outline
         words = tr("{used} of {budget} MB used")
         used = f"{outline.used / MEGABYTE:.{0 if outline.used > 10 * MEGABYTE else 1}f}"
         self._memory.setText(words.format(used=used, budget=outline.budget // MEGABYTE) if outline.budget else "")
@@ -234,9 +241,9 @@ class TimelinePanel(QWidget):
         if compared is None or compared.state is None:
             self._difference.setText("")
             return
-        ended = compared.state.step < self._travel.place[1]
+        ended = compared.state.step < self._navigation.place[1]
         there = tr("{there} particles at its end, {here} here") if ended else tr("{there} particles there, {here} here")
-        words = there.format(there=compared.state.count, here=self._travel.count)
+        words = there.format(there=compared.state.count, here=self._navigation.count)
         if compared.apart is not None:
             told = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
             apart = compared.apart
@@ -245,7 +252,7 @@ class TimelinePanel(QWidget):
         self._difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
 
     def _rename(self) -> None:
-        known = self._travel.branch(self._travel.place[0])
+        known = self._navigation.branch(self._navigation.place[0])
         if known is not None and self.name.isModified() and self.name.text().strip() not in ("", known.name):
-            self._travel.rename(known.identity, self.name.text())
+            self._navigation.rename(known.identity, self.name.text())
         self.name.setModified(False)

@@ -22,7 +22,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from app.model.text.language import tr
-from app.session.features.timeline_navigation import TimeTravel
+from app.session.features.timeline_navigation import TimelineNavigation
 from app.session.timeline.branches import Branch
 from app.views.theme import theme
 
@@ -51,16 +51,16 @@ class TimelineView(QWidget):
 
     Parameters
     ----------
-    travel : TimeTravel
+    navigation : TimelineNavigation
         What it shows and goes through.
     """
 
     asked = Signal(int, int)
     """Branch and step that somebody wants to see."""
 
-    def __init__(self, travel: TimeTravel) -> None:
+    def __init__(self, navigation: TimelineNavigation) -> None:
         super().__init__()
-        self._travel = travel
+        self._navigation = navigation
         self._dragged: int | None = None
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
@@ -76,12 +76,12 @@ class TimelineView(QWidget):
         """Show how the timeline stands now."""
         if self.minimumHeight() != self._height():
             self.setMinimumHeight(self._height())
-        branch, step = self._travel.place
-        told = self._travel.branch(branch)
+        branch, step = self._navigation.place
+        told = self._navigation.branch(branch)
         if told is not None:
             words = tr("{branch}, step {step} of {last}")
             self.setAccessibleDescription(
-                words.format(branch=told.name, step=step, last=self._travel.last(told.identity))
+                words.format(branch=told.name, step=step, last=self._navigation.last(told.identity))
             )
         self.update()
 
@@ -98,7 +98,7 @@ class TimelineView(QWidget):
         font = painter.font()
         font.setPointSizeF(max(6.5, font.pointSizeF() - 1.0))
         painter.setFont(font)
-        branches = self._travel.outline.branches
+        branches = self._navigation.outline.branches
         if not branches:
             painter.setPen(self._colour(QPalette.ColorRole.PlaceholderText))
             words = tr("Every step of a run will be kept here, for going back to it.")
@@ -136,15 +136,15 @@ class TimelineView(QWidget):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Arrows go along a branch and from one to the next."""
-        branch, step = self._travel.place
-        key, branches = Qt.Key(event.key()), [known.identity for known in self._travel.outline.branches]
+        branch, step = self._navigation.place
+        key, branches = Qt.Key(event.key()), [known.identity for known in self._navigation.outline.branches]
         if branch not in branches:
             event.ignore()
         elif key in _KEYS:
             fast = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
             self.asked.emit(branch, step + fast * _KEYS[key])
         elif key in (Qt.Key.Key_Home, Qt.Key.Key_End):
-            self.asked.emit(branch, self._travel.first if key == Qt.Key.Key_Home else self._travel.last(branch))
+            self.asked.emit(branch, self._navigation.first if key == Qt.Key.Key_Home else self._navigation.last(branch))
         elif key in (Qt.Key.Key_Up, Qt.Key.Key_Down):
             row = branches.index(branch) + (1 if key == Qt.Key.Key_Down else -1)
             self.asked.emit(branches[min(max(row, 0), len(branches) - 1)], step)
@@ -164,9 +164,9 @@ class TimelineView(QWidget):
     def event(self, event: QEvent) -> bool:
         """Tell under the pointer which step that is."""
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
-            branch = self._travel.branch(self._branch_at(event.pos().y()) or 0)
+            branch = self._navigation.branch(self._branch_at(event.pos().y()) or 0)
             if branch is not None and event.pos().x() >= self._left():
-                step = min(max(self._step(event.pos().x()), 0), self._travel.last(branch.identity))
+                step = min(max(self._step(event.pos().x()), 0), self._navigation.last(branch.identity))
                 words = tr("{branch}, step {step}").format(branch=branch.name, step=step)
                 QToolTip.showText(event.globalPos(), words, self)
             return True
@@ -175,31 +175,31 @@ class TimelineView(QWidget):
     # Places
 
     def _height(self) -> int:
-        return _HEAD + ROW * max(len(self._travel.outline.branches), 2) + _FOOT
+        return _HEAD + ROW * max(len(self._navigation.outline.branches), 2) + _FOOT
 
     def _left(self) -> float:
         metrics = self.fontMetrics()
-        names = [metrics.horizontalAdvance(branch.name) for branch in self._travel.outline.branches]
+        names = [metrics.horizontalAdvance(branch.name) for branch in self._navigation.outline.branches]
         return _SIDE + min(max(names, default=0), _LONGEST_NAME) + 14.0
 
     def _longest(self) -> int:
-        return max((self._travel.last(branch.identity) for branch in self._travel.outline.branches), default=0)
+        return max((self._navigation.last(branch.identity) for branch in self._navigation.outline.branches), default=0)
 
     def _span(self) -> tuple[float, float]:
         return self._left(), max(self.width() - _END - self._left(), 1.0)
 
     def _x(self, step: float) -> float:
         left, width = self._span()
-        first = self._travel.first
+        first = self._navigation.first
         return left + width * (step - first) / max(self._longest() - first, _SOONEST)
 
     def _step(self, x: float) -> int:
         left, width = self._span()
-        first = self._travel.first
+        first = self._navigation.first
         return round(first + (x - left) / width * max(self._longest() - first, _SOONEST))
 
     def _y(self, branch: int) -> float:
-        rows = [known.identity for known in self._travel.outline.branches]
+        rows = [known.identity for known in self._navigation.outline.branches]
         return _HEAD + ROW * (rows.index(branch) + 0.5)
 
     def _seen(self) -> QRectF:
@@ -211,18 +211,18 @@ class TimelineView(QWidget):
 
     def _branch_at(self, y: float) -> int | None:
         """The branch of a row; on the axis that where the run stands."""
-        branches = self._travel.outline.branches
+        branches = self._navigation.outline.branches
         if not branches:
             return None
         if y > self._base():
-            return self._travel.place[0]
+            return self._navigation.place[0]
         row = int((y - _HEAD) / ROW)
         return branches[min(max(row, 0), len(branches) - 1)].identity
 
     def _ask_for(self, point: QPointF) -> None:
         assert self._dragged is not None
         # a press on the name changes the branch and keeps the step
-        step = self._step(point.x()) if point.x() >= self._left() - _SIDE else self._travel.place[1]
+        step = self._step(point.x()) if point.x() >= self._left() - _SIDE else self._navigation.place[1]
         self.asked.emit(self._dragged, step)
 
     # Drawing
@@ -230,10 +230,10 @@ class TimelineView(QWidget):
     def _ticks(self, painter: QPainter) -> Iterator[int]:
         """Steps that the axis names."""
         _, width = self._span()
-        span = max(self._longest() - self._travel.first, _SOONEST)
+        span = max(self._longest() - self._navigation.first, _SOONEST)
         every = _round_up(span * painter.fontMetrics().horizontalAdvance("00000") * 1.6 / width)
-        first = -(-self._travel.first // every) * every
-        yield from range(first, self._travel.first + span + 1, every)
+        first = -(-self._navigation.first // every) * every
+        yield from range(first, self._navigation.first + span + 1, every)
 
     def _draw_grid(self, painter: QPainter) -> None:
         painter.setPen(QPen(self._colour(QPalette.ColorRole.Mid), 1.0))
@@ -257,9 +257,9 @@ class TimelineView(QWidget):
             painter.drawText(QRectF(x - half, base + 1.0, 2 * half, _FOOT), Qt.AlignmentFlag.AlignHCenter, f"{step}")
 
     def _draw_branch(self, painter: QPainter, branch: Branch) -> None:
-        here, identity = self._travel.place[0], branch.identity
-        y, last = self._y(identity), self._travel.last(identity)
-        compared = identity == self._travel.comparing
+        here, identity = self._navigation.place[0], branch.identity
+        y, last = self._y(identity), self._navigation.last(identity)
+        compared = identity == self._navigation.comparing
         role = QPalette.ColorRole.Highlight if identity == here else QPalette.ColorRole.PlaceholderText
         colour = self._ghost() if compared else self._colour(role)
         pen = QPen(colour, 4.0 if identity == here else 3.0)
@@ -282,7 +282,7 @@ class TimelineView(QWidget):
 
     def _draw_scale(self, painter: QPainter, step: int, scale: int, y: float, first: int) -> None:
         """A tick where a scale begins, with how small the image is then; where the run begins nobody asks."""
-        if step == first == self._travel.first and scale == 0:
+        if step == first == self._navigation.first and scale == 0:
             return
         x = self._x(step)
         painter.setPen(QPen(self._colour(QPalette.ColorRole.WindowText), 1.4))
@@ -299,7 +299,7 @@ class TimelineView(QWidget):
 
     def _draw_name(self, painter: QPainter, branch: Branch, y: float, colour: QColor | None) -> None:
         font = painter.font()
-        bold = branch.identity == self._travel.place[0]
+        bold = branch.identity == self._navigation.place[0]
         font.setBold(bold)
         painter.setFont(font)
         room = self._left() - _SIDE - 10.0
@@ -311,8 +311,8 @@ class TimelineView(QWidget):
         painter.setFont(font)
 
     def _draw_place(self, painter: QPainter) -> None:
-        branch, step = self._travel.place
-        if self._travel.branch(branch) is None:
+        branch, step = self._navigation.place
+        if self._navigation.branch(branch) is None:
             return
         at = self.point(branch, step)
         colour = self._colour(QPalette.ColorRole.WindowText)

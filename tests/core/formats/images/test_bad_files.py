@@ -20,7 +20,7 @@ from cpm_core.image.image import Image
 VALUES = (np.add.outer(np.arange(24) * 7, np.arange(30) * 5) % 251).astype(np.uint8)
 
 
-def refusal(path):
+def failure_report(path):
     """The sentence with which a file is refused; fails when it is not, or not in one sentence."""
     with pytest.raises(ValueError, match=re.escape(Path(path).name)) as caught:
         load_image(path)
@@ -56,16 +56,16 @@ SOUND = {
 
 
 def test_a_file_that_is_not_there(tmp_path):
-    assert "does not exist" in refusal(tmp_path / "none.png")
+    assert "does not exist" in failure_report(tmp_path / "none.png")
 
 
 def test_a_folder(tmp_path):
-    assert "is a folder" in refusal(tmp_path)
+    assert "is a folder" in failure_report(tmp_path)
 
 
 def test_an_empty_file(tmp_path):
     (tmp_path / "empty.png").touch()
-    assert "is empty" in refusal(tmp_path / "empty.png")
+    assert "is empty" in failure_report(tmp_path / "empty.png")
 
 
 @pytest.mark.parametrize(
@@ -74,12 +74,12 @@ def test_an_empty_file(tmp_path):
 @pytest.mark.parametrize("name", ["notes.txt", "notes.png", "notes"])
 def test_a_file_that_is_no_image(tmp_path, content, name):
     (tmp_path / name).write_bytes(content)
-    assert "is not an image of a known kind" in refusal(tmp_path / name)
+    assert "is not an image of a known kind" in failure_report(tmp_path / name)
 
 
 def test_an_image_of_one_pixel(tmp_path):
     PIL.Image.new("L", (1, 1)).save(tmp_path / "dot.png")
-    assert "is 1 x 1 px" in refusal(tmp_path / "dot.png")
+    assert "is 1 x 1 px" in failure_report(tmp_path / "dot.png")
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
@@ -87,7 +87,7 @@ def test_an_image_with_a_pixel_that_is_no_number(tmp_path, value):
     values = VALUES.astype(np.float32)
     values[3, 4] = value
     tifffile.imwrite(tmp_path / "a.tif", values)
-    assert "holds 1 value that is NaN or infinite" in refusal(tmp_path / "a.tif")
+    assert "holds 1 value that is NaN or infinite" in failure_report(tmp_path / "a.tif")
 
 
 def test_a_constant_image_is_an_image_all_the_same(tmp_path):
@@ -106,7 +106,7 @@ def test_a_file_without_read_permission():
         if owner == 0:  # the superuser may read everything, so be nobody for a moment
             os.seteuid(65534)
         try:
-            assert "must not be read by you" in refusal(path)
+            assert "must not be read by you" in failure_report(path)
         finally:
             os.seteuid(owner)
 
@@ -114,7 +114,7 @@ def test_a_file_without_read_permission():
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="named pipes are those of POSIX")
 def test_a_pipe_does_not_make_the_program_wait(tmp_path):
     os.mkfifo(tmp_path / "pipe.png")
-    assert "is not an ordinary file" in refusal(tmp_path / "pipe.png")
+    assert "is not an ordinary file" in failure_report(tmp_path / "pipe.png")
 
 
 def test_a_name_that_no_file_can_have():
@@ -134,7 +134,7 @@ def test_a_file_cut_short_is_refused(tmp_path, kind, share, capfd):
     SOUND[kind](tmp_path / "a")
     content = (tmp_path / "a").read_bytes()
     (tmp_path / "a").write_bytes(content[: int(share * len(content))])
-    refusal(tmp_path / "a")
+    failure_report(tmp_path / "a")
     assert capfd.readouterr() == ("", "")
 
 
@@ -174,11 +174,11 @@ def bomb_png(path, side):
 @pytest.mark.parametrize("side", [9000, 12000, 100_000])
 def test_an_image_too_large_for_memory_is_refused_before_it_is_unpacked(tmp_path, side):
     bomb_png(tmp_path / "bomb.png", side)
-    assert re.search("crop it or make it smaller", refusal(tmp_path / "bomb.png"))
+    assert re.search("crop it or make it smaller", failure_report(tmp_path / "bomb.png"))
 
 
 def test_a_tiff_too_large_for_memory_is_refused_before_it_is_unpacked(tmp_path):
     tifffile.imwrite(tmp_path / "a.tif", VALUES)
     with tifffile.TiffFile(tmp_path / "a.tif", mode="r+") as file:
         file.pages.first.tags["ImageLength"].overwrite(2**31)
-    assert "crop it or make it smaller" in refusal(tmp_path / "a.tif")
+    assert "crop it or make it smaller" in failure_report(tmp_path / "a.tif")

@@ -11,7 +11,7 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtWidgets import QCheckBox, QVBoxLayout, QWidget
 
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
 from app.session.features.contour_review import Item
 from app.session.session import Session
@@ -36,7 +36,7 @@ class ContourLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, session: Session) -> None:
         super().__init__(view, session)
-        self._curation = session.curation
+        self._review = session.review
         self._shape: tuple[int, ...] = (1, 1)
         self._hovered = Curves(theme.HOVERED, 3.7, width=7.0, halo=0.0)
         self._chosen = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
@@ -52,14 +52,14 @@ class ContourLayer(Layer):
         self.show_names = True
         self.add(*self._lines, self._names, self._junctions)
         session.image_changed.connect(self._use_image)
-        self._curation.changed.connect(self._show)
-        self._curation.selection_changed.connect(self._show_chosen)
-        self._curation.hover_changed.connect(self._show_hovered)
+        self._review.changed.connect(self._show)
+        self._review.selection_changed.connect(self._show_chosen)
+        self._review.hover_changed.connect(self._show_hovered)
 
     @property
     def counts(self) -> tuple[int, int]:
         """Closed and open contours shown that have not been rejected."""
-        counted = [item.contour.closed for item in self._curation.items if not item.curated.rejected]
+        counted = [item.contour.closed for item in self._review.items if not item.reviewed.rejected]
         return sum(counted), len(counted) - sum(counted)
 
     @property
@@ -82,7 +82,7 @@ class ContourLayer(Layer):
     def set_show_rejected(self, shown: bool) -> None:
         """Show what has been rejected, or hide it."""
         if shown != self.show_rejected:
-            self.show_rejected = self._curation.rejected_seen = shown
+            self.show_rejected = self._review.rejected_seen = shown
             self._show()
             self.changed.emit()
 
@@ -121,20 +121,20 @@ class ContourLayer(Layer):
         if isinstance(names, bool):
             self.set_show_names(names)
 
-    def _use_image(self, _: Image, shades: Shades) -> None:
+    def _use_image(self, _: Image, shades: DisplayImage) -> None:
         self._shape = shades.shape
         self._names.use_shape(self._shape)
         for item in self._lines:
             item.use_shape(self._shape)
 
     def _show(self) -> None:
-        items = self._curation.items
-        counting = [item for item in items if not item.curated.rejected]
+        items = self._review.items
+        counting = [item for item in items if not item.reviewed.rejected]
         for closed, curves in self._curves.items():
             curves.show(_paths([i for i in counting if i.contour.closed == closed and not i.contour.colour]))
         self._show_own([item for item in counting if item.contour.colour])
-        self._rejected.show(_paths([i for i in items if i.curated.rejected]) if self.show_rejected else [])
-        result = self._curation.result
+        self._rejected.show(_paths([i for i in items if i.reviewed.rejected]) if self.show_rejected else [])
+        result = self._review.result
         self._bridges.show([bridge.points for bridge in result.bridges] if result is not None else [])
         named = [item.contour for item in counting if item.contour.name]
         self._names.show([(middle(c), c.name, c.colour or "#ffffff") for c in named])
@@ -157,11 +157,11 @@ class ContourLayer(Layer):
             curves.show(_paths([item for item in items if item.contour.colour == colour]))
 
     def _show_chosen(self) -> None:
-        self._chosen.show(_paths(self._curation.chosen))
+        self._chosen.show(_paths(self._review.chosen))
 
     def _show_hovered(self) -> None:
-        key = self._curation.hovered
-        self._hovered.show(_paths([self._curation[key]] if key is not None and key in self._curation else []))
+        key = self._review.hovered
+        self._hovered.show(_paths([self._review[key]] if key is not None and key in self._review else []))
 
 
 def _paths(items: Sequence[Item]) -> list[np.ndarray]:

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.items.curves import Curves
@@ -53,7 +53,7 @@ class SkeletonLayer(Layer):
         for item in self._lines:
             item.set_wanted(self.shown)
 
-    def _use_image(self, _: Image, shades: Shades) -> None:
+    def _use_image(self, _: Image, shades: DisplayImage) -> None:
         for item in self._lines:
             item.use_shape(shades.shape)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
 
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.items.curves import Curves
@@ -28,7 +28,7 @@ class TruthLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, session: Session) -> None:
         super().__init__(view, session)
-        self._truth = session.curation.truth
+        self._truth = session.review.truth
         self._boundary = Curves(theme.TRUTH, 3.95, width=1.6, halo=0.0)
         self._missing = Curves(theme.MISSING, 4.3, width=3.4, halo=5.0, dashed=True)
         self._wrong = Curves(theme.WRONG, 4.4, width=5.0, halo=7.0)
@@ -48,7 +48,7 @@ class TruthLayer(Layer):
         for item in self._lines:
             item.set_wanted(self.shown)
 
-    def _use_image(self, _: Image, shades: Shades) -> None:
+    def _use_image(self, _: Image, shades: DisplayImage) -> None:
         for item in self._lines:
             item.use_shape(shades.shape)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtWidgets import QGraphicsItem
 
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.session import Session
@@ -103,7 +103,7 @@ class DrawingLayer(Layer):
         """Number of particles shown that nobody has drawn one by one."""
         return sum(discs.count for discs in self._everywhere.values())
 
-    def _use_image(self, _: Image, shades: Shades) -> None:
+    def _use_image(self, _: Image, shades: DisplayImage) -> None:
         shape = shades.shape
         rim = float(max(shape))
         for curves in self._curves:

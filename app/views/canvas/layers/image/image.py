@@ -7,7 +7,7 @@ import math
 import pyqtgraph as pg
 from PySide6.QtWidgets import QWidget
 
-from app.model.display.shades import Shades, Window, windowed
+from app.model.display.shades import DisplayImage, Window, windowed
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.session import Session
@@ -58,7 +58,7 @@ class ImageLayer(Layer):
         cached(self._item)
         self.add(self._item)
         self._image: Image | None = None
-        self._whole: Shades | None = None
+        self._whole: DisplayImage | None = None
         self._ends = self._window = (0.0, 1.0)
         session.image_changed.connect(self._use_image)
         session.reported.connect(self._hear)
@@ -79,9 +79,9 @@ class ImageLayer(Layer):
         return self._window
 
     @property
-    def shades(self) -> Shades | None:
+    def shades(self) -> DisplayImage | None:
         """What is shown, before it is coloured."""
-        shown: Shades | None = self._item.image
+        shown: DisplayImage | None = self._item.image
         return shown
 
     def choose_window(self, low: float, high: float) -> None:
@@ -118,7 +118,7 @@ class ImageLayer(Layer):
     def _table(self) -> colour_maps.Table:
         return colour_maps.table(self.word("map"))
 
-    def _use_image(self, image: Image, shades: Shades) -> None:
+    def _use_image(self, image: Image, shades: DisplayImage) -> None:
         self._image, self._whole = image, shades
         self._ends = self._window = (float(image.values.min()), float(image.values.max()))
         if self.word("range") == _HAND:
@@ -168,5 +168,5 @@ class ImageLayer(Layer):
                 if image is self._image and window == self._wanted():
                     self._draw(shades)
 
-    def _draw(self, shades: Shades) -> None:
+    def _draw(self, shades: DisplayImage) -> None:
         self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))

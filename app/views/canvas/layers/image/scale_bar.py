@@ -7,7 +7,7 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
 from app.model.display.lengths import Bar, bar
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.items.pinned import INK, MARGIN, Pinned
@@ -54,7 +54,7 @@ class ScaleBarLayer(Layer):
         """In px or not at all."""
         self._fit()
 
-    def _use_image(self, image: Image, _: Shades) -> None:
+    def _use_image(self, image: Image, _: DisplayImage) -> None:
         self._image = image
         self._fit()
 

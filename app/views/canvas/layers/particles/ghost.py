@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pyqtgraph as pg
 
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.session import Session
@@ -49,7 +49,7 @@ class GhostLayer(Layer):
         self._particles.setVisible(self.shown)
         self._contours.set_wanted(self.shown)
 
-    def _use_image(self, _: Image, shades: Shades) -> None:
+    def _use_image(self, _: Image, shades: DisplayImage) -> None:
         for item in (self._particles, self._contours):
             item.use_shape(shades.shape)
 

@@ -8,7 +8,7 @@ import pyqtgraph as pg
 from PySide6.QtGui import QColor
 
 from app.model.display.colouring import QUANTITIES, SHADES, Births, coloured
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
 from app.session.exchange.messages import Snapshot
 from app.session.session import Session
@@ -79,7 +79,7 @@ class ParticleLayer(Layer):
             discs.use_palette(palette)
         self._show(self._snapshot)
 
-    def _use_image(self, _: Image, shades: Shades) -> None:
+    def _use_image(self, _: Image, shades: DisplayImage) -> None:
         for item in (self._resting, self._moving):
             item.use_shape(shades.shape)
 
@@ -93,7 +93,7 @@ class ParticleLayer(Layer):
             self._moving.show(snapshot.position[~snapshot.resting])
         else:
             quantity = QUANTITIES[self.word("colour")]
-            shown = coloured(quantity, snapshot.state, Births(snapshot.trace.step, snapshot.trace.numbered))
+            shown = coloured(quantity, snapshot.state, Births(snapshot.metrics.step, snapshot.metrics.numbered))
             for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
                 discs.show(snapshot.position[which], shown.marks[which])
             partly = bool((shown.marks == SHADES).any())

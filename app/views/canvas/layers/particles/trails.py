@@ -12,7 +12,7 @@ from PySide6.QtCore import QLineF, QRectF
 from PySide6.QtGui import QColor, QPainter, QPen
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.model.display.shades import Shades
+from app.model.display.shades import DisplayImage
 from app.model.display.trails import Trails
 from app.model.text.language import tr
 from app.session.exchange.messages import Snapshot
@@ -50,7 +50,7 @@ class TrailLayer(Layer):
     def __init__(self, view: pg.ViewBox, session: Session) -> None:
         super().__init__(view, session)
         self.trails = Trails(int(_LENGTH))
-        self._item = Lines(theme.TRAIL, _Z)
+        self._item = BranchTree(theme.TRAIL, _Z)
         self.add(self._item)
         self._item.setVisible(False)
         session.image_changed.connect(self._use_image)
@@ -68,7 +68,7 @@ class TrailLayer(Layer):
         self.trails.keep(int(self.number("length")))
         self._item.show(self.trails)
 
-    def _use_image(self, _: Image, shades: Shades) -> None:
+    def _use_image(self, _: Image, shades: DisplayImage) -> None:
         self._item.use_shape(shades.shape)
 
     def _follow(self, snapshot: Snapshot | None) -> None:
@@ -80,7 +80,7 @@ class TrailLayer(Layer):
             self._item.show(self.trails)
 
 
-class Lines(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+class BranchTree(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
     """Many short lines in bands of one colour that fade.
 
     Parameters

@@ -34,7 +34,7 @@ _BESIDE_HINT = 16
 """Least room to either side of the hint [px]."""
 
 
-class Stage(QWidget):
+class CanvasArea(QWidget):
     """Shows the canvas and lets the tools work on it."""
 
     def __init__(self, session: Session) -> None:
@@ -79,7 +79,7 @@ class Stage(QWidget):
         else:
             self.messages.hide()
             self._session.select(None)
-            self._session.curation.select(())
+            self._session.review.select(())
 
     def show_hint(self, text: str) -> None:
         """Say what to do next, at the foot of the canvas; a tool that wants to say something comes first."""

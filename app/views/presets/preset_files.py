@@ -17,23 +17,23 @@ from app.session.storage.presets import PresetStore
 from app.views.presets import preset_dialogs as dialogs
 from app.views.presets.preset_gallery import PresetGallery
 from app.views.presets.preset_picture import picture_of
-from app.views.window.part import Desk
+from app.views.window.feature import FeatureContext
 
 
-class PresetKeeper(QObject):
+class PresetFiles(QObject):
     """Joins the gallery of presets, their files and the session.
 
     Parameters
     ----------
-    desk : Desk
+    context : FeatureContext
         What it works with.
     store : PresetStore
         Where presets are kept.
     """
 
-    def __init__(self, desk: Desk, store: PresetStore) -> None:
-        super().__init__(desk.window)
-        self._desk = desk
+    def __init__(self, context: FeatureContext, store: PresetStore) -> None:
+        super().__init__(context.window)
+        self._desk = context
         self._folder = ""
         self.store = store
         self.save = self._make(tr("&Save as…"), self._save, tr("Keep the parameters as they are under a name."))
@@ -45,7 +45,7 @@ class PresetKeeper(QObject):
         self.gallery = PresetGallery(self.deeds)
         self.gallery.chosen.connect(self.use)
         store.changed.connect(self._list)
-        desk.session.document_changed.connect(self._show)
+        context.session.document_changed.connect(self._show)
         self._list()
 
     def use(self, preset: Preset) -> None:
@@ -93,7 +93,7 @@ class PresetKeeper(QObject):
         name = dialogs.ask_for_name(self._desk.window, current.name if current is not None and current.own else "")
         if not name:
             return
-        picture = picture_of(self._desk.stage.canvas.grab().toImage())
+        picture = picture_of(self._desk.canvas_area.canvas.grab().toImage())
         about = tr("Made on {image}.").format(image=session.document.image.name) if session.document.image else ""
         kept = self.store.save(Preset(name, session.document.parameters, about, picture))
         session.say(tr("The parameters are kept as “{name}”.").format(name=kept.name))

@@ -13,16 +13,16 @@ from PySide6.QtWidgets import QMainWindow, QWidget
 
 from app.session.session import Session
 from app.session.storage.preferences import Preferences
-from app.views.canvas.stage import Stage
+from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import Entry, Submenu
+from app.views.widgets.entry import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
 
 Area = Literal["left", "right", "bottom"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Desk:
+class FeatureContext:
     """What every part works with.
 
     Attributes
@@ -31,7 +31,7 @@ class Desk:
         The window, as the parent of dialogs.
     session : Session
         The one door to document and run.
-    stage : Stage
+    canvas_area : CanvasArea
         Canvas, layers and tools.
     preferences : Preferences
         What is kept from one start to the next.
@@ -47,9 +47,9 @@ class Desk:
 
     window: QMainWindow
     session: Session
-    stage: Stage
+    canvas_area: CanvasArea
     preferences: Preferences
-    entries: Callable[[], Iterable[Entry]]
+    entries: Callable[[], Iterable[ActionSpec]]
     preference_rows: Callable[[], Iterable[PreferenceRow]]
     reveal: Callable[[str], None]
     use_theme: Callable[[Theme], None]
@@ -86,19 +86,19 @@ class Panel:
     shortcut: str = ""
 
 
-class Part:
+class Feature:
     """What parts have in common.
 
     Parameters
     ----------
-    desk : Desk
+    context : FeatureContext
         What it works with.
     """
 
-    def __init__(self, desk: Desk) -> None:
-        self.desk = desk
+    def __init__(self, context: FeatureContext) -> None:
+        self.context = context
 
-    def entries(self) -> Sequence[Entry | Submenu]:
+    def entries(self) -> Sequence[ActionSpec | Submenu]:
         """Its actions, in the order in which they stand in the menus."""
         return ()
 
