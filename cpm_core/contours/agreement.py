@@ -7,15 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.distances import distance_to, sampled
 from cpm_core.contours.ground_truth import Truth, inside
 from cpm_core.formats.masks.label_mask import paint
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from cpm_core.numerics.types import Array, Mask
 
 TOLERANCE = 2.0
 """Distance up to which two boundaries are taken for the same, unless told otherwise [px]."""

@@ -10,8 +10,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, lengths_along
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 SPACING = 0.25
 """Distance from sample to sample along the curves that are compared [px]."""

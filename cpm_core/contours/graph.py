@@ -9,10 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour, lengths_along
 from cpm_core.contours.graph_paths import Ways, follow, ways_of
-
-Array = NDArray[np.float64]
-Edges = NDArray[np.int64]
-Index = NDArray[np.int64]
+from cpm_core.numerics.types import Array, Index
 
 
 class Graph:
@@ -28,7 +25,7 @@ class Graph:
         Pairs of indices.
     """
 
-    def __init__(self, points: Array, edges: Edges) -> None:
+    def __init__(self, points: Array, edges: Index) -> None:
         self.points = points
         one, other = _distinct(edges, len(points)).T
         first = np.searchsorted(one, np.arange(len(points)))
@@ -87,7 +84,7 @@ class Graph:
         """Vertices that a vertex is joined to, the lowest number first."""
         return sorted(v for v in self._near[vertex].tolist() if v >= 0)
 
-    def edges(self) -> Edges:
+    def edges(self) -> Index:
         """Every edge once, shape (E, 2), the lower index first, sorted."""
         one, slot = np.nonzero(self._near > np.arange(len(self._near))[:, None])
         other = self._near[one, slot]
@@ -202,7 +199,7 @@ class Graph:
         return tuple(sorted(found, key=lambda contour: -contour.length))
 
 
-def _distinct(edges: Edges, count: int) -> Edges:
+def _distinct(edges: Index, count: int) -> Index:
     """Every edge of a graph of `count` vertices in both directions, sorted, none twice."""
     one, other = edges.astype(np.int64).reshape(-1, 2).T
     key = np.sort(np.concatenate([one * count + other, other * count + one]))
@@ -210,7 +207,7 @@ def _distinct(edges: Edges, count: int) -> Edges:
     return np.stack([key // max(count, 1), key % max(count, 1)], axis=1)
 
 
-def chains(points: Array, edges: Edges) -> tuple[Contour, ...]:
+def chains(points: Array, edges: Index) -> tuple[Contour, ...]:
     """Contours along the edges of a graph.
 
     Parameters

@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from cpm_core.numerics.types import Array, Index
 
 
 @dataclass(frozen=True, eq=False, slots=True)

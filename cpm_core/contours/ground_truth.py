@@ -19,10 +19,9 @@ from cpm_core.contours.measurements import containment
 from cpm_core.formats import load_image
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, read_contours
 from cpm_core.formats.masks.label_mask import paint
+from cpm_core.numerics.types import Array, Mask
 
-Array = NDArray[np.float64]
 Labels = NDArray[np.int32]
-Mask = NDArray[np.bool_]
 
 _BESIDE = 1.0
 """How far vertices may lie beyond the border of the image [px]."""

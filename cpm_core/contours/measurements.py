@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, lengths_along
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _PROBES = 16
 """Places along a contour that are looked for in others: where they touch, most of them tell on which side it lies."""

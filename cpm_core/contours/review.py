@@ -18,9 +18,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, lengths_along
 from cpm_core.contours.result import Result
-
-Array = NDArray[np.float64]
-Position = tuple[float, float]
+from cpm_core.numerics.types import Array, Position
 
 Verdict = Literal["", "kept", "rejected"]
 """What a person thinks of a contour: nothing yet, that it is right, or that it is none."""

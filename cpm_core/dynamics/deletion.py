@@ -5,16 +5,12 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.dynamics.edge_contact import EdgeContact
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.particles.cell_list import Cells, build_cells, cells_around, row_of_cells
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 _LEAST_CELL = 4.0
 """Side that cells must have to be worth their memory, however near the particles that are looked for [px]."""

@@ -5,16 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import between, component
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.particles.cell_list import Cells
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Single = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

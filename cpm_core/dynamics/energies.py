@@ -16,7 +16,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.placed_charges import at_scale, placed_potential, radius_at
@@ -25,8 +24,6 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.parameters import Parameters
 from cpm_core.particles.cell_list import Cells, build_cells, cells_around, row_of_cells
 from cpm_core.particles.state import State
-
-Array = NDArray[np.float64]
 
 _PAIR = 0.5
 """Coulomb force of two particles d_min apart, in w1."""

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array
 from cpm_core.particles.state import MEMORY
-
-Array = NDArray[np.float64]
 
 EPSILON = 0.001
 """Bound of eq. (23) [px]."""

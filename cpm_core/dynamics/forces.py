@@ -5,17 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.dynamics.equations import FADED, LATEST, damping
 from cpm_core.dynamics.integrator import far_force_of, is_asleep, undamped_force
 from cpm_core.field.interpolation import interpolate_felt
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _NO_EDGES = np.zeros((2, 2, 5), np.float32)
 _NO_EDGES[..., 0] = 1.0

@@ -7,7 +7,6 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.dynamics.edge_contact import EdgeContact
 from cpm_core.field.interpolation import between, component
@@ -15,13 +14,10 @@ from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.barriers import BarrierMap, crosses
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.parameters import Parameters
 from cpm_core.particles.cell_list import Cells, cell_of, cells_around, row_of_cells
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
-Single = NDArray[np.float32]
 Place = tuple[bool, float, float, float, int]
 """Whether it is free, where, what it must keep from everybody [px], and how many stand about."""
 

@@ -29,16 +29,13 @@ from cpm_core.field.interpolation import between, component
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.parameters import Parameters
 from cpm_core.particles.cell_list import Cells, build_cells, cell_of, cells_around, row_of_cells
 from cpm_core.particles.coulomb.mesh_force import FAR_EVERY, NOTHING_FAR, FarForce, far_at, far_force, nodes
 from cpm_core.particles.state import MEMORY, Particles, State
 
-Array = NDArray[np.float64]
-Single = NDArray[np.float32]
 Bits = NDArray[np.int32]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 Four = tuple[float, float, float, float]
 
 _REACH = 2.0

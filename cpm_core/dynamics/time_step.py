@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.dynamics.deletion import thinned
 from cpm_core.dynamics.edge_contact import EdgeContact
@@ -13,13 +12,12 @@ from cpm_core.dynamics.equilibrium import IDLE_STEPS, STILL, epsilon, is_idle
 from cpm_core.dynamics.insertion import insertion, search_range
 from cpm_core.dynamics.integrator import Moved, far_force_of, move
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.types import Index
 from cpm_core.parameters import Parameters
 from cpm_core.particles.cell_list import build_cells
 from cpm_core.particles.coverage import cover, idle_at
 from cpm_core.particles.starting_points import inside_image
 from cpm_core.particles.state import State
-
-Index = NDArray[np.int64]
 
 _FRONT, _LOOK_EVERY, _LOOK_IDLY = 20, 4, 8
 """Steps without new ground around it up to which a particle with an open side looks for places at every step, for a

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _KEPT_BYTES = 128 * 2**20
 """Memory for kernel spectra that are kept for the next image of the same size: enough for the three scales of one of

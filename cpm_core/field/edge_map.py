@@ -9,12 +9,11 @@ from typing import Literal
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
 from cpm_core.numerics.parallel import share
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _DEVIATIONS = 4.0
 _RAYLEIGH_QUARTILE = 0.7585276164

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.pppm import pppm_field
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 METHODS = ("convolution", "pppm")
 """Ways to compute the field."""

@@ -6,9 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-
-Array = NDArray[np.float64]
-Single = NDArray[np.float32]
+from cpm_core.numerics.types import Array, Single
 
 
 def interpolate(field: NDArray[np.floating], positions: Array) -> Array:

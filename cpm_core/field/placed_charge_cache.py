@@ -11,12 +11,10 @@ from dataclasses import dataclass, replace
 from threading import local
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.placed_charges import Charges, at_scale, box_of, changed, placed_force, placed_potential, radius_at
 from cpm_core.field.scale_field import ScaleField
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
+from cpm_core.numerics.types import Array
 
-Array = NDArray[np.float64]
 Box = tuple[int, int, int, int]
 """First row, the one behind the last, first column, the one behind the last."""
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 
 def convolved_potential(edge_map: Array) -> Array:

@@ -18,11 +18,10 @@ import math
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.numerics.jit import compiled
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _LEAST_CUTOFF, _LARGEST_CUTOFF = 5.0, 100.0
 _MOST_ITERATIONS = 100_000

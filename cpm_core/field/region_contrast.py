@@ -8,11 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import interpolate
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _RADIUS, _RADIUS_SMOOTHING = 4.0, 1.5
 """Radius of the half disks that are compared: so much, and so many sigma [px]."""

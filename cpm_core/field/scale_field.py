@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
@@ -19,9 +18,7 @@ from cpm_core.image.border import inside_border, within
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.maximum_filter import running_maximum
 from cpm_core.numerics.parallel import share
-
-Array = NDArray[np.float64]
-Single = NDArray[np.float32]
+from cpm_core.numerics.types import Array, Single
 
 GATE = 0.93
 """Interpolated |F_l| under which a particle sits on an edge: across an edge it falls linearly through zero."""

@@ -10,9 +10,6 @@ from collections import OrderedDict
 from copy import copy
 from threading import Lock
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cpm_core.field.edge_map import automatic_smoothing, prepared
 from cpm_core.field.scale_field import ScaleField, build_scale_field
 from cpm_core.image.barriers import NO_BARRIERS, BarrierMap, build_barrier_map
@@ -20,9 +17,8 @@ from cpm_core.image.denoising import Cleaned
 from cpm_core.image.pyramid import pyramid
 from cpm_core.image.regions import Line, Regions
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
-
-Array = NDArray[np.float64]
 
 _Key = tuple[int, float | str, float, float]
 

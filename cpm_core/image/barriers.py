@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array
 from cpm_core.particles.state import Particles
-
-Array = NDArray[np.float64]
 
 _SAMPLING = 0.5
 """Distance of the places along a wall by which the pixels near it are told [px]."""

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.maximum_filter import running_maximum
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _FAINT = 0.1
 """Fraction of the largest edge strength that the edge of a frame must have."""

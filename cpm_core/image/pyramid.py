@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 LEAST_SIDE = 8
 """Pixels that the shortest side of the coarsest scale must have."""

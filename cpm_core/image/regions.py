@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array
 
-Array = NDArray[np.float64]
 Line = tuple[tuple[float, float], ...]
 
 _OFF = 1e-6

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _WIDENED = 1.0 / 3.0 + 1.0 / 12.0
 """Variance that central differences, and the area of the pixels, add to that of the Gaussian [px²]."""

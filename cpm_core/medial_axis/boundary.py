@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
-
-Array = NDArray[np.float64]
 
 _SPACING = 1.0
 """Spacing of the points that contours are found through [px]: less than half the width of the thinnest line."""

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import lengths_along
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _STRIDE = 0.25
 """Distance of the disks along an axis [px]: between two of radius 1.5 px, the rim dips by 0.005 px."""

@@ -10,8 +10,7 @@ from cpm_core.medial_axis.blur_correction import step_height, step_width
 from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.medial_axis.pruning import parts
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _CLEAR, _MIDDLE = 2.5, 0.5
 """Distance from an edge at which grey levels tell what lies beside it, in widths of its smoothed step; in parts without

@@ -14,9 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.medial_axis.boundary import Boundary
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from cpm_core.numerics.types import Array, Index
 
 _FAR = 8.0
 """Distance, in sizes of the image, of the points that keep all others' cells bounded."""
@@ -46,11 +44,11 @@ class Axis:
     """
 
     points: Array
-    edges: Indices
+    edges: Index
     radius: Array
-    nearest: Indices
+    nearest: Index
 
-    def only(self, edges: Indices, alone: Indices | None = None) -> Axis:
+    def only(self, edges: Index, alone: Index | None = None) -> Axis:
         """The axis with some of its edges, the vertices that they join, and some vertices by themselves."""
         alone = np.zeros(0, np.int64) if alone is None else alone
         used, index = np.unique(np.concatenate([edges.ravel(), alone]), return_inverse=True)
@@ -133,13 +131,13 @@ def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
     return _measured(*_divided(rough.points, rough.edges), tree)
 
 
-def _measured(points: Array, edges: Indices, tree: scipy.spatial.cKDTree) -> Axis:
+def _measured(points: Array, edges: Index, tree: scipy.spatial.cKDTree) -> Axis:
     """Axis with the distances of its vertices to the boundary."""
     radius, nearest = tree.query(points)
     return Axis(points, edges, np.asarray(radius), np.asarray(nearest, dtype=np.int64))
 
 
-def _divided(points: Array, edges: Indices) -> tuple[Array, Indices]:
+def _divided(points: Array, edges: Index) -> tuple[Array, Index]:
     """Points and edges with vertices along the long edges, for between them the radius does not change evenly."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     pieces = np.maximum(np.ceil(np.linalg.norm(b - a, axis=1) / _LONGEST), 1).astype(np.int64)

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.graph import Graph
 from cpm_core.medial_axis.medial_axis import Axis
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _SHORTEST = 1.0
 """Length under which a branch, or the way from one junction to the next, is none [px]."""

@@ -22,10 +22,9 @@ from cpm_core.medial_axis import (
     prune,
     within_objects,
 )
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.engine import Engine
-
-Array = NDArray[np.float64]
 
 PRUNING = 1.0
 """How far the shape may reach beyond what the skeleton stands for, unless told otherwise [px]."""

@@ -9,8 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Position = tuple[float, float]
+from cpm_core.numerics.types import Array, Position
 
 MOST_HANDLES = 24
 """Corners up to which each of them is a handle; freehand paths have more."""

@@ -5,12 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from cpm_core.numerics.types import Array, Index
 
 
 class Cells(NamedTuple):

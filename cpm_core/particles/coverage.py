@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array
 
-Array = NDArray[np.float64]
 Steps = NDArray[np.int32]
 
 _CELL = 4.0

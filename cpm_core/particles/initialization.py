@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import lengths_along
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _LEAST_ON_CIRCLE = 5
 

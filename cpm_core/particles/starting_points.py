@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.image.regions import Regions
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 
 def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:

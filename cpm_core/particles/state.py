@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from cpm_core.field.placed_charges import Charges
 from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.types import Array
 from cpm_core.particles.coulomb.mesh_force import FAR_EVERY, FarForce
 from cpm_core.particles.coverage import Coverage
-
-Array = NDArray[np.float64]
 
 MEMORY = 4
 """Steps T that eq. (23) looks back over."""

@@ -11,13 +11,11 @@ from cpm_core.dynamics.edge_contact import contact_at
 from cpm_core.dynamics.equations import FADED, LATEST
 from cpm_core.field.placed_charges import at_scale, placed_force, radius_at, within_reach
 from cpm_core.field.scale_field import GATE, ScaleField
+from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import idle_at
 from cpm_core.particles.state import State
 from cpm_core.segmentation.enclosed_regions import RESEEDINGS, reseeding_places
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _UNDER_WAY, _PATIENCE = 0.3, 2
 """Part of the speed at which the field alone drives a particle above which one far from all ground counts as on its way

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from cpm_core.dynamics.deletion import deletion
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.types import Array
 
-Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 RESEEDINGS = 3

@@ -11,7 +11,7 @@ from copy import copy
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.bridge import Bridge
 from cpm_core.contours.result import Result
@@ -27,6 +27,7 @@ from cpm_core.field.scale_space import ScaleSpace
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.starting_points import starting_points
@@ -35,9 +36,6 @@ from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation import interventions
 from cpm_core.segmentation.completion import idle_steps_of
 from cpm_core.segmentation.scale_schedule import advance, start_scale
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 class Engine:

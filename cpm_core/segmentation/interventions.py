@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.field.placed_charges import REACH, Charges, at_scale, changed
 from cpm_core.image.pyramid import to_scale
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.types import Array
 from cpm_core.particles.coverage import renewed, renewed_near
 from cpm_core.particles.starting_points import allowed_by, starting_points
 from cpm_core.particles.state import State
 
-Array = NDArray[np.float64]
 Chosen = NDArray[np.bool_] | Callable[[Array], ArrayLike]
 
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics import polyline
-from cpm_core.numerics.polyline import MOST_HANDLES, Position
+from cpm_core.numerics.polyline import MOST_HANDLES
+from cpm_core.numerics.types import Position
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.placed_charges import STRONGEST, PlacedCharge
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 WEAKEST, _STEP = 0.5, 0.5
 """Least strength, either way, and how much it is changed at a time."""

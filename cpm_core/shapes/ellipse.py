@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics import polyline
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.particles import initialization
 from cpm_core.shapes.circle import SMALLEST_RADIUS
 

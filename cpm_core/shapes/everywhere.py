@@ -11,7 +11,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.particles.initialization import STRONG, above, divergence_centers, uniform_grid
 
 Kind = Literal["grid", "edges", "centers"]

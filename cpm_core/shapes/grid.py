@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics import polyline
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes.area import Area
 
 FINEST, COARSEST = 2.0, 64.0

@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cpm_core.field.edge_map import automatic_smoothing, edge_map
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.types import Array
 from cpm_core.shapes import Everywhere, Threshold
-
-Array = NDArray[np.float64]
 
 ImageStart = Everywhere | Threshold
 """Starts whose positions depend on the image."""

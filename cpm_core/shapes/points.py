@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 
 @dataclass(frozen=True, slots=True)

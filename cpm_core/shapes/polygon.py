@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.particles import initialization
 from cpm_core.shapes.area import Area
 

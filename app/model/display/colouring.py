@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from app.model.display.round_numbers import round_up
 from app.model.text.language import tr
 from cpm_core.dynamics.equilibrium import EPSILON
+from cpm_core.numerics.types import Array
 from cpm_core.particles.state import State
 
-Array = NDArray[np.float64]
 Marks = NDArray[np.uint8]
 
 SHADES = 32

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.contours.result import Result
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _SPACING = 0.5
 """Distance of the places on a contour at which it is measured [px]."""

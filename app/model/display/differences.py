@@ -13,9 +13,7 @@ from cpm_core.contours.agreement import Comparison
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.distances import distance_to
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.review import Position
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array, Position
 
 _APART = 0.6
 """Distance of neighbouring points beyond which a new piece begins: along a boundary they are a quarter of a pixel apart

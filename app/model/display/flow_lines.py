@@ -10,10 +10,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from cpm_core.numerics.types import Array, Index
 
 _STEPS = 24
 """Points of a line, at most, ahead of its seed and behind it."""

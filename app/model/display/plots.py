@@ -8,13 +8,11 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.model.display.round_numbers import round_up
 from app.model.text.language import tr
 from cpm_core.dynamics.equilibrium import EPSILON
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _DECADES = 8
 """Powers of ten that a logarithmic axis shows at most."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
+
 DisplayImage = NDArray[np.uint8]
 
 _ROWS = 64

@@ -6,10 +6,8 @@ from collections import deque
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from cpm_core.numerics.types import Array, Index
 
 _STILL = 0.05
 """Distance under which a way is not worth drawing [px of the image]."""

@@ -12,7 +12,7 @@ import numpy as np
 from app.model.document.document import Document
 from app.model.parameters import controls
 from cpm_core.numerics import polyline
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Everywhere, Kind, Points, Shape
 

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from app.model.document.document import Document
-from cpm_core.contours.review import Mark, Position, Verdict
+from cpm_core.contours.review import Mark, Verdict
+from cpm_core.numerics.types import Position
 
 
 @dataclass(frozen=True, slots=True)

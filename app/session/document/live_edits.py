@@ -18,7 +18,7 @@ from app.model.state.status import RunStatus
 from app.model.text.language import tr
 from app.session.worker.commands.run import Command, FindSeeds, SetParameters
 from app.session.worker.commands.steering import Erase, Join, Limit, PlaceCharges
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes import Points, Region, Shape, Start
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Position, attached, middle
+from cpm_core.contours.review import attached, middle
+from cpm_core.numerics.types import Position
 
 
 @dataclass(frozen=True, eq=False, slots=True)

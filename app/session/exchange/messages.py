@@ -15,13 +15,11 @@ from app.session.timeline.timeline import Outline
 from cpm_core.contours.result import Result
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes.image_starts import ImageSeeds
-
-Array = NDArray[np.float64]
-
 
 # Snapshots: the newest wins.
 

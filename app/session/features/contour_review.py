@@ -18,7 +18,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark, Neighbourhood, ReviewedContour, Verdict, anchor, reviewed
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 if TYPE_CHECKING:
     from app.session.session import Session

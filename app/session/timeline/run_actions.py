@@ -10,7 +10,7 @@ import numpy as np
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
 from cpm_core.numerics import polyline
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine

@@ -20,7 +20,7 @@ from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine

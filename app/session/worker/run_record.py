@@ -6,8 +6,9 @@ from dataclasses import fields
 
 import numpy as np
 
-from app.session.exchange.messages import Array, RunMetrics
+from app.session.exchange.messages import RunMetrics
 from cpm_core.dynamics.energies import kinetic_energy
+from cpm_core.numerics.types import Array
 from cpm_core.particles.state import State
 
 _FIRST_CAPACITY = 1024

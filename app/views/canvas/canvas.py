@@ -13,7 +13,7 @@ from app.views.canvas.layers import Layers
 from app.views.canvas.tools.tool import Grip, Tool
 from app.views.theme import theme
 from cpm_core.image.image import Image
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 REACH = 8.0
 """How far off a line or handle the pointer still takes hold of it [px of the screen]."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF
 
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 
 def to_xy(positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

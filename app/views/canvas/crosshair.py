@@ -14,7 +14,7 @@ from app.views.canvas.canvas import Canvas
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.pens import line_pen
 from app.views.theme import theme
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 _Z = 9.0
 _ARM, _GAP = 18.0, 4.0

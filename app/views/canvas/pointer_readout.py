@@ -9,7 +9,7 @@ from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.canvas import Canvas
 from cpm_core.image.image import Image
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 
 class PointerReadout(QLabel):

@@ -11,7 +11,8 @@ from app.session.exchange.messages import Report
 from app.session.session import Session
 from app.session.tasks.tasks import Task
 from app.session.worker.commands.frames import FrameTaken, TakeFrame
-from app.views.film.frame_renderer import Frame, FrameRenderer
+from app.views.film.frame_renderer import FrameRenderer
+from cpm_core.numerics.types import Pixels
 
 _PATIENCE = 15
 """Time between two looks whether there is room for a frame [ms]."""
@@ -53,7 +54,7 @@ class Filming(QObject):
         places: Sequence[tuple[int, int]],
         contours: bool,
         compared: int | None,
-        take: Callable[[Frame], None],
+        take: Callable[[Pixels], None],
         end: Callable[[], None],
         has_room: Callable[[], bool] = lambda: True,
     ) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QImage, QPainter
 
@@ -14,8 +13,7 @@ from app.session.worker.commands.frames import FrameTaken
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.coordinates import image_rectangle
 from app.views.film.understudy import Told, Understudy
-
-Frame = NDArray[np.uint8]
+from cpm_core.numerics.types import Pixels
 
 NARROWEST, WIDEST = 64, 3840
 """Widths that a frame may have [px]."""
@@ -66,7 +64,7 @@ class FrameRenderer:
         told.tell_what_lies_over(self._understudy)
         self._canvas.view.setRange(part, padding=0.0)
 
-    def draw(self, taken: FrameTaken) -> Frame:
+    def draw(self, taken: FrameTaken) -> Pixels:
         """Draw a moment: red, green and blue, shape (H, W, 3)."""
         self._understudy.show_snapshot(taken.moment)
         self._understudy.show_contours(taken.contours)
@@ -85,14 +83,14 @@ class FrameRenderer:
         self._understudy.deleteLater()
 
 
-def to_array(picture: QImage) -> Frame:
+def to_array(picture: QImage) -> Pixels:
     """Pixels of a picture, shape (H, W, 3)."""
     plain = picture.convertToFormat(QImage.Format.Format_RGB888)
     rows = np.frombuffer(plain.constBits(), np.uint8).reshape(plain.height(), plain.bytesPerLine())
     return rows[:, : 3 * plain.width()].reshape(plain.height(), plain.width(), 3).copy()
 
 
-def to_picture(frame: Frame) -> QImage:
+def to_picture(frame: Pixels) -> QImage:
     """A picture of pixels, shape (H, W, 3)."""
     pixels = np.ascontiguousarray(frame)
     height, width = pixels.shape[:2]

@@ -20,8 +20,9 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
-from app.views.film.frame_renderer import Frame, to_picture
+from app.views.film.frame_renderer import to_picture
 from app.views.film.step_choice import evenly, written
+from cpm_core.numerics.types import Pixels
 
 _AFTER = 300
 """Time after the last change until the preview is made anew [ms]."""
@@ -69,14 +70,14 @@ class StripDialog(QDialog):
         first: int,
         last: int,
         draw: Callable[[StripPlan], None],
-        save: Callable[[Frame], None],
+        save: Callable[[Pixels], None],
     ) -> None:
         super().__init__(parent)
         self.setWindowTitle(tr("Export snapshot strip"))
         self._span = (first, last)
         self._draw = draw
         self._save = save
-        self._pixels: Frame | None = None
+        self._pixels: Pixels | None = None
         self._preview = QLabel(tr("Drawing…"))
         self._preview.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._preview.setMinimumSize(QSize(560, 300))
@@ -116,7 +117,7 @@ class StripDialog(QDialog):
         return StripPlan(written(self.steps.text(), *self._span), self.columns.value(), self.width_field.value())
 
     @property
-    def pixels(self) -> Frame | None:
+    def pixels(self) -> Pixels | None:
         """The strip that is shown."""
         return self._pixels
 
@@ -125,7 +126,7 @@ class StripDialog(QDialog):
         """What is wrong with the choice."""
         return self._trouble.text()
 
-    def show_strip(self, pixels: Frame) -> None:
+    def show_strip(self, pixels: Pixels) -> None:
         """Show a strip that is ready."""
         self._pixels = pixels
         self.export.setEnabled(True)

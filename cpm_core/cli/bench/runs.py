@@ -9,17 +9,15 @@ from math import log
 
 import numpy as np
 import skimage
-from numpy.typing import NDArray
 
 from cpm_core.cli.bench.measurement import TOO_LONG, Measurement, Patience, seconds_of
 from cpm_core.cli.bench.scenes import HAND, objects, one_object
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS
 from cpm_core.particles.initialization import circle, uniform_grid
 from cpm_core.segmentation.segment import segment
-
-Array = NDArray[np.float64]
 
 _RADIUS, _AROUND, _SNAKE = 12.0, 33.0, 200
 """Radius of the circle in the object that is found by itself, and of that around it which a snake starts from [px];

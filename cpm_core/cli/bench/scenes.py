@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 HAND = (398, 548)
 """Size of a radiograph of a hand, as in the publication [px]."""

@@ -11,12 +11,12 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.cli.figures.pages import Map, Page, Panel, Picture, Stairs
+from cpm_core.numerics.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 # The colours of the window's canvas: hues after Okabe and Ito, which colour-blind people tell apart, with a dark halo.
 PARTICLE, CLOSED, OPEN, JUNCTION, FIELD = "#f0e442", "#56b4e9", "#ff9d1e", "#ff7ac6", "#ff9ad5"

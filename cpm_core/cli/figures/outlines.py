@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from skimage.measure import find_contours
 
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 Distance = Callable[[Array], Array]
 """Signed distance of points, shape (..., 2), to the boundary of a shape [px]; negative inside."""

@@ -5,13 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cpm_core.cli.figures.runs import Facts
 from cpm_core.contours.contour import Contour
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.cli.figures.outlines import (
     Rings,
@@ -23,10 +22,10 @@ from cpm_core.cli.figures.outlines import (
 )
 from cpm_core.cli.figures.scenes import Scene, Size, blurred, closed, grain, paint, texture
 from cpm_core.contours.contour import Contour
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.initialization import circle, gradient_threshold, uniform_grid
 
-Array = NDArray[np.float64]
 Bone = tuple[tuple[float, float], tuple[float, float], float]
 
 AUTOMATIC = PRESETS["automatic"]

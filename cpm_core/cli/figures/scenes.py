@@ -6,13 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.cli.figures.outlines import Rings, coverage
 from cpm_core.contours.contour import Contour
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS, Parameters
 
-Array = NDArray[np.float64]
 Size = tuple[int, int]
 Layer = tuple[Rings, float]
 """Outlines, and the grey levels by which what is inside them differs from what is outside."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.cli.figures.outlines import (
     Distance,
@@ -26,8 +25,6 @@ from cpm_core.cli.figures.scenes import Scene, binary, closed, grain, paint
 from cpm_core.contours.contour import Contour
 from cpm_core.parameters import Parameters
 from cpm_core.particles.initialization import circle
-
-Array = NDArray[np.float64]
 
 SIDE = 144
 SIZE = (SIDE, SIDE)

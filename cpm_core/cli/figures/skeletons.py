@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.cli.figures.outlines import Distance, Rings, coverage, ellipse, limb, rings, union
 from cpm_core.cli.figures.pages import Page, Picture
@@ -16,8 +15,7 @@ from cpm_core.cli.figures.silhouettes import SIDE, hand
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.distances import compare
 from cpm_core.medial_axis.skeleton import Skeleton, skeleton
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _SIZE = (SIDE, SIDE)
 _TOLERANCE = 1.0

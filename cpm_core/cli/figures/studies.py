@@ -13,10 +13,9 @@ from cpm_core.cli.figures.pages import Map, Page, Picture
 from cpm_core.cli.figures.recovery import outcome, start
 from cpm_core.cli.figures.runs import Run, run
 from cpm_core.cli.figures.scenes import Scene, grain
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.engine import Engine
-
-Array = NDArray[np.float64]
 
 RATIOS = (0.05, 0.3, 0.6, 0.9, 0.99)
 ANNEALINGS = (0.0, 0.9, 0.97, 0.99, 1.0)

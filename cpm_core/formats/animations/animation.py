@@ -10,12 +10,10 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.formats.animations import apng, gif, mp4
 from cpm_core.formats.atomic import check_place, draft_of
-
-Frame = NDArray[np.uint8]
+from cpm_core.numerics.types import Pixels
 
 
 class Encoder(Protocol):
@@ -24,7 +22,7 @@ class Encoder(Protocol):
     def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
         """Begin a file."""
 
-    def add(self, frame: Frame) -> None:
+    def add(self, frame: Pixels) -> None:
         """Append a frame, shape (H, W, 3)."""
 
     def close(self) -> None:
@@ -48,7 +46,7 @@ SLOWEST, FASTEST = 0.1, 120.0
 
 
 def write_animation(
-    frames: Iterable[Frame],
+    frames: Iterable[Pixels],
     path: str | os.PathLike[str],
     frames_per_second: float = 25.0,
     progress: Callable[[int], object] | None = None,
@@ -137,7 +135,7 @@ class _CancelledError(Exception):
     """Nobody wants the animation any more."""
 
 
-def _checked(frame: Frame, wanted: tuple[int, int] | None) -> tuple[int, int]:
+def _checked(frame: Pixels, wanted: tuple[int, int] | None) -> tuple[int, int]:
     """Rows and columns of a frame; ValueError when it is none, or of another size than wanted."""
     if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or not frame.size:
         raise ValueError(

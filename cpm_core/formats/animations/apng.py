@@ -11,11 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import PIL.Image
-from numpy.typing import NDArray
 
 from cpm_core.formats.animations.changes import changed
-
-Frame = NDArray[np.uint8]
+from cpm_core.numerics.types import Pixels
 
 ANIMATES = {
     ".png": "animated PNG in full colour, which browsers show",
@@ -42,14 +40,14 @@ class Animation:
     def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
         self._delay = Fraction(1.0 / frames_per_second).limit_denominator(_LARGEST)
         self._count = self._sequence = 0
-        self._last: Frame | None = None
+        self._last: Pixels | None = None
         self._stream = path.open("wb")
         self._stream.write(_SIGNATURE)
         self._chunk(b"IHDR", struct.pack(">IIBBBBB", shape[1], shape[0], 8, 2, 0, 0, 0))
         self._counter = self._stream.tell()
         self._chunk(b"acTL", struct.pack(">II", 0, 0))  # how many there are is known at the end
 
-    def add(self, frame: Frame) -> None:
+    def add(self, frame: Pixels) -> None:
         """Append a frame: the rectangle of it that has changed."""
         top, left, bottom, right = changed(self._last, frame)
         delay = (self._delay.numerator, self._delay.denominator)
@@ -82,7 +80,7 @@ class Animation:
         self._stream.write(struct.pack(">I", zlib.crc32(kind + content)))
 
 
-def _pixels(frame: Frame) -> Iterator[bytes]:
+def _pixels(frame: Pixels) -> Iterator[bytes]:
     """Packed pixels of a picture, taken out of a file of that picture alone."""
     stream = io.BytesIO()
     PIL.Image.fromarray(frame).save(stream, format="PNG")

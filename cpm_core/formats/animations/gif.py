@@ -8,12 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import PIL.Image
-from numpy.typing import NDArray
 
 from cpm_core.formats.animations.changes import changed
 from cpm_core.formats.animations.palette import indexed
-
-Frame = NDArray[np.uint8]
+from cpm_core.numerics.types import Pixels
 
 ANIMATES = {".gif": "animated GIF, which everything shows"}
 
@@ -55,11 +53,11 @@ class Animation:
             raise ValueError(f"A GIF has at most 65535 rows and columns, not {max(shape)}: save a smaller view.")
         self._duration = 100.0 / frames_per_second
         self._count = 0
-        self._last: Frame | None = None
+        self._last: Pixels | None = None
         self._stream = path.open("wb")
         self._stream.write(b"GIF89a" + struct.pack("<HHBBB", shape[1], shape[0], 0x70, 0, 0) + _FOREVER)
 
-    def add(self, frame: Frame) -> None:
+    def add(self, frame: Pixels) -> None:
         """Append a frame: the rectangle of it that has changed, and there only pixels that have."""
         top, left, bottom, right = changed(self._last, frame)
         part = frame[top:bottom, left:right]
@@ -90,7 +88,7 @@ class Animation:
         self._stream.close()
 
 
-def _parts(indices: Frame, palette: Frame) -> tuple[bytes, bytes]:
+def _parts(indices: Pixels, palette: Pixels) -> tuple[bytes, bytes]:
     """Table of colours and packed pixels of a picture, taken out of a file of that picture alone."""
     picture = PIL.Image.fromarray(indices)
     picture.putpalette(palette.tobytes() + bytes(3))

@@ -6,9 +6,8 @@ import importlib.util
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-Frame = NDArray[np.uint8]
+from cpm_core.numerics.types import Pixels
 
 ANIMATES = {".mp4": "film for slides and players; needs imageio-ffmpeg"}
 
@@ -68,7 +67,7 @@ class Animation:
         )
         self._send(None)
 
-    def add(self, frame: Frame) -> None:
+    def add(self, frame: Pixels) -> None:
         """Append a frame."""
         self._send(np.ascontiguousarray(np.pad(frame, self._padding, mode="edge")))
 
@@ -80,7 +79,7 @@ class Animation:
         """Stop writing."""
         self._encoder.close()
 
-    def _send(self, frame: Frame | None) -> None:
+    def _send(self, frame: Pixels | None) -> None:
         try:
             self._encoder.send(frame)
         except (OSError, RuntimeError, StopIteration) as error:

@@ -7,7 +7,7 @@ import PIL.Image
 import scipy
 from numpy.typing import NDArray
 
-Frame = NDArray[np.uint8]
+from cpm_core.numerics.types import Pixels
 
 MOST = 256
 """Colours that a palette holds."""
@@ -24,7 +24,7 @@ _DROPPED_BITS = 2
 _MOST_REPEATS = 64
 
 
-def indexed(frame: Frame, most: int = MOST) -> tuple[Frame, Frame]:
+def indexed(frame: Pixels, most: int = MOST) -> tuple[Pixels, Pixels]:
     """Turn a picture into indices of a palette of its own.
 
     Pictures of no more colours stay as they are. Of others the most frequent vivid colours do, for particles and
@@ -76,7 +76,7 @@ def _packed(frame: NDArray[np.integer], bits: int = 8) -> NDArray[np.int32]:
     return np.asarray((red << 2 * bits) | (green << bits) | blue)
 
 
-def _unpacked(colours: NDArray[np.int32]) -> Frame:
+def _unpacked(colours: NDArray[np.int32]) -> Pixels:
     return np.stack([colours >> 16, colours >> 8 & 255, colours & 255], axis=1).astype(np.uint8)
 
 

@@ -13,11 +13,10 @@ import numpy as np
 import PIL.Image
 import PIL.ImageDraw
 import PIL.ImageFont
-from numpy.typing import NDArray
 
 from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.numerics.types import Pixels
 
-Frame = NDArray[np.uint8]
 Font = PIL.ImageFont.FreeTypeFont | PIL.ImageFont.ImageFont
 
 _MOST_COLUMNS = 4
@@ -38,12 +37,12 @@ _PAPER, _INK = (255, 255, 255), (0, 0, 0)
 
 
 def strip(
-    frames: Sequence[Frame],
+    frames: Sequence[Pixels],
     captions: Sequence[str] = (),
     columns: int | None = None,
     gap: int = 8,
     text_size: float | None = None,
-) -> Frame:
+) -> Pixels:
     """Compose frames into one picture, row by row, each with its caption below.
 
     Parameters
@@ -104,7 +103,7 @@ def strip(
     return np.array(sheet)
 
 
-def write_picture(pixels: Frame, path: str | os.PathLike[str]) -> None:
+def write_picture(pixels: Pixels, path: str | os.PathLike[str]) -> None:
     """Write a strip, or any other picture, as PNG.
 
     Parameters

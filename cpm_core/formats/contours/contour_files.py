@@ -12,14 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.contours import contour_json
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.json_text import PIXEL
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 CONTOURS_READABLE: dict[str, str] = {
     ".csv": "table of vertices",

@@ -15,13 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.image.denoising.histogram_regression import expected
 from cpm_core.image.denoising.line_integral import averaged_along, directions
 from cpm_core.image.denoising.total_variation import noise_level, total_variation
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _FIRST, _FURTHER = 1.5, 1.0
 """Weight of the total variation of the data, and of averages along edges, in standard deviations of the noise."""

@@ -7,9 +7,8 @@ much; levels between them are noise and tell nothing, however high they are.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _LEVELS = 256
 """Classes of grey levels."""

@@ -11,11 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _REACH = 3.0
 """Where the Gaussian along a line ends, in its standard deviations."""

@@ -12,8 +12,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _ITERATIONS = 400
 

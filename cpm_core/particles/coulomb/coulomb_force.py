@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cpm_core.numerics.types import Array, Index
 from cpm_core.particles.coulomb.direct_sum import pair_sums
 from cpm_core.particles.coulomb.error_estimate import usual_force
 from cpm_core.particles.coulomb.fast_multipole import tree_force
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 METHODS = ("auto", "exact", "single", "tree")
 

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from cpm_core.numerics.types import Array, Index
 
 SAME_SPOT = 1e-36
 """Squared distance up to which two particles stand on the same spot. Such a pair, and a particle and itself, is taken

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cpm_core.numerics.types import Array
 from cpm_core.particles.coulomb.direct_sum import pair_sums
-
-Array = NDArray[np.float64]
 
 _SAMPLES = 32
 _KEPT = 24

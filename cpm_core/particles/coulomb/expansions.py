@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Index
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Boxes = NDArray[np.int32]
 
 ORDER = 4

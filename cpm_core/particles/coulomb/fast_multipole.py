@@ -17,16 +17,14 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.particles.coulomb.direct_sum import SAME_SPOT
 from cpm_core.particles.coulomb.error_estimate import usual_force
 from cpm_core.particles.coulomb.expansions import ORDER, ROWS, SIDE, add_far, gather_moments, hand_down
 from cpm_core.particles.coulomb.kd_tree import TOP, Tree, flag_boxes, plant
 from cpm_core.particles.coulomb.near_field import sum_near
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Boxes = NDArray[np.int32]
-Flags = NDArray[np.bool_]
 
 _FULLEST = 32
 """Particles that a leaf may hold: with 16 the series take the more time, with 64 the pairs do."""
@@ -99,7 +97,7 @@ def _work_on_branch(
     moments: Array,
     allowed: float,
     single: bool,
-    flags: Flags,
+    flags: Mask,
     lists: NDArray[np.int32],
     force: Array,
 ) -> None:
@@ -123,7 +121,7 @@ def _decide(
     box: Array,
     boxes: Index,
     above: Index,
-    flags: Flags,
+    flags: Mask,
     leaves: int,
     allowed: float,
     far: Boxes,

@@ -10,14 +10,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from cpm_core.numerics.types import Array, Index, Mask
 
 TOP = 3
 """Level whose boxes are shared among the cores."""
@@ -65,7 +61,7 @@ def plant(y: Array, x: Array, fullest: int) -> Tree:
     return Tree(points[0], points[1], order, box, depth)
 
 
-def flag_boxes(tree: Tree, wanted: Index | None) -> Flags:
+def flag_boxes(tree: Tree, wanted: Index | None) -> Mask:
     """Boxes that hold any of some particles; all boxes if none are given."""
     leaves = 1 << tree.depth
     flags = np.full(2 * leaves, wanted is None)

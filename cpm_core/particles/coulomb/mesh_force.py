@@ -22,9 +22,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-
-Array = NDArray[np.float64]
-Single = NDArray[np.float32]
+from cpm_core.numerics.types import Array, Single
 
 FAR_EVERY = 4
 """Steps for which a far force serves: meanwhile particles move by a small part of its reach."""

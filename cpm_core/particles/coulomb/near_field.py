@@ -8,13 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.particles.coulomb.direct_sum import pairs_of
 from cpm_core.particles.coulomb.expansions import INVERSE
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Boxes = NDArray[np.int32]
-Flags = NDArray[np.bool_]
 
 _LEAST_RADIUS = 1e-15
 """Radius of the smallest leaf whose own unit of length is used: seen from a smaller one, single precision would have no
@@ -28,7 +26,7 @@ def sum_near(
     order: Index,
     box: Array,
     boxes: Index,
-    flags: Flags,
+    flags: Mask,
     leaves: int,
     near: Boxes,
     near_end: Index,

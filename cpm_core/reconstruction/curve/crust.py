@@ -9,13 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import chains
-
-Array = NDArray[np.float64]
-Edges = NDArray[np.int64]
+from cpm_core.numerics.types import Array, Index
 
 _LEAST_POINTS = 4
 
@@ -23,8 +21,8 @@ _FLATTEST = 1e12
 """Cotangent that stands for an angle of 0."""
 
 
-def crust(points: Array) -> Edges:
-    """Edges of the one-step crust.
+def crust(points: Array) -> Index:
+    """Index of the one-step crust.
 
     Parameters
     ----------

@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import lengths_along
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import FAINTEST, ScaleField
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from cpm_core.numerics.types import Array, Index
 
 _DETOUR = 3.0
 """How many times as long as the gap the way along the curve must be for an end to be joined to its own curve."""

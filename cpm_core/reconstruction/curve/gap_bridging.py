@@ -20,8 +20,7 @@ from cpm_core.contours.bridge import Bridge
 from cpm_core.contours.contour import Contour, lengths_along
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _EASE = 20.0
 """How much cheaper than without an edge a step is on one as strong as those at the ends, less one."""

@@ -19,9 +19,8 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
 from cpm_core.field.region_contrast import Sides
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
-
-Array = NDArray[np.float64]
 
 LEAST_LENGTH, _LEAST_IN_SIGMA = 4.0, 8.0
 """Length, in d_min and in sigma, under which a contour is none: nothing as small as that outlives the smoothing. A

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cpm_core.contours.bridge import Bridge
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
 from cpm_core.dynamics.deletion import deletion
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.end_linking import close_gaps
 from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps, bridges_of
 from cpm_core.reconstruction.curve.hysteresis import LEAST_LENGTH, choose, drop_weak, shortest
 from cpm_core.reconstruction.curve.ridge_tracing import trace
 from cpm_core.reconstruction.curve.subpixel import crest
-
-Array = NDArray[np.float64]
 
 _LEAST_REACH = 2.5
 """Distance, in d_min, up to which two points may be joined however small the insertion range is."""

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.scale_field import SPLINE_MARGIN, ScaleField
 from cpm_core.numerics.jit import compiled, inlined
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 PROBE = 0.3
 """Distance on either side of a place at which the edge map is read for its slope [px]."""

@@ -10,16 +10,13 @@ for one, and no corner is cut, however far apart the points lie.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.barriers import BarrierMap
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, ridge_of
 from cpm_core.reconstruction.curve.ridge_tracing_kernels import Reach, Seeds, settle, walk
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _STEP, _STEP_OF_SPACING = 0.4, 0.2
 """Length of a step: so much [px], and at most so much of the spacing."""

@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.scale_field import FAINTEST
 from cpm_core.image.barriers import BarrierMap, crosses
 from cpm_core.numerics.jit import compiled, inlined
+from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, height, slope
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _HALVINGS = 4
 """Times that a step may be halved where the crest bends."""

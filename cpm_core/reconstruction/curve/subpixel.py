@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array
 from cpm_core.reconstruction.curve.ridge import PROBE, Ridge, ridge_of, spline_height, uphill
-
-Array = NDArray[np.float64]
 
 FARTHEST = 2.5
 """Distance from its place to the crest beyond which a particle is not taken to belong to it [px]."""

@@ -7,15 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Report
 from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
-from cpm_core.numerics.polyline import Position
-
-Vector = NDArray[np.float64]
+from cpm_core.numerics.types import Array, Position
 
 NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
 """Forces that are told of: attributes of the core's `Forces`."""
@@ -41,7 +38,7 @@ class Probed(Report):
     step: int
     identity: int = -1
     position: Position = (0.0, 0.0)
-    forces: Mapping[str, Vector] = field(default_factory=dict)
+    forces: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

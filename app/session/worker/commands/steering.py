@@ -10,7 +10,7 @@ from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 
 @dataclass(frozen=True, slots=True)

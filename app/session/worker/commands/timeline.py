@@ -6,10 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from app.model.display.difference import Difference, difference
-from app.session.exchange.messages import Array, Report
+from app.session.exchange.messages import Report
 from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from cpm_core.contours.result import Result
+from cpm_core.numerics.types import Array
 from cpm_core.particles.state import State
 
 

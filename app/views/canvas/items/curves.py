@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pyqtgraph as pg
-from numpy.typing import NDArray
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
@@ -16,8 +15,7 @@ from app.views.canvas.coordinates import image_rectangle, to_xy
 from app.views.canvas.items.pens import cached, line_pen
 from app.views.theme import theme
 from cpm_core.numerics.polyline import coarser
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _RIM = 4.0
 _PIECE = 64

@@ -14,8 +14,7 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.views.canvas.coordinates import image_rectangle, to_xy
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _SMALLEST = 2.4
 """Least diameter of a disc [px of the screen]."""

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.views.canvas.coordinates import image_rectangle
 from app.views.theme import theme
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 _PAD = 4.0
 _RIM = 300.0

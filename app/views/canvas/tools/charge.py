@@ -9,7 +9,7 @@ from app.model.document.naming import describe
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.tools.tool import Momentary, new_gesture
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes import Charge
 
 STRENGTH = 2.0

@@ -6,7 +6,7 @@ import math
 
 from app.model.text.language import tr
 from app.views.canvas.tools.dragged import Dragged
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes import SMALLEST_RADIUS, Circle
 
 

@@ -8,7 +8,7 @@ from PySide6.QtGui import QGuiApplication
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.tools.tool import Cursor, Momentary
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 
 class ContourTool(Momentary):

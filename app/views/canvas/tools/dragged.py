@@ -9,7 +9,7 @@ from typing import ClassVar
 from app.model.document import edits
 from app.session.session import Session
 from app.views.canvas.tools.tool import Momentary, new_gesture
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes import SMALLEST_RADIUS, Shape
 
 

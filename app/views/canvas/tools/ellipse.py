@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.tools.dragged import Dragged
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes import SMALLEST_RADIUS, Ellipse
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.model.text.language import tr
 from app.views.canvas.tools.ringed import Ringed
 from app.views.theme import theme
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 
 class EraserTool(Ringed):

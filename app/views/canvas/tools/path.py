@@ -14,7 +14,7 @@ from app.session.session import Session
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
 from app.views.theme import theme
 from cpm_core.numerics import polyline
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes import Barrier, Grid, Polygon, Region, Shape, Stroke, Threshold
 
 _FINEST = 1.0

@@ -8,7 +8,7 @@ from app.model.document import edits
 from app.session.session import Session
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
 from app.views.canvas.tools.tool import Momentary, new_gesture
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes import Shape
 
 _SHARE, _LEAST, _MOST = 0.03, 1.0, 500.0

@@ -12,7 +12,7 @@ from app.session.session import Session
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
 from app.views.canvas.tools.ringed import Ringed
 from app.views.theme import theme
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes import Points
 
 _APART = 2.0

@@ -8,7 +8,7 @@ from typing import ClassVar, Protocol
 from PySide6.QtCore import Qt
 
 from app.model.text.language import tr
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 
 Cursor = Qt.CursorShape
 

@@ -18,13 +18,14 @@ from app.session.features.timeline_navigation import navigation_of
 from app.session.tasks.tasks import Task
 from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.film.filming import Filming
-from app.views.film.frame_renderer import Frame, FrameRenderer, frame_size, seen_part
+from app.views.film.frame_renderer import FrameRenderer, frame_size, seen_part
 from app.views.film.strip_dialog import StripDialog, StripPlan
 from app.views.film.understudy import Told
 from app.views.widgets.entry import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
 from cpm_core.formats.animations.snapshot_strip import strip, write_picture
+from cpm_core.numerics.types import Pixels
 
 _AHEAD = 4
 """Frames that may wait for being written."""
@@ -38,7 +39,7 @@ class StripReady(Report):
     """A strip has been composed."""
 
     task: Task
-    pixels: Frame
+    pixels: Pixels
 
 
 class AnimationFeature(Feature):
@@ -107,7 +108,7 @@ class AnimationFeature(Feature):
         except ValueError as error:
             session.say(str(error), True)
             return None
-        frames: queue.Queue[Frame | None] = queue.Queue()
+        frames: queue.Queue[Pixels | None] = queue.Queue()
         task = session.tasks.start(
             tr("Writing {name}…").format(name=path.name),
             partial(_encode, frames, len(plan.steps), path, plan.frames_per_second),
@@ -126,7 +127,7 @@ class AnimationFeature(Feature):
         task: Task,
         renderer: FrameRenderer,
         places: Sequence[tuple[int, int]],
-        frames: queue.Queue[Frame | None],
+        frames: queue.Queue[Pixels | None],
     ) -> None:
         layers = self.context.canvas_area.canvas.layers
         filming = Filming(
@@ -177,7 +178,7 @@ class AnimationFeature(Feature):
         if self._strip_task is not None:
             self._strip_task.cancel()
         session, part = self.context.session, self._part(False)
-        frames: queue.Queue[Frame | None] = queue.Queue()
+        frames: queue.Queue[Pixels | None] = queue.Queue()
         captions = [tr("step {step}").format(step=step) for step in plan.steps]
 
         def compose(task: Task) -> Report:
@@ -199,7 +200,7 @@ class AnimationFeature(Feature):
             self._strip_task.cancel()
         self._strip_dialog = self._strip_task = None
 
-    def _ask_to_save_strip(self, pixels: Frame) -> None:
+    def _ask_to_save_strip(self, pixels: Pixels) -> None:
         chosen, _ = QFileDialog.getSaveFileName(
             self._strip_dialog or self.context.window,
             tr("Export snapshot strip"),
@@ -212,7 +213,7 @@ class AnimationFeature(Feature):
             self._folder = str(path.parent)
             self.save_strip(pixels, path)
 
-    def save_strip(self, pixels: Frame, path: Path) -> Task:
+    def save_strip(self, pixels: Pixels, path: Path) -> Task:
         """Write a strip."""
 
         def work(task: Task) -> Report:
@@ -234,7 +235,7 @@ class AnimationFeature(Feature):
         return str(Path(self._folder) / f"{stem}_{what}{suffix}")
 
 
-def _taken(frames: queue.Queue[Frame | None], task: Task) -> Iterator[Frame]:
+def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
     """Frames as they come, until there are no more; raises when nobody wants them any more."""
     while True:
         task.go_on()
@@ -248,7 +249,7 @@ def _taken(frames: queue.Queue[Frame | None], task: Task) -> Iterator[Frame]:
 
 
 def _encode(
-    frames: queue.Queue[Frame | None], count: int, path: Path, frames_per_second: float, task: Task
+    frames: queue.Queue[Pixels | None], count: int, path: Path, frames_per_second: float, task: Task
 ) -> Report | None:
     """Write frames as they come; runs on a thread of its own."""
     done = write_animation(

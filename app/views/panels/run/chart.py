@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
@@ -13,8 +12,7 @@ from PySide6.QtWidgets import QWidget
 from app.model.display.plots import PLOTS, Axis, Plot, figure
 from app.model.text.language import tr
 from app.session.exchange.messages import RunMetrics
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _GAP, _RIGHT = 9.0, 8.0
 _PAGE = 10

@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
@@ -15,8 +14,7 @@ from app.views.canvas.layers.layer import Layer
 from app.views.theme import theme
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _THICK = 95.0
 """Percentile of the radii from which on all are shown as thick: a single wide place must not make all others thin."""

@@ -10,7 +10,7 @@ from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.markers import Markers
 from app.views.canvas.items.pens import line_pen
 from app.views.theme import theme
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes import Circle
 
 _Z = 8.0

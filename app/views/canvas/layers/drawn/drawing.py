@@ -22,7 +22,7 @@ from app.views.canvas.layers.drawn.limits import Limits
 from app.views.canvas.layers.layer import Layer
 from app.views.theme import theme
 from cpm_core.image.image import Image
-from cpm_core.numerics.polyline import Position
+from cpm_core.numerics.types import Position
 from cpm_core.shapes import (
     Charge,
     Circle,

@@ -16,8 +16,7 @@ from app.views.canvas.items.pens import cached, line_pen
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.options import Choice
 from app.views.theme import theme
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 ARROW_SPACING = 22.0
 """Least distance between two arrows of the field [px of the screen]."""

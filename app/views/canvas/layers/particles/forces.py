@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pyqtgraph as pg
-from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 
@@ -18,9 +17,7 @@ from app.views.canvas.items.pinned import FAINT, INK, Pinned
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.options import Amount
 from app.views.theme import theme
-from cpm_core.numerics.polyline import Position
-
-Vector = NDArray[np.float64]
+from cpm_core.numerics.types import Array, Position
 
 KINDS = {
     "coulomb": (tr("Coulomb"), theme.OPEN),
@@ -147,7 +144,7 @@ class ForceItem(Pinned):
         super().__init__()
         self.setCacheMode(pg.QtWidgets.QGraphicsItem.CacheMode.NoCache)
         self._at = QPointF()
-        self._arrows: dict[str, Vector] = {}
+        self._arrows: dict[str, Array] = {}
         self._legend = QRectF()
         self.lines: list[tuple[str, str, str]] = []
         self._title = ""

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 
 import numpy as np
 import pyqtgraph as pg
-from numpy.typing import NDArray
 from pyqtgraph.Qt import internals
 from PySide6.QtCore import QLineF, QRectF
 from PySide6.QtGui import QColor, QPainter, QPen
@@ -22,8 +21,7 @@ from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.options import Amount
 from app.views.theme import theme
 from cpm_core.image.image import Image
-
-Array = NDArray[np.float64]
+from cpm_core.numerics.types import Array
 
 _Z = 2.9
 _LENGTH = 20.0
