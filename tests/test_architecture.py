@@ -17,7 +17,7 @@ FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
 CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "PIL", "tifffile"}
 
 LATE_LIBRARIES = {
-    "cpm_core.cli.figures.drawing": {"matplotlib"},
+    "cpm_core.cli.figures.plotting": {"matplotlib"},
     "cpm_core.formats.animations.mp4": {"imageio_ffmpeg"},
     "cpm_core.cli.workers": {"distributed"},
 }

@@ -24,7 +24,7 @@ from cpm_core.cli.arguments import (
     check_exports,
     parameters_of,
 )
-from cpm_core.cli.progress import Progress
+from cpm_core.cli.terminal import Progress
 from cpm_core.cli.wording import counted
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply

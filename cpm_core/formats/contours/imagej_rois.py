@@ -8,7 +8,7 @@ import zipfile
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import title
-from cpm_core.formats.contours.imagej_roi import selection
+from cpm_core.formats.contours.imagej import selection
 from cpm_core.medial_axis.skeleton import Skeleton
 
 WRITES = {".zip": "contours as a set of selections of ImageJ and Fiji"}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.formats.images.colour import to_grey
+from cpm_core.formats.images.color import to_grey
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
 
 READS = {".npy": "NumPy array"}

@@ -10,7 +10,7 @@ import PIL.Image
 from numpy.typing import NDArray
 
 from cpm_core.formats.images import orientation, resolution
-from cpm_core.formats.images.colour import to_grey
+from cpm_core.formats.images.color import to_grey
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
 
 READS = {

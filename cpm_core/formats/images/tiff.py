@@ -13,7 +13,7 @@ import tifffile
 from numpy.typing import NDArray
 
 from cpm_core.formats.images import orientation, raster, resolution
-from cpm_core.formats.images.colour import to_grey
+from cpm_core.formats.images.color import to_grey
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, full_scale
 from cpm_core.formats.images.silence import native_silence
 

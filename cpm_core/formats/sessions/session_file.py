@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import write_together
-from cpm_core.formats.sessions.plain import LARGEST, from_plain, number, shown, to_plain
+from cpm_core.formats.sessions.plain_values import LARGEST, from_plain, number, shown, to_plain
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import SHAPES, Shape
 

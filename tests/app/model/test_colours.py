@@ -3,7 +3,7 @@
 import pytest
 
 from app.views.theme import theme
-from cpm_core.cli.figures import drawing
+from cpm_core.cli.figures import plotting
 
 
 @pytest.mark.parametrize(

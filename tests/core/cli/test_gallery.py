@@ -17,7 +17,7 @@ from scipy import ndimage
 
 from cpm_core import Contour, cli, edge_map
 from cpm_core.cli.figures import figures, pictures, recovery, silhouettes, skeletons, studies
-from cpm_core.cli.figures.drawing import draw
+from cpm_core.cli.figures.plotting import draw
 from cpm_core.cli.figures.figures import FIGURES, Figure, summary, write_figures
 from cpm_core.cli.figures.outlines import (
     blended,

@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cpm_core.contours.review import Mark, Verdict
-from cpm_core.formats.sessions.plain import LARGEST
+from cpm_core.formats.sessions.plain_values import LARGEST
 from cpm_core.formats.sessions.session_file import (
     ImageFile,
     SessionFile,
