@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.figures import automatic, recovery, skeletons, studies
-from cpm_core.cli.figures.plotting import draw, require_matplotlib
 from cpm_core.cli.figures.pages import Page
+from cpm_core.cli.figures.plotting import draw, require_matplotlib
 from cpm_core.formats.atomic import write_together
 
 INDEX, MEASURED = "README.md", "figures.json"

@@ -9,8 +9,6 @@ from cpm_core.formats.contours.appearance import rgb
 from cpm_core.formats.json_text import pairs, rounded, text
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {".coco.json": "closed contours as COCO instances"}
-
 _CATEGORY = "object"
 """What an instance is that has no name."""
 

@@ -9,8 +9,6 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.masks.label_mask import numbers
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {".csv": "contours as a table of vertices"}
-
 ASCII_UNIT = {"µm": "um"}  # spreadsheets guess the encoding of a file from its header, and guess badly
 """What units are called in the names of columns."""
 

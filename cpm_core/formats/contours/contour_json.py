@@ -9,8 +9,6 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.json_text import rounded, text
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {".json": "all that is known: contours, their measures, bridges, and how the run went"}
-
 FORMAT = "cpm-contours"
 """What the entry ``format`` of such a file says."""
 

@@ -10,8 +10,6 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {".dxf": "contours as polylines for CAD"}
-
 _CLOSED, _OPEN = "CLOSED", "OPEN"
 _NUMBERS = {
     (255, 0, 0): 1,

@@ -15,8 +15,6 @@ from cpm_core.formats.contours.appearance import rgb, title
 from cpm_core.formats.json_text import pairs, text
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {".geojson": "contours as annotations for QuPath"}
-
 
 def encode(result: Result | Skeleton) -> bytes:
     """Write a collection of features, one a contour (RFC 7946, with the properties that QuPath knows).

@@ -1,29 +1,24 @@
-"""ImageJ ROI: one contour as a selection of ImageJ and Fiji.
-
-The layout is that of ImageJ's own decoder, version 228: a header of 64 bytes, the coordinates, a second header of 64
-bytes, and the name, all in network order. It has been the same for a decade and takes a page, so no library is needed.
-"""
+"""ImageJ: contours as selections (ROIs) of ImageJ and Fiji, one in a file of its own or all in a set."""
 
 from __future__ import annotations
 
-import struct
+import io
+import re
+import zipfile
 
 import numpy as np
+from roifile import ROI_OPTIONS, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb, title
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {".roi": "the only contour as a selection of ImageJ and Fiji"}
-
-_VERSION = 228
-_POLYGON, _POLYLINE, _POINT = 0, 5, 10
-_SUB_PIXEL = 128
-_HEADER, _SECOND_HEADER = 64, 64
-_MOST_COORDINATES = 65535
 _LARGEST = 32767
 """Largest coordinate of a box."""
+
+_LONGEST = 60
+"""Letters of a name that go into the name of a file in the archive."""
 
 
 def encode(result: Result | Skeleton) -> bytes:
@@ -44,50 +39,75 @@ def encode(result: Result | Skeleton) -> bytes:
             f"{result.source} has {len(result.contours) or 'no'} contours, but a .roi file holds exactly one: "
             + ("export to .zip, which holds them all." if result.contours else "let it run on.")
         )
-    return selection(result.contours[0], 1)
+    return _selection(result.contours[0], 1)
 
 
-def selection(contour: Contour, number: int) -> bytes:
-    """Write a contour as a polygon when it is closed, else as a line of segments, or a point.
+def encode_set(result: Result | Skeleton) -> bytes:
+    """Write each contour as a selection into one archive, which the ROI manager of ImageJ opens.
 
-    Coordinates are fractions of pixels. As ImageJ means them, those of a polygon count from the corner of a pixel and
-    those of lines and points from its centre.
-
-    Parameters
-    ----------
-    contour : Contour
-        Contour to write, with its name and its colour.
-    number : int
-        Its place among the contours, from 1, for those without a name.
+    The ROI manager calls a selection what its file in the archive is called: the name of the contour, with a number
+    behind it where several have the same.
 
     Returns
     -------
     bytes
-        A ROI file.
+        A ZIP file of ROI files in their order; the same result makes the same bytes.
+
+    Raises
+    ------
+    ValueError
+        When there is no contour, for which ImageJ takes an archive for damaged.
+    """
+    if not result.contours:
+        raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for number, (contour, name) in enumerate(zip(result.contours, _names(result), strict=True), start=1):
+            entry = zipfile.ZipInfo(f"{name}.roi")  # of no date, as the result has none
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, _selection(contour, number))
+    return stream.getvalue()
+
+
+def _selection(contour: Contour, number: int) -> bytes:
+    """Write a contour as a polygon when it is closed, else as a line of segments, or a point.
+
+    Coordinates are fractions of pixels. As ImageJ means them, those of a polygon count from the corner of a pixel and
+    those of lines and points from its center.
     """
     areal = contour.closed and len(contour.points) > 2
     points = contour.points if areal or not contour.closed else contour.path
-    kind = _POLYGON if areal else _POLYLINE if len(points) > 1 else _POINT
-    x, y = (points[:, ::-1] + (0.5 if areal else 0.0)).T.astype(">f4")
+    xy = (points[:, ::-1] + (0.5 if areal else 0.0)).astype(np.float32)
     # no corner of the box lies beyond what its two bytes hold
-    left, top = (int(np.clip(np.floor(values.min()), -_LARGEST, _LARGEST)) for values in (x, y))
-    right, bottom = (int(np.clip(np.ceil(values.max()), -_LARGEST, _LARGEST)) for values in (x, y))
-    whole = [
-        np.clip(np.rint(values - least), 0, _LARGEST).astype(">i2").tobytes() for values, least in ((x, left), (y, top))
-    ]
-    coordinates = b"".join([*whole, x.tobytes(), y.tobytes()])
-    second = _HEADER + len(coordinates)
-    count = len(points)
-    header = struct.pack(
-        ">4shBxhhhhH",
-        *(b"Iout", _VERSION, kind, top, left, bottom, right),
-        count if count <= _MOST_COORDINATES else 0,  # more of them are counted further down
+    left, top = np.clip(np.floor(xy.min(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
+    right, bottom = np.clip(np.ceil(xy.max(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
+    name = title(contour, number)
+    roi = ImagejRoi(
+        version=228,
+        roitype=ROI_TYPE.POLYGON if areal else ROI_TYPE.POLYLINE if len(points) > 1 else ROI_TYPE.POINT,
+        options=ROI_OPTIONS.SUB_PIXEL_RESOLUTION,
+        left=left,
+        top=top,
+        right=right,
+        bottom=bottom,
+        n_coordinates=len(xy),
+        integer_coordinates=np.clip(np.rint(xy - (left, top)), 0, _LARGEST).astype(np.int32),
+        subpixel_coordinates=xy,
+        stroke_color=bytes((255, *rgb(contour))),
+        # roifile counts letters where the file counts units of UTF-16; zeros behind the name make up for those of two
+        name=name + "\0" * sum(ord(letter) > 0xFFFF for letter in name),
     )
-    header += struct.pack(">4i", 0, 0, 0, 0) if count <= _MOST_COORDINATES else struct.pack(">4i", count, 0, 0, 0)
-    red, green, blue = rgb(contour)
-    colour = struct.unpack(">i", bytes([255, red, green, blue]))[0]
-    header += struct.pack(">hiiihhBBhii", 0, 0, colour, 0, 0, _SUB_PIXEL, 0, 0, 0, 0, second)
-    name = title(contour, number).encode("utf-16-be")
-    details = struct.pack(">4i", 0, 0, 0, 0)  # on no channel, slice or frame in particular
-    details += struct.pack(">2i", second + _SECOND_HEADER, len(name) // 2)
-    return header + coordinates + details.ljust(_SECOND_HEADER, b"\0") + name
+    return roi.tobytes()
+
+
+def _names(result: Result | Skeleton) -> list[str]:
+    """Name of each contour in letters that file names may have, none twice."""
+    found: dict[str, str] = {}  # in small letters, for some file systems do not tell them apart
+    for number, contour in enumerate(result.contours, start=1):
+        plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
+        name = plain if plain.lower() not in found else f"{plain}-{number}"
+        while name.lower() in found:
+            name += "-"
+        found[name.lower()] = name
+    return list(found.values())

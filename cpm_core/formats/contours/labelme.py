@@ -9,8 +9,6 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.json_text import pairs, text
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {".labelme.json": "contours as shapes for labelme"}
-
 _VERSION = "5.5.0"
 """Version of the program whose files these are like; later ones read them."""
 

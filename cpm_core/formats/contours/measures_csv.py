@@ -10,8 +10,6 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.contours.contour_csv import ASCII_UNIT
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {".measures.csv": "a table with one row a contour"}
-
 
 def encode(result: Result | Skeleton) -> bytes:
     """Tabulate what is known about each contour.

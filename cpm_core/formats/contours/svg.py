@@ -13,8 +13,6 @@ from cpm_core.formats.contours.appearance import DEFAULT
 from cpm_core.formats.masks.label_mask import numbers
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {".svg": "contours as a vector drawing"}
-
 _MILLIMETRES = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}
 _SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell could not be seen
 

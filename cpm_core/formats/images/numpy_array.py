@@ -14,7 +14,7 @@ from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
 READS = {".npy": "NumPy array"}
 
 
-def recognises(head: bytes) -> bool:
+def reads(head: bytes, _path: Path) -> bool:
     """Whether a file that begins so is a NumPy array."""
     return head.startswith(b"\x93NUMPY")
 

@@ -33,7 +33,7 @@ _WITH_ALPHA = ("LA", "PA", "RGBA", "RGBa")
 _PIXELS_A_METRE = 1 / 0.0254
 
 
-def recognises(_head: bytes) -> bool:
+def reads(_head: bytes, _path: Path) -> bool:
     """Whether a file that begins so is for this reader: Pillow finds out itself, so it takes what is left over."""
     return True
 

@@ -29,7 +29,7 @@ _INCH, _CENTIMETRE = 2, 3
 _PER_METRE = {_INCH: 1 / 0.0254, _CENTIMETRE: 100.0}
 
 
-def recognises(head: bytes) -> bool:
+def reads(head: bytes, _path: Path) -> bool:
     """Whether a file that begins so is a TIFF."""
     return head.startswith(_MAGIC)
 

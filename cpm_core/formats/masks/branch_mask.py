@@ -9,8 +9,6 @@ from skimage.draw import line
 from cpm_core.formats.masks.label_mask import MOST_LABELS, as_png, label_type
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {".png": "branches of a skeleton as labelled lines"}
-
 
 def paint(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:
     """Draw each branch as a line of pixels, one pixel wide, that touch at sides or corners.

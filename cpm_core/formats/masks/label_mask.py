@@ -13,8 +13,6 @@ from skimage.draw import polygon
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 
-WRITES = {".png": "insides of closed contours as a label mask"}
-
 MOST_LABELS = 65535
 
 

@@ -12,11 +12,6 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.masks.labels import labels_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
-WRITES = {
-    ".tif": "insides of closed contours as a label mask of 16 or 32 bits, with the size of a pixel",
-    ".tiff": "insides of closed contours as a label mask of 16 or 32 bits, with the size of a pixel",
-}
-
 _PER_CENTIMETRE = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
 
 

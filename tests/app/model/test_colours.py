@@ -11,7 +11,7 @@ from cpm_core.cli.figures import plotting
     [("PARTICLE", "MOVING"), *((name, name) for name in ("CLOSED", "OPEN", "JUNCTION", "FIELD", "HALO"))],
 )
 def test_the_gallery_and_the_window_mean_the_same_by_a_colour(drawn, shown):
-    assert getattr(drawing, drawn) == getattr(theme, shown)
+    assert getattr(plotting, drawn) == getattr(theme, shown)
 
 
 def luminance(colour):

@@ -17,7 +17,6 @@ from scipy import ndimage
 
 from cpm_core import Contour, cli, edge_map
 from cpm_core.cli.figures import figures, pictures, recovery, silhouettes, skeletons, studies
-from cpm_core.cli.figures.plotting import draw
 from cpm_core.cli.figures.figures import FIGURES, Figure, summary, write_figures
 from cpm_core.cli.figures.outlines import (
     blended,
@@ -34,6 +33,7 @@ from cpm_core.cli.figures.outlines import (
     without,
 )
 from cpm_core.cli.figures.pages import Map, Page, Picture, Stairs
+from cpm_core.cli.figures.plotting import draw
 from cpm_core.cli.figures.runs import run
 from cpm_core.cli.figures.scenes import closed
 from cpm_core.contours.distances import sampled

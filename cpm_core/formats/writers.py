@@ -1,0 +1,147 @@
+"""Writers of contours and skeletons: each format by the suffix of its files.
+
+A new one is a module of its own with a function that makes the bytes of a file, and a line in `_WRITERS`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+from cpm_core.contours.result import Result
+from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.contours import (
+    coco,
+    contour_csv,
+    contour_json,
+    dxf,
+    geojson,
+    imagej,
+    labelme,
+    measures_csv,
+    svg,
+)
+from cpm_core.formats.masks import branch_mask, label_mask, label_tiff, nifti
+from cpm_core.medial_axis.skeleton import Skeleton
+
+Encode = Callable[[Result | Skeleton], bytes]
+"""Makes the bytes of a file; ValueError when the result holds nothing that such a file could show."""
+
+
+def _encode_png(result: Result | Skeleton) -> bytes:
+    """The label mask of a result, or the branch mask of a skeleton."""
+    return branch_mask.encode(result) if isinstance(result, Skeleton) else label_mask.encode(result)
+
+
+_LABELS = "insides of closed contours as a label mask"
+_SIZED_LABELS = f"{_LABELS} of 16 or 32 bits, with the size of a pixel"
+_WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
+    {
+        ".svg": ("contours as a vector drawing", svg.encode),
+        ".csv": ("contours as a table of vertices", contour_csv.encode),
+        ".measures.csv": ("a table with one row a contour", measures_csv.encode),
+        ".json": ("all that is known: contours, their measures, bridges, and how the run went", contour_json.encode),
+        ".geojson": ("contours as annotations for QuPath", geojson.encode),
+        ".zip": ("contours as a set of selections of ImageJ and Fiji", imagej.encode_set),
+        ".roi": ("the only contour as a selection of ImageJ and Fiji", imagej.encode),
+        ".labelme.json": ("contours as shapes for labelme", labelme.encode),
+        ".coco.json": ("closed contours as COCO instances", coco.encode),
+        ".tif": (_SIZED_LABELS, label_tiff.encode),
+        ".tiff": (_SIZED_LABELS, label_tiff.encode),
+        ".nii": (f"{_LABELS} of one slice", nifti.encode),
+        ".nii.gz": ("the same, compressed", nifti.encode_packed),
+        ".dxf": ("contours as polylines for CAD", dxf.encode),
+        ".png": (_LABELS, _encode_png),
+    }
+)
+"""What is written, and by what, by suffix."""
+
+WRITABLE: dict[str, str] = {suffix: text for suffix, (text, _) in _WRITERS.items()}
+"""Suffixes that a result can be exported to, some of two parts -> what is written."""
+
+
+def export(result: Result | Skeleton, *paths: str | os.PathLike[str]) -> None:
+    """Write the contours of a result, or a skeleton, in the format that each suffix names.
+
+    Everything is made before anything is written, and each file takes its place in one stroke, so that nothing
+    half-written is ever left behind.
+
+    Parameters
+    ----------
+    result : Result or Skeleton
+        Outcome of a run, or of `skeleton`.
+    *paths : path-like
+        Files to write; see `WRITABLE` for the suffixes. Files that exist are replaced.
+
+    Raises
+    ------
+    ValueError
+        When a suffix is not known, a file cannot be written there, or the result holds nothing such a file could show.
+    """
+    files = [Path(path) for path in paths]
+    for file in files:
+        check_export(file)
+    write_together([(file, encoded(result, suffix_of(file))) for file in files])
+
+
+def encoded(result: Result | Skeleton, suffix: str) -> bytes:
+    """Make what `export` would write, for the clipboard or for wherever there is no file.
+
+    Parameters
+    ----------
+    result : Result or Skeleton
+        Outcome of a run, or of `skeleton`.
+    suffix : str
+        One of `WRITABLE`. What is text is UTF-8.
+
+    Returns
+    -------
+    bytes
+        Content of the file.
+
+    Raises
+    ------
+    ValueError
+        When the suffix is not known, or the result holds nothing such a file could show.
+    """
+    if suffix not in _WRITERS:
+        raise ValueError(f'"{suffix}" says no format that can be written: choose one of {_known()}.')
+    return _WRITERS[suffix][1](result)
+
+
+def suffix_of(path: str | os.PathLike[str]) -> str:
+    """Suffix of `WRITABLE` that a file's name ends in, in small letters.
+
+    Of several the longest counts, so that ``a.coco.json`` is no plain ``.json``; a name that is nothing but a suffix
+    has none.
+
+    Returns
+    -------
+    str
+        The suffix; empty when no format is known by it.
+    """
+    name = Path(path).name.lower()
+    suffix = max((suffix for suffix in WRITABLE if name.endswith(suffix)), key=len, default="")
+    return suffix if len(suffix) < len(name) else ""
+
+
+def check_export(path: str | os.PathLike[str]) -> None:
+    """Tell beforehand whether `export` could write to a path.
+
+    Raises
+    ------
+    ValueError
+        When the suffix is not known, the folder does not exist or must not be written to, or the path is a folder.
+    """
+    file = Path(path)
+    if not suffix_of(file) and not file.is_dir():
+        named = f'ends in "{file.suffix}"' if file.suffix and file.suffix not in WRITABLE else "has no suffix"
+        raise ValueError(f"{file.name} {named}, which says no format that can be written: choose one of {_known()}.")
+    check_place(file)
+
+
+def _known() -> str:
+    """All formats that can be written, in words."""
+    return ", ".join(f"{suffix} ({text})" for suffix, text in WRITABLE.items())
