@@ -1,15 +1,26 @@
-"""Annotation formats: shapes for labelme, instances of COCO, and the JSON of everything."""
+"""Annotation formats: labelme and pycocotools find in them what was drawn; and the JSON of everything."""
 
+import contextlib
 import csv
+import importlib.util
 import json
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
+import PIL.Image
 import pytest
+import shapely
+from pycocotools.coco import COCO
 
 from cpm_core.formats import encoded, export
+from cpm_core.formats.masks.label_mask import paint
 
 from ..drawn import CELL, CORE, FIBRE, HOLE, RESULT
+
+ROUNDING = 0.2
+"""pycocotools rounds outlines to a fifth of a pixel: pixels whose centers are as near to the line may go either way."""
 
 
 def test_labelme_has_a_polygon_or_a_line_of_each_contour():
@@ -26,22 +37,68 @@ def test_labelme_has_a_polygon_or_a_line_of_each_contour():
     assert {"version", "flags", "shapes", "imagePath", "imageData", "imageHeight", "imageWidth"} == set(content)
 
 
-def test_coco_has_an_instance_of_each_closed_contour_in_the_category_of_its_name():
-    content = json.loads(encoded(RESULT, ".coco.json"))
-    assert content["images"] == [{"id": 1, "file_name": "cells & more.png", "width": 90, "height": 60}]
-    names = {category["id"]: category["name"] for category in content["categories"]}
-    instances = content["annotations"]
-    assert [names[instance["category_id"]] for instance in instances] == ["cell", "object", "Kern β"]
+_LOAD = """
+import json, sys
+from labelme import LabelFile
+file = LabelFile(sys.argv[1])
+print(json.dumps([[shape["label"], shape["shape_type"], [list(map(float, point)) for point in shape["points"]]]
+                  for shape in file.shapes]))
+"""
+
+
+@pytest.mark.skipif(importlib.util.find_spec("labelme") is None, reason="labelme is not installed (GPL, with PyQt5)")
+def test_labelme_itself_loads_its_file_beside_the_image(tmp_path):
+    """In a process of its own, for labelme loads another binding of Qt."""
+    PIL.Image.fromarray(np.zeros(RESULT.shape, dtype=np.uint8)).save(tmp_path / RESULT.source)
+    export(RESULT, tmp_path / "a.labelme.json")
+    command = [sys.executable, "-c", _LOAD, str(tmp_path / "a.labelme.json")]
+    loaded = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    kinds = ["polygon", "linestrip", "polygon", "polygon", "point"]
+    assert [kind for _, kind, _ in loaded] == kinds
+    assert [label for label, *_ in loaded] == ["cell", "fibre", "closed", "Kern β", "open"]
+    for (*_, points), contour in zip(loaded, RESULT.contours, strict=True):
+        np.testing.assert_allclose(points, contour.points[:, ::-1] + 0.5, atol=1e-4)
+
+
+def coco(tmp_path, result=RESULT):
+    """What pycocotools finds in the file of a result."""
+    export(result, tmp_path / "a.coco.json")
+    with contextlib.redirect_stdout(None):
+        return COCO(tmp_path / "a.coco.json")
+
+
+def test_coco_has_an_instance_of_each_closed_contour_in_the_category_of_its_name(tmp_path):
+    found = coco(tmp_path)
+    (image,) = found.loadImgs(found.getImgIds())
+    assert (image["file_name"], image["height"], image["width"]) == ("cells & more.png", 60, 90)
+    instances = found.loadAnns(found.getAnnIds(imgIds=[image["id"]]))
+    names = [found.loadCats([instance["category_id"]])[0]["name"] for instance in instances]
+    assert names == ["cell", "object", "Kern β"]
     for instance, contour in zip(instances, (CELL, HOLE, CORE), strict=True):
-        assert (instance["image_id"], instance["iscrowd"]) == (1, 0)
-        assert instance["area"] == pytest.approx(contour.area, abs=1e-4)
-        (polygon,) = instance["segmentation"]
-        corners = np.reshape(polygon, (-1, 2))
-        np.testing.assert_allclose(corners, contour.points[:, ::-1] + 0.5, atol=1e-4)
+        polygon = shapely.Polygon(np.reshape(instance["segmentation"][0], (-1, 2)))
+        np.testing.assert_allclose(polygon.exterior.coords[:-1], contour.points[:, ::-1] + 0.5, atol=1e-4)
+        assert instance["area"] == pytest.approx(polygon.area, abs=1e-2)
         x, y, width, height = instance["bbox"]
-        np.testing.assert_allclose([x, y], corners.min(axis=0), atol=1e-4)
-        np.testing.assert_allclose([x + width, y + height], corners.max(axis=0), atol=1e-4)
-    assert [instance["id"] for instance in instances] == [1, 2, 3]
+        np.testing.assert_allclose([x, y, x + width, y + height], polygon.bounds, atol=1e-4)
+
+
+def ragged(seed):
+    """A contour of an uneven outline without a hole, some of it beyond the image."""
+    random = np.random.default_rng(seed)
+    angle = 2 * np.pi * np.arange(40) / 40
+    radius = 20.3 * (1 + 0.3 * random.uniform(-1, 1, 40))
+    return replace(CELL, points=np.array([27.3, 66.7]) + radius[:, None] * np.stack([np.sin(angle), np.cos(angle)], 1))
+
+
+@pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")  # of pycocotools
+@pytest.mark.parametrize("contour", [CELL, HOLE, CORE, ragged(0), ragged(1)])
+def test_what_coco_masks_is_the_label_mask_of_a_shape_without_holes(tmp_path, contour):
+    found = coco(tmp_path, replace(RESULT, contours=(contour,)))
+    (instance,) = found.loadAnns(found.getAnnIds())
+    mask = found.annToMask(instance) == 1
+    ours = paint((contour,), RESULT.shape) == 1
+    line = shapely.LinearRing(contour.points)
+    assert all(line.distance(shapely.Point(pixel)) < ROUNDING for pixel in np.argwhere(mask != ours))
 
 
 def test_coco_of_open_contours_alone_is_refused(tmp_path):

@@ -1,7 +1,9 @@
-"""DXF: pairs of group codes and values, as the reference of release 12 has them."""
+"""DXF: ezdxf opens the drawing without a complaint and finds the contours in it."""
 
+import io
 from dataclasses import replace
 
+import ezdxf
 import numpy as np
 import pytest
 
@@ -11,75 +13,51 @@ from cpm_core.formats import encoded
 from ..drawn import FIBRE, RESULT
 
 
-def pairs(result=RESULT):
-    lines = encoded(result, ".dxf").decode("ascii").splitlines()
-    assert len(lines) % 2 == 0
-    return [(int(code), value) for code, value in zip(lines[::2], lines[1::2], strict=True)]
-
-
-def entities(result=RESULT):
-    """Entities as lists of pairs, the vertices of a polyline among them."""
-    found, section = [], None
-    for code, value in pairs(result):
-        if code == 2 and found == [] and value == "ENTITIES":
-            section = value
-        elif section and code == 0 and value == "ENDSEC":
-            return found
-        elif section and code == 0:
-            found.append([(code, value)])
-        elif section:
-            found[-1].append((code, value))
-    raise AssertionError("the section does not end")
+def opened(result=RESULT):
+    return ezdxf.read(io.StringIO(encoded(result, ".dxf").decode("ascii")))
 
 
 def polylines(result=RESULT):
-    """(layer, colour, closed, vertices) of each."""
-    found = []
-    for entity in entities(result):
-        kind, values = entity[0][1], dict(entity)
-        if kind == "POLYLINE":
-            assert values[66] == "1"
-            found.append((values[8], int(values[62]), values[70] == "1", []))
-        elif kind == "VERTEX":
-            found[-1][3].append((float(values[10]), float(values[20])))
-    return found
+    return list(opened(result).modelspace().query("POLYLINE"))
 
 
-def test_sections_and_tables_open_and_end_in_turn():
-    marks = [value for code, value in pairs() if code == 0]
-    assert marks[-1] == "EOF"
-    assert marks.count("SECTION") == marks.count("ENDSEC") == 3
-    assert marks.count("TABLE") == marks.count("ENDTAB") == 2
-    assert marks.count("POLYLINE") == marks.count("SEQEND") == 4
-    assert (9, "$ACADVER") in pairs()
-    assert (1, "AC1009") in pairs()
+def test_the_drawing_is_one_of_release_12_without_errors():
+    drawing = opened()
+    assert drawing.dxfversion == "AC1009"
+    auditor = drawing.audit()
+    assert (auditor.errors, auditor.fixes) == ([], [])
+
+
+def test_its_extents_are_those_of_the_image():
+    header = opened().header
+    assert header["$EXTMIN"][:2] == (0.0, 0.0)
+    assert header["$EXTMAX"][:2] == (90 * 0.25, 60 * 0.5)
 
 
 def test_polylines_run_through_the_contours_the_right_way_up_in_the_unit_of_the_image():
-    lines = polylines()
     drawn = [contour for contour in RESULT.contours if len(contour.points) > 1]
-    for (_, _, closed, vertices), contour in zip(lines, drawn, strict=True):
-        assert closed == contour.closed
-        x, y = np.array(vertices).T
+    for line, contour in zip(polylines(), drawn, strict=True):
+        assert line.is_2d_polyline
+        assert line.is_closed == contour.closed
+        x, y, _ = np.array(list(line.points())).T
         np.testing.assert_allclose(x, (contour.points[:, 1] + 0.5) * 0.25, atol=1e-6)
         np.testing.assert_allclose(y, (60 - 0.5 - contour.points[:, 0]) * 0.5, atol=1e-6)
 
 
 def test_a_vertex_by_itself_is_a_point():
-    (point,) = (dict(entity) for entity in entities() if entity[0] == (0, "POINT"))
-    assert (float(point[10]), float(point[20])) == (81.0 * 0.25, 4.5 * 0.5)
+    (point,) = opened().modelspace().query("POINT")
+    assert tuple(point.dxf.location) == (81.0 * 0.25, 4.5 * 0.5, 0.0)
 
 
-def test_names_are_layers_that_are_declared_and_colours_numbers():
-    assert [(layer, colour) for layer, colour, *_ in polylines()] == [
+def test_names_are_layers_that_are_declared_and_colors_numbers():
+    assert [(line.dxf.layer, line.dxf.color) for line in polylines()] == [
         ("CELL", 30),
         ("FIBRE", 256),
         ("CLOSED", 256),
         ("KERN", 5),
     ]
-    found = pairs()
-    layers = [found[k + 1] for k, pair in enumerate(found) if pair == (0, "LAYER")]
-    assert sorted(layers) == [(2, "CELL"), (2, "CLOSED"), (2, "FIBRE"), (2, "KERN"), (2, "OPEN")]
+    drawn = {"CELL", "CLOSED", "FIBRE", "KERN", "OPEN"}
+    assert {layer.dxf.name for layer in opened().layers} - {"0", "Defpoints"} == drawn
 
 
 @pytest.mark.parametrize(
@@ -88,12 +66,21 @@ def test_names_are_layers_that_are_declared_and_colours_numbers():
 )
 def test_names_of_layers_have_the_letters_that_they_may_have(name, layer):
     named = Contour(FIBRE.points, False, name=name)
-    assert [line[0] for line in polylines(replace(RESULT, contours=(named,)))] == [layer]
+    assert [line.dxf.layer for line in polylines(replace(RESULT, contours=(named,)))] == [layer]
 
 
 @pytest.mark.parametrize(
-    ("colour", "number"), [("#ff1005", 1), ("#000000", 7), ("#ffffff", 7), ("#7f8080", 8), ("#00f0ff", 4)]
+    ("color", "number", "shown"),
+    [
+        ("#ff1005", 1, (255, 0, 0)),
+        ("#7f8080", 8, (128, 128, 128)),
+        ("#00f0ff", 4, (0, 255, 255)),
+        # white on a dark screen, black on white paper
+        ("#000000", 7, (255, 255, 255)),
+        ("#ffffff", 7, (255, 255, 255)),
+    ],
 )
-def test_the_nearest_colour_is_taken(colour, number):
-    coloured = Contour(FIBRE.points, False, colour=colour)
-    assert [line[1] for line in polylines(replace(RESULT, contours=(coloured,)))] == [number]
+def test_the_nearest_color_is_taken(color, number, shown):
+    (line,) = polylines(replace(RESULT, contours=(Contour(FIBRE.points, False, colour=color),)))
+    assert line.dxf.color == number
+    assert tuple(ezdxf.colors.aci2rgb(number)) == shown

@@ -1,11 +1,11 @@
-"""GeoJSON: rings, holes and lines as RFC 7946 wants them, with what QuPath reads."""
+"""GeoJSON: shapely finds valid shapes in it, with holes and turns as RFC 7946 wants them, and what QuPath reads."""
 
 import json
 from dataclasses import replace
 
-import matplotlib.path
 import numpy as np
 import pytest
+import shapely
 
 from cpm_core.formats import encoded
 from cpm_core.formats.masks.label_mask import paint
@@ -19,45 +19,52 @@ def features(result=RESULT):
     return content["features"]
 
 
-def signed_area(ring):
-    x, y = np.array(ring).T
-    return 0.5 * float(x[:-1] @ y[1:] - x[1:] @ y[:-1])
+def shapes(result=RESULT):
+    """What shapely makes of the geometries."""
+    return [shapely.from_geojson(json.dumps(feature["geometry"])) for feature in features(result)]
 
 
-def test_each_contour_is_a_feature_of_its_kind():
-    kinds = [feature["geometry"]["type"] for feature in features()]
-    assert kinds == ["Polygon", "LineString", "Polygon", "Polygon", "Point"]
+def polygons():
+    return [shape for shape in shapes() if shape.geom_type == "Polygon"]
+
+
+def test_each_contour_is_a_valid_feature_of_its_kind():
     assert all(feature["type"] == "Feature" for feature in features())
+    assert [shape.geom_type for shape in shapes()] == ["Polygon", "LineString", "Polygon", "Polygon", "Point"]
+    assert all(shape.is_valid for shape in shapes())
+
+
+def test_the_whole_file_is_a_collection_of_these():
+    collection = shapely.from_geojson(encoded(RESULT, ".geojson"))
+    assert list(collection.geoms) == shapes()
 
 
 def test_coordinates_are_x_and_y_from_the_corner_of_the_image():
-    cell, fibre, *_, dot = (feature["geometry"]["coordinates"] for feature in features())
-    np.testing.assert_allclose(fibre, FIBRE.points[:, ::-1] + 0.5, atol=1e-4)
-    assert dot == [81.0, 55.5]
-    ring = np.array(cell[0])
-    assert {tuple(p) for p in ring.tolist()} == {tuple(p) for p in np.round(CELL.points[:, ::-1] + 0.5, 4).tolist()}
+    cell, fibre, *_, dot = shapes()
+    np.testing.assert_allclose(fibre.coords, FIBRE.points[:, ::-1] + 0.5, atol=1e-4)
+    assert dot.coords[:] == [(81.0, 55.5)]
+    assert set(cell.exterior.coords) == {tuple(p) for p in np.round(CELL.points[:, ::-1] + 0.5, 4).tolist()}
 
 
-def test_rings_are_closed_and_turn_as_the_standard_says():
-    for feature in features():
-        if feature["geometry"]["type"] == "Polygon":
-            outer, *holes = feature["geometry"]["coordinates"]
-            assert all(ring[0] == ring[-1] and len(ring) >= 4 for ring in (outer, *holes))
-            assert signed_area(outer) > 0 > max(map(signed_area, holes), default=-1)
+def test_rings_turn_as_the_standard_says():
+    for polygon in polygons():
+        assert polygon.exterior.is_ccw
+        assert not any(hole.is_ccw for hole in polygon.interiors)
+
+
+def test_areas_leave_out_the_holes():
+    areas = [CELL.area - HOLE.area, HOLE.area - CORE.area, CORE.area]
+    assert [polygon.area for polygon in polygons()] == pytest.approx(areas, abs=1e-2)
 
 
 def test_a_polygon_covers_what_has_its_label_in_the_label_mask():
     mask = paint(RESULT.contours, RESULT.shape)
     row, col = np.indices(RESULT.shape)
-    centers = np.stack([col.ravel() + 0.5, row.ravel() + 0.5], axis=1)
-    polygons = [feature["geometry"] for feature in features() if feature["geometry"]["type"] == "Polygon"]
-    assert [len(polygon["coordinates"]) for polygon in polygons] == [2, 2, 1]
-    for label, polygon in enumerate(polygons, start=1):
-        turns = sum(matplotlib.path.Path(ring).contains_points(centers).astype(int) for ring in polygon["coordinates"])
-        assert np.array_equal((turns % 2 == 1).reshape(mask.shape), mask == label)
+    for label, polygon in enumerate(polygons(), start=1):
+        assert np.array_equal(shapely.contains_xy(polygon, col + 0.5, row + 0.5), mask == label)
 
 
-def test_names_colours_and_measurements_go_along():
+def test_names_colors_and_measurements_go_along():
     cell, fibre, hole, *_ = (feature["properties"] for feature in features())
     assert (cell["objectType"], cell["name"], cell["color"]) == ("annotation", "cell", [230, 159, 0])
     assert (hole["name"], hole["inside"], fibre["junctions"]) == ("contour 3", 1, [True, False])
@@ -76,4 +83,3 @@ def test_units_are_left_out_where_they_are_not_known():
 def test_holes_are_contours_of_their_own_as_well():
     names = [feature["properties"]["name"] for feature in features()]
     assert names == ["cell", "fibre", "contour 3", "Kern β", "contour 5"]
-    assert HOLE.area > CORE.area

@@ -28,7 +28,7 @@ def test_a_closed_contour_is_a_polygon_that_counts_from_the_corners_of_pixels():
     np.testing.assert_allclose(points, CELL.points[:, ::-1] + 0.5, atol=1e-5)
     np.testing.assert_array_equal((roi.left, roi.top), np.floor(points.min(axis=0)))
     np.testing.assert_array_equal((roi.right, roi.bottom), np.ceil(points.max(axis=0)))
-    assert np.abs(roi.integer_coordinates + (roi.left, roi.top) - points).max() <= 0.5 + 1e-4
+    assert np.abs(roi.integer_coordinates - (points - (roi.left, roi.top))).max() <= 0.5 + 1e-4
 
 
 def test_an_open_contour_is_a_line_that_counts_from_the_centers_of_pixels():
