@@ -16,11 +16,26 @@ from cpm_core.formats.atomic import check_place, draft_of
 from cpm_core.numerics.types import Pixels
 
 
-class Encoder(Protocol):
-    """What writes one kind of animation, frame by frame, so that no more than two of them are ever in memory."""
+class Animation(Protocol):
+    """An animation that is written frame by frame, so that no more than two of them are ever in memory.
+
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    shape : tuple of int
+        Rows and columns of the frames.
+    frames_per_second : float
+        Speed.
+
+    Raises
+    ------
+    ValueError
+        When the format cannot show frames of this size or speed, or its encoder does not work.
+    """
 
     def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
-        """Begin a file."""
+        """Begin the file."""
 
     def add(self, frame: Pixels) -> None:
         """Append a frame, shape (H, W, 3)."""
@@ -32,10 +47,10 @@ class Encoder(Protocol):
         """Stop writing; the file is of no use then."""
 
 
-_ENCODERS: dict[str, type[Encoder]] = {
-    **dict.fromkeys(gif.ANIMATES, gif.Animation),
-    **dict.fromkeys(apng.ANIMATES, apng.Animation),
-    **dict.fromkeys(mp4.ANIMATES, mp4.Animation),
+_FORMATS: dict[str, type[Animation]] = {
+    **dict.fromkeys(gif.ANIMATES, gif.GifAnimation),
+    **dict.fromkeys(apng.ANIMATES, apng.ApngAnimation),
+    **dict.fromkeys(mp4.ANIMATES, mp4.Mp4Animation),
 }
 
 ANIMATED: dict[str, str] = {**gif.ANIMATES, **apng.ANIMATES, **mp4.ANIMATES}
@@ -80,37 +95,21 @@ def write_animation(
         frames are no such frames, or none.
     """
     check_animation(path)
-    if not (math.isfinite(frames_per_second) and SLOWEST <= frames_per_second <= FASTEST):
-        raise ValueError(
-            f"frames_per_second is {frames_per_second:g} but must be a number from {SLOWEST:g} to {FASTEST:g}."
-        )
-    file = Path(path)
-    rest = iter(frames)
+    _check_speed(frames_per_second)
+    file, rest = Path(path), iter(frames)
     if cancelled is not None and cancelled():
         return False
     first = next(rest, None)
     if first is None:
         raise ValueError(f"{file.name} would be an animation without frames: let it run first.")
     shape = _checked(first, None)
-    finished = True
     try:
         with draft_of(file) as draft:
-            encoder = _ENCODERS[file.suffix.lower()](draft, shape, frames_per_second)
-            try:
-                for count, frame in enumerate(chain([first], rest), start=1):
-                    if count > 1 and cancelled is not None and cancelled():
-                        raise _CancelledError
-                    _checked(frame, shape)
-                    encoder.add(frame)
-                    if progress is not None:
-                        progress(count)
-            except BaseException:
-                encoder.abandon()
-                raise
-            encoder.close()
+            animation = _FORMATS[file.suffix.lower()](draft, shape, frames_per_second)
+            _add_all(animation, chain([first], rest), shape, progress, cancelled)
     except _CancelledError:
-        finished = False
-    return finished
+        return False
+    return True
 
 
 def check_animation(path: str | os.PathLike[str]) -> None:
@@ -132,7 +131,36 @@ def check_animation(path: str | os.PathLike[str]) -> None:
 
 
 class _CancelledError(Exception):
-    """Nobody wants the animation any more."""
+    """The animation was given up."""
+
+
+def _check_speed(frames_per_second: float) -> None:
+    if not (math.isfinite(frames_per_second) and SLOWEST <= frames_per_second <= FASTEST):
+        raise ValueError(
+            f"frames_per_second is {frames_per_second:g} but must be a number from {SLOWEST:g} to {FASTEST:g}."
+        )
+
+
+def _add_all(
+    animation: Animation,
+    frames: Iterable[Pixels],
+    shape: tuple[int, int],
+    progress: Callable[[int], object] | None,
+    cancelled: Callable[[], bool] | None,
+) -> None:
+    """Add frames and end the file; whatever comes between abandons it. `cancelled` is not asked before the first."""
+    try:
+        for count, frame in enumerate(frames, start=1):
+            if count > 1 and cancelled is not None and cancelled():
+                raise _CancelledError
+            _checked(frame, shape)
+            animation.add(frame)
+            if progress is not None:
+                progress(count)
+    except BaseException:
+        animation.abandon()
+        raise
+    animation.close()
 
 
 def _checked(frame: Pixels, wanted: tuple[int, int] | None) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""APNG: an animation in full colour, which browsers show and other programs take for a picture of its first frame."""
+"""APNG: an animation in full color, which browsers show and other programs take for a picture of its first frame."""
 
 from __future__ import annotations
 
@@ -16,26 +16,16 @@ from cpm_core.formats.animations.changes import changed
 from cpm_core.numerics.types import Pixels
 
 ANIMATES = {
-    ".png": "animated PNG in full colour, which browsers show",
-    ".apng": "animated PNG in full colour, which browsers show",
+    ".png": "animated PNG in full color, which browsers show",
+    ".apng": "animated PNG in full color, which browsers show",
 }
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _LARGEST = 65535
 
 
-class Animation:
-    """An APNG that is written frame by frame.
-
-    Parameters
-    ----------
-    path : Path
-        File to write.
-    shape : tuple of int
-        Rows and columns of the frames.
-    frames_per_second : float
-        Speed.
-    """
+class ApngAnimation:
+    """An APNG that is written frame by frame; see `animation.Animation`."""
 
     def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
         self._delay = Fraction(1.0 / frames_per_second).limit_denominator(_LARGEST)

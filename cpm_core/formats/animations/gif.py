@@ -1,4 +1,4 @@
-"""GIF: an animation that everything shows, in at most 256 colours a frame."""
+"""GIF: an animation that everything shows, in at most 256 colors a frame."""
 
 from __future__ import annotations
 
@@ -22,20 +22,13 @@ _FOREVER = b"!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
 _KEEP, _SEEN_THROUGH = 1 << 2, 1
 _TABLE = 0x80
 _MOST = 255
-"""Colours of a frame; one more entry of its table stands for pixels that are seen through."""
+"""Colors of a frame; one more entry of its table stands for pixels that are seen through."""
 
 
-class Animation:
-    """A GIF that is written frame by frame, each with a palette of its own.
+class GifAnimation:
+    """A GIF that is written frame by frame, each with a palette of its own; see `animation.Animation`.
 
-    Parameters
-    ----------
-    path : Path
-        File to write.
-    shape : tuple of int
-        Rows and columns of the frames.
-    frames_per_second : float
-        Speed; times are kept to a hundredth of a second, without drifting.
+    Times are kept to a hundredth of a second, without drifting.
 
     Raises
     ------
@@ -70,7 +63,7 @@ class Animation:
         indices[fresh] = found[0]
         table, data = _parts(indices, palette)
         delay = round((self._count + 1) * self._duration) - round(self._count * self._duration)
-        # the first frame is whole, and readers that are told otherwise take the animation for a transparent one
+        # the first frame is whole, and readers would otherwise take the animation for a transparent one
         control = (_KEEP | _SEEN_THROUGH, delay, len(palette)) if self._count else (_KEEP, delay, 0)
         self._stream.write(b"!\xf9\x04" + struct.pack("<BHBB", *control, 0))
         size = (len(table) // 3).bit_length() - 2
@@ -89,7 +82,7 @@ class Animation:
 
 
 def _parts(indices: Pixels, palette: Pixels) -> tuple[bytes, bytes]:
-    """Table of colours and packed pixels of a picture, taken out of a file of that picture alone."""
+    """Table of colors and packed pixels of a picture, taken out of a file of that picture alone."""
     picture = PIL.Image.fromarray(indices)
     picture.putpalette(palette.tobytes() + bytes(3))
     stream = io.BytesIO()

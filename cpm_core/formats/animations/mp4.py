@@ -11,13 +11,13 @@ from cpm_core.numerics.types import Pixels
 
 ANIMATES = {".mp4": "film for slides and players; needs imageio-ffmpeg"}
 
-_COLOURS = "bt709"
+_COLORS = "bt709"
 """The standard by which players turn what is stored back into red, green and blue."""
 
 _OUTPUT = (
     *("-crf", "16", "-movflags", "+faststart"),
-    *("-vf", f"scale=out_color_matrix={_COLOURS}:out_range=tv"),
-    *("-colorspace", _COLOURS, "-color_primaries", _COLOURS, "-color_trc", _COLOURS, "-f", "mp4"),
+    *("-vf", f"scale=out_color_matrix={_COLORS}:out_range=tv"),
+    *("-colorspace", _COLORS, "-color_primaries", _COLORS, "-color_trc", _COLORS, "-f", "mp4"),
 )
 
 
@@ -30,18 +30,10 @@ def check() -> None:
         )
 
 
-class Animation:
-    """A film that is written frame by frame by ffmpeg (H.264, which all players know).
+class Mp4Animation:
+    """A film that is written frame by frame by ffmpeg (H.264, which all players know); see `animation.Animation`.
 
-    Parameters
-    ----------
-    path : Path
-        File to write.
-    shape : tuple of int
-        Rows and columns of the frames. The format wants even numbers: where they are odd, the last row or column is
-        repeated.
-    frames_per_second : float
-        Speed.
+    The format wants even numbers of rows and columns: where they are odd, the last row or column is repeated.
 
     Raises
     ------
@@ -51,7 +43,7 @@ class Animation:
 
     def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
         check()
-        import imageio_ffmpeg  # optional, and nobody else needs it
+        import imageio_ffmpeg  # optional, and needed only here
 
         self._padding = [(0, shape[0] % 2), (0, shape[1] % 2), (0, 0)]
         rows, cols = shape[0] + shape[0] % 2, shape[1] + shape[1] % 2

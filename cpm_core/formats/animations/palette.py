@@ -1,4 +1,4 @@
-"""Palette: the colours that a picture with at most 256 of them is given."""
+"""Palette: the colors that a picture with at most 256 of them is given."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 from cpm_core.numerics.types import Pixels
 
 MOST = 256
-"""Colours that a palette holds."""
+"""Colors that a palette holds."""
 
 _KEPT = 64
-"""Vivid colours that are kept as they are, the most frequent of them: those that something is drawn in."""
+"""Vivid colors that are kept as they are, the most frequent of them: those that something is drawn in."""
 
 _VIVID = 40
-"""Least difference of the strongest and the weakest of red, green and blue in a vivid colour."""
+"""Least difference of the strongest and the weakest of red, green and blue in a vivid color."""
 
 _DROPPED_BITS = 2
-"""Bits of each colour that are left out where the others are counted."""
+"""Bits of each color that are left out where the others are counted."""
 
 _MOST_REPEATS = 64
 
@@ -27,28 +27,28 @@ _MOST_REPEATS = 64
 def indexed(frame: Pixels, most: int = MOST) -> tuple[Pixels, Pixels]:
     """Turn a picture into indices of a palette of its own.
 
-    Pictures of no more colours stay as they are. Of others the most frequent vivid colours do, for particles and
+    Pictures of no more colors stay as they are. Of others the most frequent vivid colors do, for particles and
     contours, drawn in a few pure ones, cover hardly any of the pixels and would otherwise be mixed with what they lie
-    on; the rest of the palette is shared out among all other colours, the rarer ones favoured, by median cut.
+    on; the rest of the palette is shared out among all other colors, the rarer ones favoured, by median cut.
 
     Parameters
     ----------
     frame : ndarray of uint8, shape (H, W, 3)
         Red, green and blue.
     most : int
-        Colours that the palette may have.
+        Colors that the palette may have.
 
     Returns
     -------
     indices : ndarray of uint8, shape (H, W)
-        Indices of the palette. Neighbours are not mixed to imitate colours, which would flicker from frame to frame.
+        Indices of the palette. Neighbors are not mixed to imitate colors, which would flicker from frame to frame.
     palette : ndarray of uint8, shape (P, 3)
-        Colours.
+        Colors.
     """
     packed = _packed(frame)
-    colours = np.unique(packed)
-    if len(colours) <= most:
-        return np.searchsorted(colours, packed).astype(np.uint8).reshape(frame.shape[:2]), _unpacked(colours)
+    colors = np.unique(packed)
+    if len(colors) <= most:
+        return np.searchsorted(colors, packed).astype(np.uint8).reshape(frame.shape[:2]), _unpacked(colors)
     vivid = np.ptp(frame.reshape(-1, 3), axis=1) >= _VIVID
     kept, frequency = np.unique(packed[vivid], return_counts=True)
     kept = np.sort(kept[np.argsort(-frequency, kind="stable")[:_KEPT]])
@@ -76,8 +76,8 @@ def _packed(frame: NDArray[np.integer], bits: int = 8) -> NDArray[np.int32]:
     return np.asarray((red << 2 * bits) | (green << bits) | blue)
 
 
-def _unpacked(colours: NDArray[np.int32]) -> Pixels:
-    return np.stack([colours >> 16, colours >> 8 & 255, colours & 255], axis=1).astype(np.uint8)
+def _unpacked(colors: NDArray[np.int32]) -> Pixels:
+    return np.stack([colors >> 16, colors >> 8 & 255, colors & 255], axis=1).astype(np.uint8)
 
 
 def _places(bins: NDArray[np.int32]) -> NDArray[np.intp]:

@@ -69,32 +69,17 @@ def strip(
     ValueError
         When there is no frame, frames differ in size or are no frames, or captions are not as many.
     """
-    if not frames:
-        raise ValueError("A strip needs at least one frame: take a snapshot first.")
-    for frame in frames:
-        if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or frame.shape != frames[0].shape:
-            raise ValueError(
-                f"A frame holds {frame.dtype} of shape {frame.shape}, but all must hold uint8 of one shape "
-                f"(rows, columns, 3); the first has {frames[0].shape}."
-            )
-    if len(captions) not in (0, len(frames)):
-        raise ValueError(f"There are {len(captions)} captions for {len(frames)} frames: give one for each, or none.")
-    if columns is not None and columns < 1:
-        raise ValueError(f"columns is {columns} but must be at least 1.")
-    if gap < 0:
-        raise ValueError(f"gap is {gap} px but must be 0 or more.")
+    _check(frames, captions, columns, gap)
     height, width = frames[0].shape[:2]
     across = min(columns or _MOST_COLUMNS, len(frames))
     down = -(-len(frames) // across)
     font = _font("".join(captions), text_size or max(_TEXT_SHARE * height, _LEAST_TEXT))
     above, below = font.getmetrics() if isinstance(font, PIL.ImageFont.FreeTypeFont) else (11, 3)
     line = above + below + max(2, below // 2) if captions else 0
-    size = (across * (width + gap) + gap, down * (height + line + gap) + gap)
-    sheet = PIL.Image.new("RGB", size, _PAPER)
+    sheet = PIL.Image.new("RGB", (across * (width + gap) + gap, down * (height + line + gap) + gap), _PAPER)
     pen = PIL.ImageDraw.Draw(sheet)
     for number, frame in enumerate(frames):
-        left = gap + number % across * (width + gap)
-        top = gap + number // across * (height + line + gap)
+        left, top = gap + number % across * (width + gap), gap + number // across * (height + line + gap)
         sheet.paste(PIL.Image.fromarray(np.ascontiguousarray(frame)), (left, top))
         if captions:
             text = _shortened(_spelt(captions[number], font), font, width)
@@ -125,6 +110,24 @@ def write_picture(pixels: Pixels, path: str | os.PathLike[str]) -> None:
     stream = io.BytesIO()
     PIL.Image.fromarray(np.ascontiguousarray(pixels)).save(stream, format="PNG")
     write_together([(file, stream.getvalue())])
+
+
+def _check(frames: Sequence[Pixels], captions: Sequence[str], columns: int | None, gap: int) -> None:
+    """Raise ValueError unless a strip can be made of these."""
+    if not frames:
+        raise ValueError("A strip needs at least one frame: take a snapshot first.")
+    for frame in frames:
+        if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or frame.shape != frames[0].shape:
+            raise ValueError(
+                f"A frame holds {frame.dtype} of shape {frame.shape}, but all must hold uint8 of one shape "
+                f"(rows, columns, 3); the first has {frames[0].shape}."
+            )
+    if len(captions) not in (0, len(frames)):
+        raise ValueError(f"There are {len(captions)} captions for {len(frames)} frames: give one for each, or none.")
+    if columns is not None and columns < 1:
+        raise ValueError(f"columns is {columns} but must be at least 1.")
+    if gap < 0:
+        raise ValueError(f"gap is {gap} px but must be 0 or more.")
 
 
 def _font(text: str, size: float) -> Font:
