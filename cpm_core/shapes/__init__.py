@@ -17,7 +17,7 @@ from cpm_core.shapes.everywhere import KINDS, Everywhere, Kind
 from cpm_core.shapes.grid import Grid
 from cpm_core.shapes.points import Points
 from cpm_core.shapes.polygon import Polygon
-from cpm_core.shapes.region import Region
+from cpm_core.shapes.limits import Region
 from cpm_core.shapes.stroke import Stroke
 from cpm_core.shapes.threshold import Threshold
 

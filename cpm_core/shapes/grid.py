@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Position
-from cpm_core.shapes.area import Area
+from cpm_core.shapes.path import Area
 
 FINEST, COARSEST = 2.0, 64.0
 """Least and largest distance between two particles [px]."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Position
 from cpm_core.particles import initialization
-from cpm_core.shapes.area import Area
+from cpm_core.shapes.path import Area
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Position
 from cpm_core.particles.initialization import above
-from cpm_core.shapes.area import Area
+from cpm_core.shapes.path import Area
 
 LOWEST, HIGHEST, _STEP = 0.02, 0.98, 0.02
 """Bounds of the fraction, and how much it is changed at a time."""

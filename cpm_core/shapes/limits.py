@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from cpm_core.numerics.types import Position
-from cpm_core.shapes.area import Area
+from cpm_core.shapes.path import Area
 
 
 @dataclass(frozen=True, slots=True)
