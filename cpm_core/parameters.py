@@ -129,10 +129,10 @@ _TABLE = (
         "", "field", True,
     ),
     ParameterInfo(
-        "max_border", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Widest frame",
-        "A dark or bright rim of the image up to this wide, as a fraction of its shorter side, is taken for its frame, "
-        "and the edge of it for no edge.",
-        "More of it finds wider frames; 0 leaves every edge in.",
+        "max_border", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Widest border",
+        "A dark or bright rim of the image up to this wide, as a fraction of its shorter side, is taken for its "
+        "border, and the edge of it for no edge.",
+        "More of it finds wider borders; 0 leaves every edge in.",
         "", "field", True,
     ),
     ParameterInfo(
@@ -170,6 +170,9 @@ _TABLE = (
 
 PARAMETERS: dict[str, ParameterInfo] = {info.name: info for info in _TABLE}
 
+FORMER_NAMES: dict[str, str] = {"max_frame": "max_border"}
+"""Names of parameters in older files and on older command lines -> their present names."""
+
 
 @dataclass(frozen=True, slots=True)
 class Parameters:
@@ -200,7 +203,8 @@ class Parameters:
     edge_floor : float
         Fraction of the largest edge strength under which no fixed charge is placed.
     max_border : float
-        Width up to which a rim of the image is taken for its frame, as a fraction of the shorter side; 0 for no frame.
+        Width up to which a rim of the image is taken for its border, as a fraction of the shorter side; 0 for no
+        border.
     max_gap : float
         Loose ends of contours up to this far apart are joined along the edge map [px]; at 0 gaps stay open.
     min_strength : float

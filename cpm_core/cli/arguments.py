@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 
 from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.sessions.session_file import SUFFIX
-from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.parameters import FORMER_NAMES, PARAMETERS, Parameters
 
 
 def add_image(parser: argparse.ArgumentParser, optional: bool = False) -> None:
@@ -29,7 +29,7 @@ def add_session(parser: argparse._ActionsContainer, required: bool = False) -> N
     )
 
 
-def add_parameters(parser: argparse._ActionsContainer, names: Iterable[str] = tuple(PARAMETERS)) -> None:
+def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = tuple(PARAMETERS)) -> None:
     """Let a command take parameters, each as a flag of its name; see `parameters_of`."""
     for name in names:
         info = PARAMETERS[name]
@@ -40,6 +40,9 @@ def add_parameters(parser: argparse._ActionsContainer, names: Iterable[str] = tu
             dest=name,
             help=f"{info.meaning} {info.more} (default: {info.default})".replace("%", "%%"),
         )
+    for former, name in FORMER_NAMES.items():
+        if name in names:
+            parser.add_argument(f"--{former.replace('_', '-')}", type=as_number, dest=name, help=argparse.SUPPRESS)
 
 
 def add_export(parser: argparse._ActionsContainer, what: str) -> None:

@@ -15,8 +15,7 @@ from pathlib import Path
 
 from cpm_core.cli.arguments import add_json, add_parameters, add_session, as_number, as_steps, parameters_of
 from cpm_core.cli.jobs import Done, Job
-from cpm_core.cli.terminal import Count
-from cpm_core.cli.wording import counted
+from cpm_core.cli.terminal import Count, counted
 from cpm_core.cli.workers import elsewhere, here
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.atomic import write_together

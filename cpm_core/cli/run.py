@@ -6,9 +6,8 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +23,7 @@ from cpm_core.cli.arguments import (
     check_exports,
     parameters_of,
 )
-from cpm_core.cli.terminal import Progress
-from cpm_core.cli.wording import counted
+from cpm_core.cli.terminal import Progress, counted
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import export, load_image, load_points
@@ -35,11 +33,8 @@ from cpm_core.image.regions import Regions
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.initialization import circle, stroke
 from cpm_core.segmentation.segment import segment
-from cpm_core.shapes import Barrier, Everywhere, Kind, Region
+from cpm_core.shapes import KINDS, Barrier, Everywhere, Kind, Region
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
-
-_AUTOMATIC: Mapping[str, Kind] = MappingProxyType({"grid": "grid", "gradient": "edges", "centers": "centers"})
-"""What the starts that need no drawing are called here, and elsewhere."""
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -57,7 +52,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     start.add_argument("--points", metavar="FILE.csv", action="append", default=[], help="points: row,col on each line")
     start.add_argument(
         "--auto",
-        choices=tuple(_AUTOMATIC),
+        choices=KINDS,
         help="everywhere, on the strongest edges, or in the middle of what lies between edges",
     )
     place = parser.add_argument_group("place (each may be repeated)")
@@ -172,17 +167,18 @@ def _regions(arguments: argparse.Namespace, session: SessionFile) -> Regions | N
 def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
     """Points of a line given as row and column in turn."""
     numbers = _numbers(text)
-    if len(numbers) % 2 or len(numbers) < 2 * least:
+    points = tuple(zip(numbers[::2], numbers[1::2], strict=False))
+    if len(numbers) % 2 or len(set(points)) < least:
         raise ValueError(
-            f'{flag} is "{text}" but must be rows and columns in turn, of {least} points at least, ROW,COL,ROW,COL,... '
-            "in px."
+            f'{flag} is "{text}" but must be rows and columns in turn, of {least} different points at least, '
+            "ROW,COL,ROW,COL,... in px."
         )
-    return tuple(zip(numbers[::2], numbers[1::2], strict=True))
+    return points
 
 
-def _automatic(kind: str | None, image: Image, parameters: Parameters) -> list[NDArray[np.float64]]:
+def _automatic(kind: Kind | None, image: Image, parameters: Parameters) -> list[NDArray[np.float64]]:
     """Particles that need no drawing."""
-    return [seeds_of((Everywhere(_AUTOMATIC[kind]),), image, parameters.smoothing)] if kind else []
+    return [seeds_of((Everywhere(kind),), image, parameters.smoothing)] if kind else []
 
 
 def _tell_result(result: Result, seconds: float, written: Sequence[str], *, as_json: bool) -> None:

@@ -16,7 +16,7 @@ from cpm_core.cli.arguments import (
     check_exports,
     parameters_of,
 )
-from cpm_core.cli.wording import counted
+from cpm_core.cli.terminal import counted
 from cpm_core.formats import export, load_image
 from cpm_core.medial_axis.skeleton import PRUNING, Skeleton, skeleton
 from cpm_core.parameters import PRESETS

@@ -1,4 +1,4 @@
-"""How far a run is, shown on the terminal."""
+"""What a person sees on the terminal: how far a run is, and words that several commands use."""
 
 from __future__ import annotations
 
@@ -9,6 +9,11 @@ from types import TracebackType
 from cpm_core.particles.state import State
 
 _REDRAW = 0.1  # [s] between two lines of progress
+
+
+def counted(number: int, noun: str) -> str:
+    """Number and noun, as in "1 contour" and "2 contours"."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 class Progress:
@@ -69,8 +74,8 @@ class Count:
         if self._shown:
             each = (time.monotonic() - self._began) / self._done if self._done else 0.0
             left = each * (self._total - self._done)
-            told = f", about {left:.0f} s left" if left else ""
-            print(f"\r\x1b[2K{self._done} of {self._total}{told}", end="", file=sys.stderr, flush=True)
+            rest = f", about {left:.0f} s left" if left else ""
+            print(f"\r\x1b[2K{self._done} of {self._total}{rest}", end="", file=sys.stderr, flush=True)
 
     def _clear(self) -> None:
         if self._shown:

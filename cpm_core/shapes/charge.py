@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cpm_core.field.placed_charges import STRONGEST, PlacedCharge
 from cpm_core.numerics.types import Position
+from cpm_core.shapes.checks import check_number
 
 WEAKEST, _STEP = 0.5, 0.5
 """Least strength, either way, and how much it is changed at a time."""
@@ -29,6 +30,9 @@ class Charge:
 
     position: Position
     strength: float = 2.0
+
+    def __post_init__(self) -> None:
+        check_number("strength", self.strength, -STRONGEST, STRONGEST)
 
     @property
     def title(self) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Position
 from cpm_core.particles import initialization
+from cpm_core.shapes.checks import LARGEST, check_number
 
 SMALLEST_RADIUS = 1.0
 """Radius under which a drawn circle is taken for a slip of the hand [px]."""
@@ -27,13 +28,16 @@ class Circle:
     center : tuple of float
         (row, col) in px of the image.
     radius : float
-        Radius [px], above zero.
+        Radius [px], from 0.5 to 100,000.
     """
 
     title: ClassVar[str] = "circle"
 
     center: Position
     radius: float
+
+    def __post_init__(self) -> None:
+        check_number("radius", self.radius)
 
     def seeds(self) -> NDArray[np.float64]:
         """Positions of its particles, shape (N, 2)."""
@@ -50,8 +54,8 @@ class Circle:
         return Circle((self.center[0] + by[0], self.center[1] + by[1]), self.radius)
 
     def resized(self, by: float) -> Circle:
-        """The same centre with the radius changed by so many px."""
-        return Circle(self.center, max(self.radius + by, SMALLEST_RADIUS))
+        """The same center with the radius changed by so many px."""
+        return self._with_radius(self.radius + by)
 
     def handles(self) -> tuple[Position, ...]:
         """Places on the rim by which it is resized: top, right, bottom, left."""
@@ -59,8 +63,8 @@ class Circle:
         return ((row - radius, col), (row, col + radius), (row + radius, col), (row, col - radius))
 
     def with_handle_at(self, handle: Position, to: Position) -> Circle:
-        """The same centre with the rim led through a position, whichever handle is dragged there."""
-        return Circle(self.center, max(math.dist(self.center, to), SMALLEST_RADIUS))
+        """The same center with the rim led through a position, whichever handle is dragged there."""
+        return self._with_radius(math.dist(self.center, to))
 
     def distance(self, position: Position) -> float:
         """Distance of a position from the rim [px]."""
@@ -69,3 +73,6 @@ class Circle:
     def encloses(self, position: Position) -> bool:
         """Whether a position lies inside."""
         return math.dist(self.center, position) <= self.radius
+
+    def _with_radius(self, radius: float) -> Circle:
+        return Circle(self.center, min(max(radius, SMALLEST_RADIUS), LARGEST))

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Position
 from cpm_core.particles import initialization
+from cpm_core.shapes.checks import LARGEST, check_number
 from cpm_core.shapes.circle import SMALLEST_RADIUS
 
 _CORNERS = 180
 
 _ARM, _OUT = 1.25, 4.0
-"""How far from the centre the handle lies by which it is turned: so many times the first radius, and so many px."""
+"""How far from the center the handle lies by which it is turned: so many times the first radius, and so many px."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,7 @@ class Ellipse:
     center : tuple of float
         (row, col) in px of the image.
     radii : tuple of float
-        Both radii [px], above zero.
+        Both radii [px], from 0.5 to 100,000.
     angle : float
         Direction of the first radius [rad]: 0 points along the row, a quarter turn down the column.
     """
@@ -39,6 +40,10 @@ class Ellipse:
     center: Position
     radii: tuple[float, float]
     angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        for radius in self.radii:
+            check_number("radii", radius)
 
     def seeds(self) -> NDArray[np.float64]:
         """Positions of its particles, shape (N, 2)."""
@@ -60,7 +65,7 @@ class Ellipse:
         return Ellipse((self.center[0] + by[0], self.center[1] + by[1]), self.radii, self.angle)
 
     def resized(self, by: float) -> Ellipse:
-        """The same centre with both radii changed by so many px."""
+        """The same center with both radii changed by so many px."""
         return self._with_radii(self.radii[0] + by, self.radii[1] + by)
 
     def handles(self) -> tuple[Position, ...]:
@@ -75,7 +80,7 @@ class Ellipse:
         )
 
     def with_handle_at(self, handle: Position, to: Position) -> Ellipse:
-        """The same centre with a radius led as far as a position, or the direction led towards it."""
+        """The same center with a radius led as far as a position, or the direction led towards it."""
         handles = self.handles()
         which = min(range(len(handles)), key=lambda index: math.dist(handles[index], handle))
         row, col = to[0] - self.center[0], to[1] - self.center[1]
@@ -106,4 +111,5 @@ class Ellipse:
         return (self.center[0] + distance * direction[0], self.center[1] + distance * direction[1])
 
     def _with_radii(self, first: float, second: float) -> Ellipse:
-        return Ellipse(self.center, (max(first, SMALLEST_RADIUS), max(second, SMALLEST_RADIUS)), self.angle)
+        first, second = (min(max(radius, SMALLEST_RADIUS), LARGEST) for radius in (first, second))
+        return Ellipse(self.center, (first, second), self.angle)

@@ -1,4 +1,4 @@
-"""Particles all over the image, where nobody has to draw."""
+"""Particles all over the image, which take no drawing."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from cpm_core.numerics.types import Position
 from cpm_core.particles.initialization import STRONG, above, divergence_centers, uniform_grid
 
-Kind = Literal["grid", "edges", "centers"]
-"""Where particles start that nobody has drawn: evenly, on strong edges, or where the electric field diverges."""
+Kind = Literal["grid", "gradient", "centers"]
+"""Where particles start that are not drawn: evenly, on strong edges, or where the electric field diverges."""
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 _TITLES: Mapping[Kind, str] = MappingProxyType(
-    {"grid": "start everywhere", "edges": "start on strong edges", "centers": "start at centres"}
+    {"grid": "start everywhere", "gradient": "start on strong edges", "centers": "start at centers"}
 )
 
 
@@ -30,8 +30,8 @@ class Everywhere:
 
     Attributes
     ----------
-    kind : {"grid", "edges", "centers"}
-        Evenly, on strong edges, or at the centres of divergence of the electric field.
+    kind : {"grid", "gradient", "centers"}
+        Evenly, on strong edges, or at the centers of divergence of the electric field.
     """
 
     kind: Kind
@@ -44,7 +44,7 @@ class Everywhere:
     @property
     def follows_smoothing(self) -> bool:
         """Whether its positions depend on the smoothing."""
-        return self.kind == "edges"
+        return self.kind == "gradient"
 
     def seeds_for(
         self, values: NDArray[np.float64], strength: Callable[[], NDArray[np.float64]]
@@ -60,7 +60,7 @@ class Everywhere:
         """
         if self.kind == "grid":
             return uniform_grid(values.shape)
-        if self.kind == "edges":
+        if self.kind == "gradient":
             return above(strength(), STRONG)
         return divergence_centers(values)
 

@@ -10,20 +10,22 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Position
-from cpm_core.shapes.path import Area
+from cpm_core.shapes.checks import check_number
+from cpm_core.shapes.path import ClosedPath
 
 FINEST, COARSEST = 2.0, 64.0
 """Least and largest distance between two particles [px]."""
 
 
 @dataclass(frozen=True, slots=True)
-class Grid(Area):
+class Grid(ClosedPath):
     """Particles spread evenly over an area.
 
     Attributes
     ----------
     points : tuple of tuple of float
-        Corners (row, col) of the area in px of the image, at least three; the last is joined to the first.
+        Corners (row, col) of the area in px of the image, three different ones at least; the last is joined to the
+        first.
     spacing : float
         Distance from particle to particle along rows and columns [px].
     """
@@ -32,6 +34,10 @@ class Grid(Area):
 
     points: tuple[Position, ...]
     spacing: float = 8.0
+
+    def __post_init__(self) -> None:
+        ClosedPath.__post_init__(self)
+        check_number("spacing", self.spacing)
 
     def seeds(self) -> NDArray[np.float64]:
         """Positions of its particles, shape (N, 2), laid from the middle of the area; one where it has no room."""

@@ -1,4 +1,4 @@
-"""Where particles start that nobody has drawn one by one, worked out for an image once and kept."""
+"""Positions of the particles whose starts depend on the image, worked out for an image once and kept."""
 
 from __future__ import annotations
 

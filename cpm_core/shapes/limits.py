@@ -1,4 +1,4 @@
-"""A region of interest, which particles do not leave."""
+"""Limits of a run: regions of interest, which particles do not leave, and barriers, which they do not cross."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from cpm_core.numerics.types import Position
-from cpm_core.shapes.path import Area
+from cpm_core.shapes.path import ClosedPath, OpenPath
 
 
 @dataclass(frozen=True, slots=True)
-class Region(Area):
+class Region(ClosedPath):
     """A region of interest, which particles do not leave.
 
     Attributes
     ----------
     points : tuple of tuple of float
-        Corners (row, col) in px of the image, at least three; the last is joined to the first.
+        Corners (row, col) in px of the image, three different ones at least; the last is joined to the first.
     """
 
     title: ClassVar[str] = "region of interest"
@@ -26,3 +26,18 @@ class Region(Area):
     def encloses(self, position: Position) -> bool:
         """It is taken hold of by its line only, for what is drawn lies within it."""
         return False
+
+
+@dataclass(frozen=True, slots=True)
+class Barrier(OpenPath):
+    """A line that particles do not cross.
+
+    Attributes
+    ----------
+    points : tuple of tuple of float
+        Corners (row, col) in px of the image, two different ones at least.
+    """
+
+    title: ClassVar[str] = "barrier"
+
+    points: tuple[Position, ...]

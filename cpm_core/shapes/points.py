@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Position
+from cpm_core.shapes.checks import check_positions
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,10 +19,13 @@ class Points:
     Attributes
     ----------
     positions : tuple of tuple of float
-        (row, col) of each in px of the image.
+        (row, col) of each in px of the image, one at least.
     """
 
     positions: tuple[Position, ...]
+
+    def __post_init__(self) -> None:
+        check_positions("positions", self.positions, 1)
 
     @property
     def title(self) -> str:

@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Position
 from cpm_core.particles import initialization
-from cpm_core.shapes.path import Area
+from cpm_core.shapes.path import ClosedPath
 
 
 @dataclass(frozen=True, slots=True)
-class Polygon(Area):
+class Polygon(ClosedPath):
     """Particles along a line that ends where it begins.
 
     Attributes
     ----------
     points : tuple of tuple of float
-        Corners (row, col) in px of the image, at least three; the last is joined to the first.
+        Corners (row, col) in px of the image, three different ones at least; the last is joined to the first.
     """
 
     title: ClassVar[str] = "polygon"

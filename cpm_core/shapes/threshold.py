@@ -12,20 +12,22 @@ from numpy.typing import NDArray
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Position
 from cpm_core.particles.initialization import above
-from cpm_core.shapes.path import Area
+from cpm_core.shapes.checks import check_number
+from cpm_core.shapes.path import ClosedPath
 
 LOWEST, HIGHEST, _STEP = 0.02, 0.98, 0.02
 """Bounds of the fraction, and how much it is changed at a time."""
 
 
 @dataclass(frozen=True, slots=True)
-class Threshold(Area):
+class Threshold(ClosedPath):
     """Particles where edges are strong, in an area; which positions they are depends on the image.
 
     Attributes
     ----------
     points : tuple of tuple of float
-        Corners (row, col) of the area in px of the image, at least three; the last is joined to the first.
+        Corners (row, col) of the area in px of the image, three different ones at least; the last is joined to the
+        first.
     fraction : float
         Fraction of the largest edge strength in the area above which a pixel gets a particle.
     """
@@ -35,6 +37,10 @@ class Threshold(Area):
 
     points: tuple[Position, ...]
     fraction: float = 0.3
+
+    def __post_init__(self) -> None:
+        ClosedPath.__post_init__(self)
+        check_number("fraction", self.fraction, 0.0, 1.0)
 
     def seeds_for(
         self, values: NDArray[np.float64], strength: Callable[[], NDArray[np.float64]]

@@ -6,12 +6,13 @@ import base64
 import binascii
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
 
 from app.model.text.assets import asset
 from app.model.text.language import tr
+from cpm_core.formats.sessions.plain_values import parameters_from_plain
 from cpm_core.parameters import PRESETS, Parameters
 
 SUFFIX = ".cpmpreset"
@@ -145,10 +146,10 @@ def _parameters(kept: object) -> Parameters:
     """Parameters from a file; those that it does not know have their defaults."""
     if not isinstance(kept, dict):
         raise ValueError(tr("it holds no parameters."))
-    unknown = sorted(set(kept) - {field.name for field in fields(Parameters)})
+    parameters, unknown = parameters_from_plain(kept)
     if unknown:
         raise ValueError(tr("there is no parameter {name}.").format(name=unknown[0]))
-    return Parameters(**kept)
+    return parameters
 
 
 def _made(key: str, parameters: Parameters) -> Preset:

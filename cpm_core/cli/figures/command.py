@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 from cpm_core.cli.figures.figures import FIGURES, Figure, write_figures
-from cpm_core.cli.wording import counted
+from cpm_core.cli.terminal import counted
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

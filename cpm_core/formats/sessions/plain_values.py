@@ -1,7 +1,7 @@
-"""Frozen dataclasses as plain JSON and back, by the types of their fields.
+"""Values of a session as plain JSON and back: shapes, parameters, and any frozen dataclass by the types of its fields.
 
-It knows numbers, text, truth values, literals, tuples and dataclasses of them: all that shapes are made of. What comes
-back has been checked against the types; whatever does not fit leads to one sentence.
+Dataclasses may hold numbers, text, truth values, literals, tuples and dataclasses of them: all that shapes are made of.
+What comes back has been checked against the types; whatever does not fit leads to one sentence.
 """
 
 from __future__ import annotations
@@ -9,12 +9,19 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+from cpm_core.parameters import FORMER_NAMES, Parameters
+from cpm_core.shapes import SHAPES, Everywhere, Kind, Shape
 
 T = TypeVar("T")
 
 LARGEST = 1e6
 """Largest number of a session file, either way: far outside of any image, and no sum of such numbers overflows."""
+
+_FORMER_KINDS: Mapping[object, Kind] = MappingProxyType({"edges": "gradient"})
+"""Kinds of starts everywhere by the names that older files have for them."""
 
 
 def to_plain(value: object) -> Any:
@@ -45,8 +52,7 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
     ValueError
         When something is missing, unknown, or not of its type; and whatever the dataclass itself finds wrong.
     """
-    if not isinstance(plain, Mapping):
-        raise ValueError(f"{where} is {shown(plain)} but must be an object with named values.")
+    plain = mapping(plain, where)
     hints = get_type_hints(kind)
     fields = {field.name: field for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
     unknown = sorted(str(name) for name in plain if name not in fields)
@@ -58,7 +64,60 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
             given[name] = _value(hints[name], plain[name], f"{name} of {where}")
         elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
             raise ValueError(f"{where} has no {name}.")
-    return kind(**given)
+    try:
+        return kind(**given)
+    except ValueError as error:
+        raise ValueError(f"{where} cannot be used: {error}") from error
+
+
+def shape_to_plain(shape: Shape) -> dict[str, Any]:
+    """A shape as JSON keeps it: its kind and the values of its fields."""
+    kind = next(name for name, made in SHAPES.items() if type(shape) is made)
+    return {"shape": kind, **to_plain(shape)}
+
+
+def shape_from_plain(plain: object, where: str) -> Shape:
+    """A shape from what JSON has kept of it; ValueError when it is none, or none that could be drawn."""
+    values = dict(mapping(plain, where))
+    kind = values.pop("shape", None)
+    if not isinstance(kind, str) or kind not in SHAPES:
+        raise ValueError(f"{where} is of the kind {shown(kind)} but must be one of {', '.join(SHAPES)}.")
+    if SHAPES[kind] is Everywhere and values.get("kind") in _FORMER_KINDS:
+        values["kind"] = _FORMER_KINDS[values["kind"]]
+    return from_plain(SHAPES[kind], values, f"{where} ({kind})")
+
+
+def parameters_from_plain(plain: object) -> tuple[Parameters, tuple[str, ...]]:
+    """Parameters from what JSON has kept of them, under their present or former names.
+
+    Returns
+    -------
+    parameters : Parameters
+        Those that are missing have their defaults.
+    unknown : tuple of str
+        Names that are none of a parameter.
+
+    Raises
+    ------
+    ValueError
+        When `plain` is no mapping, or a value lies outside its range.
+    """
+    given = {FORMER_NAMES.get(name, name): value for name, value in mapping(plain, "parameters").items()}
+    known = {field.name for field in dataclasses.fields(Parameters)}
+    values = {name: value for name, value in given.items() if name in known}
+    for name, value in values.items():
+        if not isinstance(value, str):
+            number(value, name, 1e9)
+    if isinstance(values.get("scales"), float) and values["scales"] == int(values["scales"]):
+        values["scales"] = int(values["scales"])
+    return Parameters(**values), tuple(sorted(set(given) - known))
+
+
+def mapping(value: object, where: str) -> Mapping[str, Any]:
+    """An object with named values, else ValueError."""
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{where} is {shown(value)} but must be an object with named values.")
+    return value
 
 
 def shown(value: object) -> str:

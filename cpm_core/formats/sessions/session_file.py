@@ -8,51 +8,33 @@ still the same.
 from __future__ import annotations
 
 import hashlib
-import json
-import math
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path, PurePath
-from types import MappingProxyType
-from typing import Any, NoReturn
+from typing import Any
 
 from cpm_core.contours.review import Mark
-from cpm_core.formats.atomic import write_together
-from cpm_core.formats.sessions.plain_values import LARGEST, from_plain, number, shown, to_plain
+from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.sessions.plain_values import (
+    from_plain,
+    mapping,
+    number,
+    parameters_from_plain,
+    shape_from_plain,
+    shape_to_plain,
+    shown,
+    to_plain,
+)
+from cpm_core.formats.sessions.session_json import MARK, VERSION, Plain, parsed, text_of
 from cpm_core.parameters import Parameters
-from cpm_core.shapes import SHAPES, Shape
+from cpm_core.shapes import Shape
 
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
-VERSION = 1
-
-_MARK = "cpm-session"
-"""The key that tells a session file from other JSON; its value is the version."""
-
-_KNOWN = (_MARK, "image", "shapes", "parameters", "marks", "mode", "view")
+_KNOWN = (MARK, "image", "shapes", "parameters", "marks", "mode", "view")
 _LARGEST = 64 * 2**20
 _LARGEST_SIDE = 10**6
-_DEEPEST = 64
-_LEAST: Mapping[str, int] = MappingProxyType(
-    {"region": 3, "polygon": 3, "grid": 3, "threshold": 3, "barrier": 2, "stroke": 1, "points": 1}
-)
-"""Corners without which a shape is none."""
-_LIMITS: Mapping[str, tuple[float, float]] = MappingProxyType(
-    {
-        "radius": (0.5, 1e5),
-        "radii": (0.5, 1e5),
-        "spacing": (0.5, 1e5),
-        "fraction": (0.0, 1.0),
-        "strength": (-10.0, 10.0),
-    }
-)
-"""Ranges of the values of shapes, by the names that they have in all of them."""
-
-_UNPAIRED = re.compile("[\ud800-\udfff]")
-
-Plain = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,16 +119,13 @@ def save_session(session: SessionFile, path: Path) -> None:
         When it cannot be written there.
     """
     path = Path(path)
-    if path.is_dir():
-        raise ValueError(f"{path} is a folder: name a file in it.")
-    if not path.parent.is_dir():
-        raise ValueError(f"{path} cannot be written: there is no folder {path.parent}.")
+    check_place(path)
     write_together([(path, encode(session, path.parent))])
 
 
 def encode(session: SessionFile, folder: Path) -> bytes:
     """The bytes of a session file that lies in a folder."""
-    plain: dict[str, Any] = {_MARK: VERSION}
+    plain: dict[str, Any] = {MARK: VERSION}
     if session.image is not None:
         plain["image"] = _image_to_plain(session.image, folder)
     plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]
@@ -155,7 +134,7 @@ def encode(session: SessionFile, folder: Path) -> bytes:
     plain["mode"] = session.mode
     plain["view"] = dict(session.view)
     plain.update(session.extra)
-    return _text(plain).encode()
+    return text_of(plain).encode()
 
 
 def load_session(path: Path) -> SessionFile:
@@ -192,18 +171,19 @@ def load_session(path: Path) -> SessionFile:
 
 def decode(content: bytes, name: str) -> SessionFile:
     """What the bytes of a session file hold; `name` is for sentences."""
-    plain = _parsed(content, name)
+    plain = parsed(content, name)
     try:
-        parameters, notes = _parameters(plain.get("parameters", {}))
+        parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
+        left_out = f"Parameters that are not known here were left out: {shown(', '.join(unknown))}."
         return SessionFile(
             image=_image(plain["image"]) if plain.get("image") is not None else None,
             shapes=tuple(shape_from_plain(shape, f"shape {index}") for index, shape in _listed(plain, "shapes")),
             parameters=parameters,
             marks=tuple(from_plain(Mark, mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
             mode=_text_of(plain.get("mode", ""), "mode"),
-            view=_mapping(plain.get("view", {}), "view"),
+            view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
-            notes=notes,
+            notes=(left_out,) if unknown else (),
         )
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
@@ -242,77 +222,8 @@ def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
     raise ValueError(f"The image of the session was not found at {looked}: put it there, or name it.")
 
 
-def shape_to_plain(shape: Shape) -> dict[str, Any]:
-    """A shape as JSON keeps it: its kind and the values of its fields."""
-    kind = next(name for name, made in SHAPES.items() if type(shape) is made)
-    return {"shape": kind, **to_plain(shape)}
-
-
-def shape_from_plain(plain: object, where: str) -> Shape:
-    """A shape from what JSON has kept of it; ValueError when it is none, or none that could be drawn."""
-    values = dict(_mapping(plain, where))
-    kind = values.pop("shape", None)
-    if not isinstance(kind, str) or kind not in SHAPES:
-        raise ValueError(f"{where} is of the kind {shown(kind)} but must be one of {', '.join(SHAPES)}.")
-    where = f"{where} ({kind})"
-    for name, value in values.items():
-        low, high = _LIMITS.get(name, (-LARGEST, LARGEST))
-        for each in value if isinstance(value, list) else [value]:
-            if isinstance(each, int | float) and not low <= each <= high:
-                raise ValueError(f"{name} of {where} is {shown(each)} but must be a number from {low:g} to {high:g}.")
-    shape = from_plain(SHAPES[kind], values, where)
-    for name in ("points", "positions"):
-        different, least = len(set(getattr(shape, name, ()))), _LEAST.get(kind, 1)
-        if name in values and different < least:
-            raise ValueError(f"{where} has {different} different {name} but needs at least {least}.")
-    return shape
-
-
-def _parsed(content: bytes, name: str) -> Plain:
-    """The JSON of a session file, once it is certain to be one of a version that is known."""
-
-    def refuse(constant: str) -> NoReturn:
-        raise ValueError(f"it holds {constant}")
-
-    def finite(text: str) -> float:
-        value = float(text)
-        return value if math.isfinite(value) else refuse(text)
-
-    try:
-        plain = json.loads(content.decode("utf-8-sig"), parse_constant=refuse, parse_float=finite)
-    except (ValueError, RecursionError) as error:
-        place = f" (line {error.lineno})" if isinstance(error, json.JSONDecodeError) else ""
-        raise ValueError(f"{name} is no session file, or a damaged one{place}: get a sound copy of it.") from error
-    if not isinstance(plain, dict) or _MARK not in plain:
-        raise ValueError(f"{name} is no session file: it does not say {_MARK}.")
-    if _depth(plain) > _DEEPEST:
-        raise ValueError(f"{name} is no session file: its values lie within each other too deeply.")
-    version = plain[_MARK]
-    if version != VERSION or isinstance(version, bool):
-        raise ValueError(
-            f"{name} is a session file of version {shown(version)}, but only version {VERSION} is known here: "
-            "get a newer CPM for it."
-        )
-    return plain
-
-
-def _parameters(plain: object) -> tuple[Parameters, tuple[str, ...]]:
-    """Parameters, and what is to be told about those that are unknown; those that are missing have their defaults."""
-    given = _mapping(plain, "parameters")
-    known = {each.name for each in fields(Parameters)}
-    values = {name: value for name, value in given.items() if name in known}
-    for name, value in values.items():
-        if not isinstance(value, str):
-            number(value, name, 1e9)
-    if isinstance(values.get("scales"), float) and values["scales"] == int(values["scales"]):
-        values["scales"] = int(values["scales"])
-    unknown = sorted(set(given) - known)
-    told = f"Parameters that are not known here were left out: {shown(', '.join(unknown))}."
-    return Parameters(**values), (told,) if unknown else ()
-
-
 def _image(plain: object) -> ImageFile:
-    given = _mapping(plain, "image")
+    given = mapping(plain, "image")
     path = _text_of(given.get("path"), "path of image")
     absolute = _text_of(given.get("absolute", ""), "absolute of image")
     sha256 = _text_of(given.get("sha256", ""), "sha256 of image").lower()
@@ -348,12 +259,6 @@ def _listed(plain: Plain, name: str) -> list[tuple[int, object]]:
     return list(enumerate(items, start=1))
 
 
-def _mapping(value: object, where: str) -> Plain:
-    if not isinstance(value, Mapping):
-        raise ValueError(f"{where} is {shown(value)} but must be an object with named values.")
-    return value
-
-
 def _text_of(value: object, where: str) -> str:
     if not isinstance(value, str):
         raise ValueError(f"{where} is {shown(value)} but must be text.")
@@ -365,41 +270,3 @@ def _is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):  # names that no file can have
         return False
-
-
-def _text(plain: Plain) -> str:
-    """JSON with one line for each shape, mark and parameter, as a person would set it."""
-    lines = []
-    for key, value in plain.items():
-        items: list[str]
-        if isinstance(value, list) and value:
-            items, ends = [_line(item) for item in value], "[]"
-        elif isinstance(value, Mapping) and value and key != "image":
-            items, ends = [f"{_line(name)}: {_line(item)}" for name, item in value.items()], "{}"
-        else:
-            lines.append(f"  {_line(key)}: {_line(value)}")
-            continue
-        inner = ",\n".join(f"    {item}" for item in items)
-        lines.append(f"  {_line(key)}: {ends[0]}\n{inner}\n  {ends[1]}")
-    return "{\n" + ",\n".join(lines) + "\n}\n"
-
-
-def _line(value: object) -> str:
-    text = json.dumps(value, ensure_ascii=False, allow_nan=False, default=dict)
-    # Names of files may hold bytes that are no text; they survive as escapes only.
-    return text if text.isascii() or not _UNPAIRED.search(text) else json.dumps(value, allow_nan=False, default=dict)
-
-
-def _depth(plain: object) -> int:
-    """How deeply values lie within each other."""
-    depth, layer = 0, [plain]
-    while layer and depth <= _DEEPEST:
-        depth += 1
-        inner: list[object] = []
-        for value in layer:
-            if isinstance(value, dict):
-                inner += value.values()
-            elif isinstance(value, list):
-                inner += value
-        layer = inner
-    return depth

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import fields, replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -90,6 +91,13 @@ def test_parameters_that_a_file_does_not_know_have_their_defaults() -> None:
     kept["parameters"] = {"beta": 1.0}
     assert read(json.dumps(kept).encode(), "a file").parameters == Parameters(beta=1.0)
     assert {field.name for field in fields(Parameters)} == set(PARAMETERS)
+
+
+def test_a_preset_of_an_earlier_version_is_read_by_its_former_names() -> None:
+    """It was written when the border of an image was its frame."""
+    content = (Path(__file__).parent / "former_names.cpmpreset").read_bytes()
+    assert b"max_frame" in content
+    assert read(content, "a file") == Preset("mine", Parameters(beta=0.5, max_border=0.125), "For x-rays.")
 
 
 def test_a_preset_is_kept_found_again_renamed_and_deleted(store, qtbot) -> None:

@@ -14,7 +14,7 @@ KEY = Qt.Key
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 KEYS = {
     "grid": (KEY.Key_G, CONTROL),
-    "edges": (KEY.Key_G, CONTROL | SHIFT),
+    "gradient": (KEY.Key_G, CONTROL | SHIFT),
     "centers": (KEY.Key_C, CONTROL | SHIFT),
 }
 
@@ -24,7 +24,7 @@ def expected(kind: str, values: np.ndarray) -> np.ndarray:
     match kind:
         case "grid":
             return uniform_grid(values.shape)
-        case "edges":
+        case "gradient":
             return gradient_threshold(values)
     return divergence_centers(values)
 
@@ -85,17 +85,17 @@ def test_it_is_selected_in_turn_and_deleted_like_any_shape(ready, hand) -> None:
 
 
 def test_a_region_of_interest_keeps_them_and_the_smoothing_moves_them(window, hand, seen) -> None:
-    hand.key(*KEYS["edges"])
+    hand.key(*KEYS["gradient"])
     hand.wait(lambda: bool(seen))
-    everywhere = seen[-1][Everywhere("edges")]
+    everywhere = seen[-1][Everywhere("gradient")]
     region = Region(((0.0, 0.0), (0.0, 63.0), (31.5, 63.0), (31.5, 0.0)))
     window.session.edit("region", lambda document: edits.add_shape(document, region))
     hand.wait(lambda: len(seen) == 2)
-    np.testing.assert_array_equal(seen[-1][Everywhere("edges")], everywhere[everywhere[:, 0] < 31.5])
+    np.testing.assert_array_equal(seen[-1][Everywhere("gradient")], everywhere[everywhere[:, 0] < 31.5])
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 3.0))
     hand.wait(lambda: len(seen) == 3)
     wider = gradient_threshold(window.pointer_readout._image.values, smoothing=3.0)
-    np.testing.assert_array_equal(seen[-1][Everywhere("edges")], wider[wider[:, 0] < 31.5])
+    np.testing.assert_array_equal(seen[-1][Everywhere("gradient")], wider[wider[:, 0] < 31.5])
     window.session.edit("damping", lambda document: edits.set_parameter(document, "beta", 1.0))
     hand.wait(lambda: window.session.idle)
     assert len(seen) == 3

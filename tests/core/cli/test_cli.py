@@ -163,6 +163,14 @@ def test_each_parameter_has_a_flag_of_its_name(parameters_of, name):
     assert parameters_of(f"--{name.replace('_', '-')}", value) == Parameters(**{name: value})
 
 
+def test_a_flag_keeps_its_former_name_out_of_sight(parameters_of, capsys):
+    assert parameters_of("--max-frame", "0.125") == Parameters(max_border=0.125)
+    with pytest.raises(SystemExit):
+        cli.main(["run", "--help"])
+    assert "--max-border" in (shown := capsys.readouterr().out)
+    assert "max-frame" not in shown
+
+
 def test_smoothing_can_be_left_to_the_image(parameters_of):
     assert parameters_of("--smoothing", "auto").smoothing == "auto"
 
@@ -215,7 +223,7 @@ BAD = [
     ("run disk.png --circle 40,50,12 --export out.svg --region 900,900,990,990,900,990", "region of interest 1"),
     ("run disk.png --circle 40,50,12 --export out.svg --region 36,46,36,54,44,54,44,46", "no edges in the regions"),
     ("run disk.png --circle 40,50,12 --export out.svg --barrier 5,5", "--barrier"),
-    ("run disk.png --circle 40,50,12 --export out.svg --barrier 5,5,5,5", "barrier 1"),
+    ("run disk.png --circle 40,50,12 --export out.svg --barrier 5,5,5,5", "2 different points"),
     ("run disk.png --circle 40,50,12 --export out.svg --barrier 5,5,5,nan", "barrier 1"),
     ("info", "IMAGE"),
     ("info none.png", "does not exist"),

@@ -208,7 +208,7 @@ def test_a_batch_beside_its_images_overwrites_none_of_them(command, session, dis
 
 
 def test_the_samples_go_through_the_real_command(tmp_path):
-    save_session(SessionFile(shapes=(Everywhere("edges"),), parameters=Parameters(scales=2)), tmp_path / "a.cpm")
+    save_session(SessionFile(shapes=(Everywhere("gradient"),), parameters=Parameters(scales=2)), tmp_path / "a.cpm")
     images = [str(SAMPLES / name) for name in ("u_shape.png", "rings.png")]
     line = [sys.executable, "-m", "app", "batch", *images, "--session", str(tmp_path / "a.cpm"), "--output", "out"]
     done = subprocess.run(

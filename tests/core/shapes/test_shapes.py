@@ -15,7 +15,20 @@ from cpm_core import Image, gradient_threshold
 from cpm_core.field.edge_map import automatic_smoothing, edge_map
 from cpm_core.field.placed_charges import STRONGEST
 from cpm_core.numerics import polyline
-from cpm_core.shapes import SHAPES, Charge, Circle, Ellipse, Everywhere, Grid, Points, Polygon, Region, Threshold
+from cpm_core.shapes import (
+    SHAPES,
+    Barrier,
+    Charge,
+    Circle,
+    Ellipse,
+    Everywhere,
+    Grid,
+    Points,
+    Polygon,
+    Region,
+    Stroke,
+    Threshold,
+)
 from cpm_core.shapes.image_starts import ImageStart, SeedCache
 
 coordinates = st.floats(-100, 200, allow_nan=False).map(lambda number: round(number, 3))
@@ -197,7 +210,7 @@ def test_dragging_an_area_about_asks_for_the_edges_once(values, monkeypatch) -> 
     sower = SeedCache(Image(values))
     area = Threshold(((5.0, 5.0), (5.0, 40.0), (50.0, 40.0)))
     for step in range(6):
-        sower.seeds_for((area.moved((float(step), 0.0)), Everywhere("edges")), 1.5)
+        sower.seeds_for((area.moved((float(step), 0.0)), Everywhere("gradient")), 1.5)
     assert len(asked) == 1
     sower.seeds_for((area,), 2.0)
     assert len(asked) == 2
@@ -208,7 +221,7 @@ def test_dragging_an_area_about_asks_for_the_edges_once(values, monkeypatch) -> 
 def test_strong_edges_are_those_of_the_smoothing_in_use(values, smoothing) -> None:
     noisy = values + np.random.default_rng(1).normal(0, 20, values.shape)
     sigma = automatic_smoothing(noisy) if smoothing == "auto" else smoothing
-    image_seeds = SeedCache(Image(noisy)).seeds_for((Everywhere("edges"),), smoothing)[Everywhere("edges")]
+    image_seeds = SeedCache(Image(noisy)).seeds_for((Everywhere("gradient"),), smoothing)[Everywhere("gradient")]
     np.testing.assert_array_equal(image_seeds, gradient_threshold(noisy, smoothing=sigma))
 
 
@@ -224,4 +237,43 @@ def test_every_shape_is_a_small_frozen_value_of_plain_numbers_under_a_name_of_it
     made = [Ellipse((1.0, 2.0), (3.0, 4.0)), Polygon(corners), Grid(corners), Threshold(corners), Charge((1.0, 2.0))]
     assert len({hash(shape) for shape in made}) == len(made)
     assert [isinstance(shape, ImageStart) for shape in made] == [False, False, False, True, False]
-    assert Points(()).seeds().shape == (0, 2)
+
+
+CORNERS = ((0.0, 0.0), (0.0, 9.0), (9.0, 9.0))
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: Circle((1.0, 2.0), 0.4), "radius is 0.4 but must be a number from 0.5 to 100000"),
+        (lambda: Circle((1.0, 2.0), math.nan), "radius is nan"),
+        (lambda: Ellipse((1.0, 2.0), (3.0, 2e5)), "radii is 200000"),
+        (lambda: Grid(CORNERS, 0.0), "spacing is 0"),
+        (lambda: Threshold(CORNERS, 1.1), "fraction is 1.1 but must be a number from 0 to 1"),
+        (lambda: Charge((1.0, 2.0), -11.0), "strength is -11 but must be a number from -10 to 10"),
+        (lambda: Points(()), "0 different positions are given but at least 1"),
+        (lambda: Stroke(()), "0 different points are given but at least 1"),
+        (lambda: Barrier((CORNERS[0], CORNERS[0])), "1 different points are given but at least 2"),
+        *(
+            (lambda kind=kind: kind((*CORNERS[:2], CORNERS[0])), "2 different points are given but at least 3")
+            for kind in (Polygon, Region, Grid, Threshold)
+        ),
+    ],
+)
+def test_a_shape_that_could_not_be_drawn_is_refused_in_one_sentence(make, said) -> None:
+    with pytest.raises(ValueError, match=said) as caught:
+        make()
+    assert str(caught.value).endswith(".")
+
+
+@pytest.mark.parametrize("shape", [Polygon(CORNERS), Region(CORNERS), Barrier(CORNERS[:2]), Grid(CORNERS, 4.0)])
+def test_a_corner_that_is_dragged_onto_another_leaves_a_shape_that_is_one(shape) -> None:
+    assert shape.with_handle_at(CORNERS[0], CORNERS[1]) == shape
+
+
+@pytest.mark.parametrize("shape", [Circle((1.0, 2.0), 3.0), Ellipse((1.0, 2.0), (3.0, 4.0)), Polygon(CORNERS)])
+@pytest.mark.parametrize("by", [-1e9, 1e9])
+def test_no_shape_is_resized_out_of_its_bounds(shape, by) -> None:
+    resized = shape.resized(by)
+    assert type(resized) is type(shape)
+    assert np.isfinite(resized.outline).all()

@@ -54,12 +54,14 @@ class SprayTool(Ringed):
         angle, off = 2.0 * math.pi * self._random.random(many), self.radius * np.sqrt(self._random.random(many))
         for row, col in (middle + off[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)).tolist():
             self._place((row, col))
+        if not self._taken:
+            return
         points, index = Points(tuple(self._taken.values())), self._index
         if len(self._session.document.shapes) > index:
             self._session.edit(
                 tr("spray points"), lambda document: edits.replace_shape(document, index, points), gesture
             )
-        elif points.positions:
+        else:
             self._session.edit(tr("spray points"), lambda document: edits.add_shape(document, points), gesture)
 
     def _place(self, at: Position) -> None:

@@ -17,7 +17,7 @@ from cpm_core.shapes import Everywhere, Kind
 
 _STARTS: tuple[tuple[Kind, str, str, str], ...] = (
     ("grid", tr("Start everywhere (&grid)"), "Ctrl+G", tr("Start evenly all over the image, or no longer.")),
-    ("edges", tr("Start on strong &edges"), "Ctrl+Shift+G", tr("Start where the image changes most, or no longer.")),
+    ("gradient", tr("Start on strong &edges"), "Ctrl+Shift+G", tr("Start where the image changes most, or no longer.")),
     (
         "centers",
         tr("Start at ce&ntres"),

@@ -27,7 +27,7 @@ from cpm_core.formats.sessions.session_file import (
     save_session,
 )
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
-from cpm_core.shapes import SHAPES, Circle, Region
+from cpm_core.shapes import SHAPES, Circle, Everywhere, Region
 
 numbers = st.floats(-LARGEST, LARGEST, allow_nan=False)
 ranges = {"radius": st.floats(0.5, 1e5), "spacing": st.floats(0.5, 1e5), "fraction": st.floats(0.0, 1.0)}
@@ -180,6 +180,17 @@ def test_unknown_parameters_are_told_and_missing_ones_have_their_defaults() -> N
     assert "viscosity" in session.notes[0]
 
 
+def test_a_file_of_an_earlier_version_is_read_by_its_former_names() -> None:
+    """It was written when the border was a frame and strong edges were a start of the kind edges."""
+    session = load_session(Path(__file__).parent / "former_names.cpm")
+    assert session.parameters == Parameters(beta=0.5, max_border=0.125)
+    assert session.notes == ()
+    assert session.shapes[:2] == (Everywhere("gradient"), Everywhere("grid"))
+    again = encode(session, Path("/folder"))
+    assert b"max_frame" not in again
+    assert b'"edges"' not in again
+
+
 def test_what_a_later_version_adds_is_kept_when_the_file_is_written_again(tmp_path: Path) -> None:
     session = decode(b'{"cpm-session": 1, "weather": {"sun": true}}', "a.cpm")
     save_session(replace(session, mode="shape"), tmp_path / "a.cpm")
@@ -220,6 +231,8 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
         (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, 1e7], "radius": 2}]}', "10000000.0"),
         (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, 2], "radius": 2, "x": 1}]}', '"x"'),
         (b'{"cpm-session": 1, "shapes": [{"shape": "region", "points": [[1, 2]]}]}', "at least 3"),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "points", "positions": []}]}', "at least 1"),
+        (b'{"cpm-session": 1, "shapes": [{"shape": "points", "positions": []}]}', "shape 1 (points)"),
         (b'{"cpm-session": 1, "shapes": [{"shape": "barrier", "points": [[1, 2], [1.0, 2]]}]}', "1 different points"),
         (b'{"cpm-session": 1, "shapes": [{"shape": "everywhere", "kind": "edge"}]}', '"edge" but must be one of'),
         (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, NaN], "radius": 2}]}', "damaged"),

@@ -43,7 +43,7 @@ _Z = 7.0
 _FAINT, _LIGHT = 0.45, 0.55
 """Opacity of the drawing behind a run, and of particles that nobody has drawn one by one."""
 
-_DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "edges": 3.0, "centers": 6.0, None: 3.0}
+_DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
 """Diameters of the latter, the smaller the more there are of them [px of the screen]; None is for areas."""
 
 _Line = Circle | Ellipse | Polygon | Stroke
