@@ -10,7 +10,7 @@ from cpm_core.formats import encoded, load_image
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.segment import segment
-from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of
+from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ def do(job: Job) -> Done:
     try:
         began = time.perf_counter()
         image, shapes = load_image(job.path), job.session.shapes
-        seeds = seeds_of(shapes, image, job.parameters.smoothing)
+        seeds = seeds_on(image, shapes, job.parameters.smoothing)
         found = segment(
             image,
             seeds,

@@ -34,7 +34,7 @@ from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.initialization import circle, stroke
 from cpm_core.segmentation.segment import segment
 from cpm_core.shapes import KINDS, Barrier, Everywhere, Kind, Region
-from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
+from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -92,7 +92,7 @@ def _run(arguments: argparse.Namespace) -> None:
     image = load_image(path)
     for note in (*session.notes, *notes):
         print(f"cpm: {note}", file=sys.stderr)
-    kept = seeds_of(session.shapes, image, parameters.smoothing)
+    kept = seeds_on(image, session.shapes, parameters.smoothing)
     seeds = np.concatenate([kept, *drawn, *_automatic(arguments.auto, image, parameters)])
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
@@ -178,7 +178,7 @@ def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
 
 def _automatic(kind: Kind | None, image: Image, parameters: Parameters) -> list[NDArray[np.float64]]:
     """Particles that need no drawing."""
-    return [seeds_of((Everywhere(kind),), image, parameters.smoothing)] if kind else []
+    return [seeds_on(image, (Everywhere(kind),), parameters.smoothing)] if kind else []
 
 
 def _tell_result(result: Result, seconds: float, written: Sequence[str], *, as_json: bool) -> None:

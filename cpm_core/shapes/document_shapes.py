@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.types import Array
 from cpm_core.shapes import Barrier, Charge, Region, Shape, Start
-from cpm_core.shapes.image_starts import ImageStart, SeedCache
+from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
 
 
 def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
@@ -32,21 +32,32 @@ def charges_of(shapes: Iterable[Shape]) -> tuple[PlacedCharge, ...]:
     return tuple(shape.placed for shape in shapes if isinstance(shape, Charge))
 
 
-def seeds_of(shapes: Iterable[Shape], image: Image, smoothing: float | str) -> NDArray[np.float64]:
-    """Positions of the particles that a drawing gives on an image, shape (N, 2); none where nothing gives any.
+def seeds_of(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -> Array:
+    """Positions of the particles that shapes give, shape (N, 2), in their order; none where nothing gives any.
 
     Parameters
     ----------
     shapes : iterable of Shape
         What is drawn.
+    image_seeds : mapping of start to ndarray
+        For each start that depends on the image its positions there.
+    """
+    found = [image_seeds[start] if isinstance(start, ImageStart) else start.seeds() for start in starts_of(shapes)]
+    return np.concatenate([np.empty((0, 2)), *found])
+
+
+def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str) -> Array:
+    """Positions of the particles that shapes give on an image, shape (N, 2), as `seeds_of` does.
+
+    Parameters
+    ----------
     image : Image
-        What it is drawn on; some starts depend on it.
+        What they are drawn on; some starts depend on it.
+    shapes : iterable of Shape
+        What is drawn.
     smoothing : float or "auto"
         Gaussian before the gradient [px], for starts that follow it.
     """
     drawn = tuple(shapes)
-    starts = starts_of(drawn)
-    sowable = [start for start in starts if isinstance(start, ImageStart)]
-    image_seeds = SeedCache(image).seeds_for(sowable, smoothing, regions_of(drawn)) if sowable else {}
-    found = [image_seeds[start] if isinstance(start, ImageStart) else start.seeds() for start in starts]
-    return np.concatenate([np.empty((0, 2)), *found])
+    dependent = [shape for shape in drawn if isinstance(shape, ImageStart)]
+    return seeds_of(drawn, SeedCache(image).seeds_for(dependent, smoothing, regions_of(drawn)))

@@ -16,7 +16,7 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.shapes import Points, Region, Shape, Start
-from cpm_core.shapes.document_shapes import charges_of, regions_of, starts_of
+from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart
 
 Mode = Literal["shape", "automatic", "skeleton"]
@@ -115,9 +115,7 @@ class Document:
         """
         if not self.starts:
             raise ValueError(NOTHING_TO_START_FROM)
-        return np.concatenate(
-            [image_seeds[start] if isinstance(start, ImageStart) else start.seeds() for start in self.starts]
-        )
+        return seeds_of(self.shapes, image_seeds)
 
     @property
     def charges(self) -> tuple[PlacedCharge, ...]:
