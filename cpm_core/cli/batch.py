@@ -173,5 +173,5 @@ def _tell(every: Sequence[_Written], output: Path, seconds: float, *, as_json: b
     for one in every:
         if not one.done.trouble:
             print(f"{one.image}: {counted(int(str(one.done.facts['contours'])), 'contour')}")
-    told = f", {failed} failed" if failed else ""
-    print(f"{counted(len(every), 'image')} in {seconds:.1f} s{told}; wrote {output / SUMMARY}")
+    failures = f", {failed} failed" if failed else ""
+    print(f"{counted(len(every), 'image')} in {seconds:.1f} s{failures}; wrote {output / SUMMARY}")

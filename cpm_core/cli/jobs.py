@@ -64,7 +64,7 @@ class Done:
 
 
 def do(job: Job) -> Done:
-    """Find the contours of one image. Nothing is written here: whoever has asked does so, in one stroke."""
+    """Find the contours of one image. Nothing is written here; the batch writes all files of an image at once."""
     try:
         began = time.perf_counter()
         image, shapes = load_image(job.path), job.session.shapes

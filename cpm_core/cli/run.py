@@ -116,7 +116,7 @@ def _run(arguments: argparse.Namespace) -> None:
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, tuple[str, ...]]:
-    """Path of the image that is named, or else of that of the session, and what is to be told about it."""
+    """Path of the image that is named, or else of that of the session, and notes on it."""
     if arguments.image is not None or session.image is None:
         return Path(arguments.image), ()
     return find_image(session.image, Path(arguments.session).absolute().parent)

@@ -85,7 +85,7 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[Done, None, None]:
 
 
 def _compile_once() -> None:
-    """Compile here what nobody has compiled on this computer yet, so that not every process does it for itself."""
+    """Compile here what is not in the cache of this computer yet, so that not every process does it for itself."""
     folder = jit_cache.folder_of_this_package()
     if folder is not None and not any(folder.rglob("*.nbi")):
         warm_up()

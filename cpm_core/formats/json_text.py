@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 PIXEL = 0.5
-"""Where the centre of the first pixel lies for formats that count from its corner [px]."""
+"""Where the center of the first pixel lies for formats that count from its corner [px]."""
 
 
 def text(content: dict[str, Any]) -> bytes:

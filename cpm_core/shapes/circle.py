@@ -63,7 +63,7 @@ class Circle:
         return ((row - radius, col), (row, col + radius), (row + radius, col), (row, col - radius))
 
     def with_handle_at(self, handle: Position, to: Position) -> Circle:
-        """The same center with the rim led through a position, whichever handle is dragged there."""
+        """The same center with the rim moved through a position, whichever handle is dragged there."""
         return self._with_radius(math.dist(self.center, to))
 
     def distance(self, position: Position) -> float:

@@ -80,7 +80,7 @@ class Ellipse:
         )
 
     def with_handle_at(self, handle: Position, to: Position) -> Ellipse:
-        """The same center with a radius led as far as a position, or the direction led towards it."""
+        """The same center with a radius that reaches a position, or the direction turned towards it."""
         handles = self.handles()
         which = min(range(len(handles)), key=lambda index: math.dist(handles[index], handle))
         row, col = to[0] - self.center[0], to[1] - self.center[1]

@@ -54,7 +54,7 @@ class Everywhere:
         Parameters
         ----------
         values : ndarray, shape (H, W)
-            Grey values of the image.
+            Gray values of the image.
         strength : callable
             Gives the edge strength of the image, shape (H, W).
         """

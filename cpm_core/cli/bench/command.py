@@ -36,9 +36,9 @@ def _bench(arguments: argparse.Namespace) -> None:
     rows = measurements(QUICK if arguments.quick else UNHURRIED, image)
     here = machine()
     if arguments.json:
-        told = [asdict(row) | {"ratio": row.ratio} for row in rows]
+        entries = [asdict(row) | {"ratio": row.ratio} for row in rows]
         facts = {"machine": here, "quick": arguments.quick, "seconds": time.perf_counter() - began}
-        print(json.dumps(facts | {"measurements": told}))
+        print(json.dumps(facts | {"measurements": entries}))
         return
     for number, row in enumerate(rows):
         if number == 0:  # an image that cannot be worked with is known by now

@@ -64,17 +64,17 @@ def _scales(values: Array) -> int:
 
 def _level_sets(values: Array) -> dict[str, Callable[[], object]]:
     """Peers that need no drawing either."""
-    grey = (values - values.min()) / max(float(np.ptp(values)), 1e-300)
+    gray = (values - values.min()) / max(float(np.ptp(values)), 1e-300)
     methods = skimage.segmentation
 
     def geodesic() -> object:
-        slope = methods.inverse_gaussian_gradient(grey)
+        slope = methods.inverse_gaussian_gradient(gray)
         return methods.morphological_geodesic_active_contour(slope, 230, init_level_set="disk", balloon=1)
 
     return {
         "morphological GAC, 230 iterations": geodesic,
-        "morphological Chan-Vese, 35 iterations": lambda: methods.morphological_chan_vese(grey, 35),
-        "Chan-Vese, 200 iterations": lambda: methods.chan_vese(grey, max_num_iter=200),
+        "morphological Chan-Vese, 35 iterations": lambda: methods.morphological_chan_vese(gray, 35),
+        "Chan-Vese, 200 iterations": lambda: methods.chan_vese(gray, max_num_iter=200),
     }
 
 

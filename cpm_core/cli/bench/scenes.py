@@ -13,26 +13,26 @@ _CELL = 72
 """Side of the square that each object has for itself [px]."""
 
 _PITCH = 1.5
-"""Distance of neighbours along a curve, as at the end of a run [px]."""
+"""Distance of neighbors along a curve, as at the end of a run [px]."""
 
 _ON_A_CURVE = 400
 """Particles on one closed curve."""
 
 
 def objects(shape: tuple[int, int], seed: int = 0) -> Array:
-    """Image of bright objects of several sizes and grey levels on an uneven ground, with a little noise.
+    """Image of bright objects of several sizes and gray levels on an uneven ground, with a little noise.
 
     Parameters
     ----------
     shape : tuple of int
         Rows and columns; a larger image has more objects of the same sizes.
     seed : int
-        For sizes, grey levels and noise.
+        For sizes, gray levels and noise.
 
     Returns
     -------
     ndarray, shape (H, W)
-        Grey levels from about 30 to 230.
+        Gray levels from about 30 to 230.
     """
     random = np.random.default_rng(seed)
     row, col = np.indices(shape, dtype=float)
@@ -47,7 +47,7 @@ def objects(shape: tuple[int, int], seed: int = 0) -> Array:
 
 
 def one_object(shape: tuple[int, int]) -> tuple[float, float]:
-    """Centre (row, col) of an object of `objects` near the middle of the image [px]."""
+    """Center (row, col) of an object of `objects` near the middle of the image [px]."""
     row, col = ((n // _CELL // 2) * _CELL for n in shape)
     return row + 36.2, col + 35.7
 
@@ -73,6 +73,6 @@ def along_curves(count: int, seed: int = 0) -> Array:
     angle = 2.0 * np.pi * np.arange(each) / each
     curve = radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
     side = int(np.ceil(np.sqrt(curves)))
-    centres = 2.5 * radius * np.stack(np.divmod(np.arange(curves), side), axis=1)
-    points = (centres[:, None] + curve).reshape(-1, 2)
+    centers = 2.5 * radius * np.stack(np.divmod(np.arange(curves), side), axis=1)
+    points = (centers[:, None] + curve).reshape(-1, 2)
     return points + np.random.default_rng(seed).normal(0.0, 0.1, points.shape)

@@ -33,7 +33,7 @@ def starts(patience: Patience) -> Iterator[Measurement]:
 def _seconds(statement: str, *, before: str = "", times: int, environment: Mapping[str, str] | None = None) -> float:
     """Median time that a statement takes in a fresh process, the interpreter's own start left out [s]."""
     program = f"import time\n{before}\nbegan = time.perf_counter()\n{statement}\nprint(time.perf_counter() - began)"
-    told = [
+    printed = [
         subprocess.run(
             [sys.executable, "-c", program],
             capture_output=True,
@@ -43,4 +43,4 @@ def _seconds(statement: str, *, before: str = "", times: int, environment: Mappi
         ).stdout
         for _ in range(times)
     ]
-    return statistics.median(map(float, told))
+    return statistics.median(map(float, printed))

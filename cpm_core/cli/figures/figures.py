@@ -111,7 +111,7 @@ def write_figures(
     Parameters
     ----------
     folder : Path
-        Where to; made when it is missing. What is told there of other figures is kept.
+        Where to; made when it is missing. Entries there of other figures are kept.
     names : sequence of str
         Which figures; all when empty.
     progress : callable, optional
@@ -162,7 +162,7 @@ def _check_folder(folder: Path) -> None:
 
 
 def _entries(folder: Path) -> dict[str, Any]:
-    """What an earlier run has told of figures in a folder."""
+    """Entries of an earlier run on figures in a folder."""
     path = folder / MEASURED
     if not path.exists():
         return {}

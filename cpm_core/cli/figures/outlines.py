@@ -45,7 +45,7 @@ def limb(a: tuple[float, float], b: tuple[float, float], radius_a: float, radius
         off = points - start
         forth = off @ along / length
         aside = np.abs(off[..., 0] * along[1] - off[..., 1] * along[0]) / length
-        at = np.clip(forth - aside * lean, 0.0, length)  # where the nearest disk of the limb has its centre
+        at = np.clip(forth - aside * lean, 0.0, length)  # where the nearest disk of the limb has its center
         return np.asarray(np.hypot(forth - at, aside) - (radius_a - taper * at))
 
     return distance

@@ -19,7 +19,7 @@ class Picture:
     title : str
         What it shows.
     values : ndarray, shape (H, W)
-        Grey levels.
+        Gray levels.
     particles : ndarray, shape (N, 2), optional
         Particles or starting points [px].
     contours : sequence of Contour
@@ -85,7 +85,7 @@ class Page:
     note : str
         What is measured besides the figures of the panels.
     alike : bool
-        Whether its results are alike, so that their figures can be told in one sentence.
+        Whether its results are alike, so that one sentence can give their figures.
     words : mapping
         What the legend says here instead of its usual words.
     """

@@ -39,7 +39,7 @@ _SHEET = (200, 190)
 
 
 def _ramp(size: Size, down: float, right: float) -> Array:
-    """Uneven light: grey levels that rise by `down` and `right` from one border to the other."""
+    """Uneven light: gray levels that rise by `down` and `right` from one border to the other."""
     row, col = (np.arange(n) / (n - 1) - 0.5 for n in size)
     return down * row[:, None] + right * col[None, :]
 

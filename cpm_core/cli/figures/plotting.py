@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# The colours of the window's canvas: hues after Okabe and Ito, which colour-blind people tell apart, with a dark halo.
+# The colors of the window's canvas: hues after Okabe and Ito, which color-blind people tell apart, with a dark halo.
 PARTICLE, CLOSED, OPEN, JUNCTION, FIELD = "#f0e442", "#56b4e9", "#ff9d1e", "#ff7ac6", "#ff9ad5"
 HALO, TEXT, DIM, PAPER = "#101216", "#1b1f24", "#5a6470", "#ffffff"
 _SERIES = ("#0072b2", "#d55e00", "#009e73")
@@ -34,7 +34,7 @@ _DOTS = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
 """Up to how many particles on a picture a dot is drawn in which area [pt²]; the smallest have no halo."""
 
 _DARKEST, _BRIGHTEST = 0.1, 0.86
-"""How bright the extreme grey levels are drawn, so that lines and their halos show on them."""
+"""How bright the extreme gray levels are drawn, so that lines and their halos show on them."""
 
 
 def require_matplotlib() -> None:
@@ -174,8 +174,8 @@ def _picture(axes: Axes, panel: Picture) -> None:
         axes.plot(path[:, 1], path[:, 0], color=HALO, linewidth=2.6, solid_joinstyle="round")
     for contour in panel.contours:
         path = contour.path
-        colour = CLOSED if contour.closed else OPEN
-        axes.plot(path[:, 1], path[:, 0], color=colour, linewidth=1.5, solid_joinstyle="round")
+        color = CLOSED if contour.closed else OPEN
+        axes.plot(path[:, 1], path[:, 0], color=color, linewidth=1.5, solid_joinstyle="round")
     junctions = _junctions(panel)
     axes.scatter(junctions[:, 1], junctions[:, 0], s=26.0, c=JUNCTION, edgecolors=HALO, linewidths=0.7, zorder=4)
     if panel.particles is not None:
@@ -212,11 +212,11 @@ def _stairs(axes: Axes, panel: Stairs) -> None:
     most = max(max(series) for series in panel.series.values())
     for number, (label, series) in enumerate(panel.series.items()):
         lift = 0.05 * (number - 0.5 * (len(panel.series) - 1))  # so that lines on one another are all seen
-        colour, mark = _SERIES[number % 3], "os^"[number % 3]
+        color, mark = _SERIES[number % 3], "os^"[number % 3]
         axes.plot(
             panel.x,
             np.array(series) + lift,
-            color=colour,
+            color=color,
             marker=mark,
             markersize=5,
             linewidth=1.6,
@@ -236,14 +236,14 @@ def _map(axes: Axes, panel: Map) -> None:
     axes.set_xticklabels([f"{x:g}" for x in panel.x])
     axes.set_yticklabels([f"{y:g}" for y in panel.y])
     for (row, col), value in np.ndenumerate(panel.values):
-        colour = HALO if value > 0.5 else PAPER
-        axes.text(col, row, f"{value:.2f}", ha="center", va="center", fontsize=8, color=colour)
+        color = HALO if value > 0.5 else PAPER
+        axes.text(col, row, f"{value:.2f}", ha="center", va="center", fontsize=8, color=color)
     for spine in axes.spines.values():
         spine.set_visible(False)
 
 
 def _legend(sheet: _Sheet, page: Page, middle: float) -> None:
-    """A line that says what the colours on this page mean."""
+    """A line that says what the colors on this page mean."""
     from matplotlib.patheffects import withStroke
 
     pictures = [panel for panel in page.panels if isinstance(panel, Picture)]
@@ -256,11 +256,11 @@ def _legend(sheet: _Sheet, page: Page, middle: float) -> None:
         ("→", FIELD, "direction of the field", any(panel.field is not None for panel in pictures)),
     ]
     left = float(_MARGIN)
-    for sign, colour, usual, used in entries:
+    for sign, color, usual, used in entries:
         if used:
             words = page.words.get(usual, usual)
             halo = [withStroke(linewidth=1.6, foreground=HALO)]
-            sheet.text(left, middle, sign, 11.0, color=colour, path_effects=halo)
+            sheet.text(left, middle, sign, 11.0, color=color, path_effects=halo)
             left += sheet.width_of(sign, 11.0) + 6
             sheet.text(left, middle, words, 9.0, color=DIM)
             left += sheet.width_of(words, 9.0) + 20
@@ -272,11 +272,11 @@ def _legend(sheet: _Sheet, page: Page, middle: float) -> None:
 
 
 def _png(pixels: NDArray[np.uint8]) -> bytes:
-    """A PNG with the palette of the gallery: greys, and the colours of the drawing with their passages to greys."""
+    """A PNG with the palette of the gallery: grays, and the colors of the drawing with their passages to grays."""
     palette = _palette()
     packed = (pixels.astype(np.uint32) << (16, 8, 0)).sum(axis=-1, dtype=np.uint32)
-    colours, which = np.unique(packed, return_inverse=True)
-    apart = colours[:, None] >> np.array((16, 8, 0), dtype=np.uint32) & 255
+    colors, which = np.unique(packed, return_inverse=True)
+    apart = colors[:, None] >> np.array((16, 8, 0), dtype=np.uint32) & 255
     nearest = np.asarray(scipy.spatial.cKDTree(palette).query(apart)[1]).astype(np.uint8)
     picture = PIL.Image.fromarray(nearest[which].reshape(packed.shape))
     picture.putpalette(palette.tobytes())
@@ -286,17 +286,17 @@ def _png(pixels: NDArray[np.uint8]) -> bytes:
 
 
 def _palette() -> NDArray[np.uint8]:
-    """Colours, shape (256, 3); the last ones are repeated."""
+    """Colors, shape (256, 3); the last ones are repeated."""
     from matplotlib import colormaps
     from matplotlib.colors import to_rgb
 
-    greys = np.repeat(np.linspace(0.0, 1.0, 56)[:, None], 3, axis=1)
+    grays = np.repeat(np.linspace(0.0, 1.0, 56)[:, None], 3, axis=1)
     heat = colormaps[_HEAT](np.linspace(0.0, 1.0, 32))[:, :3]
     named = [TEXT, DIM, HALO, PAPER]
     hues = np.array([to_rgb(name) for name in (PARTICLE, CLOSED, OPEN, JUNCTION, FIELD, *_SERIES)])
     grounds = np.array([to_rgb(HALO), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)])
     shares = (0.25, 0.5, 0.75)
     passages = [(1.0 - share) * hues + share * ground for ground in grounds for share in shares]
-    colours = np.concatenate([greys, heat, np.array([to_rgb(name) for name in named]), hues, *passages])
-    colours = np.concatenate([colours, np.repeat(colours[-1:], 256 - len(colours), axis=0)])
-    return np.rint(255.0 * colours).astype(np.uint8)
+    colors = np.concatenate([grays, heat, np.array([to_rgb(name) for name in named]), hues, *passages])
+    colors = np.concatenate([colors, np.repeat(colors[-1:], 256 - len(colors), axis=0)])
+    return np.rint(255.0 * colors).astype(np.uint8)

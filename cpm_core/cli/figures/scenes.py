@@ -14,7 +14,7 @@ from cpm_core.parameters import PRESETS, Parameters
 
 Size = tuple[int, int]
 Layer = tuple[Rings, float]
-"""Outlines, and the grey levels by which what is inside them differs from what is outside."""
+"""Outlines, and the gray levels by which what is inside them differs from what is outside."""
 
 
 SHAPE = PRESETS["shape"]
@@ -51,7 +51,7 @@ class Scene:
 
 
 def paint(size: Size, background: float, *layers: Layer) -> Array:
-    """Grey levels of layers that lie beside or within one another, every pixel the mean over its area."""
+    """Gray levels of layers that lie beside or within one another, every pixel the mean over its area."""
     values = np.full(size, float(background))
     for outlines, contrast in layers:
         values += contrast * coverage(outlines, size)

@@ -121,7 +121,7 @@ def embedded() -> dict[str, Scene]:
 
 
 def _parts() -> Scene:
-    """A disk in three parts of different grey: lines that meet in junctions."""
+    """A disk in three parts of different gray: lines that meet in junctions."""
     center, radius = (72.0, 72.0), 50.0
     bounds = np.array([0.3, 2.5, 4.6, 0.3 + 2.0 * np.pi])
     layers, truth = [], []

@@ -1,4 +1,4 @@
-"""Skeletons of binary and grey shapes: the experiment of Fig. 14."""
+"""Skeletons of binary and gray shapes: the experiment of Fig. 14."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Shape:
 
 
 def skeletons() -> Page:
-    """Fig. 14: skeletons of two black and white shapes and two grey ones, and the shapes rebuilt from them."""
+    """Fig. 14: skeletons of two black and white shapes and two gray ones, and the shapes rebuilt from them."""
     drawn = shapes()
     found = [skeleton(shape.values) for shape in drawn.values()]
     measured = [_measure(shape, one) for shape, one in zip(drawn.values(), found, strict=True)]
@@ -112,7 +112,7 @@ def _line(*points: tuple[float, float]) -> Contour:
 
 
 def _ellipse() -> Shape:
-    """Its medial axis reaches to the centres of curvature of its ends."""
+    """Its medial axis reaches to the centers of curvature of its ends."""
     center, short, long = (72.2, 71.7), 28.0, 58.0
     reach = (long * long - short * short) / long
     outline = ellipse(center, short, long)

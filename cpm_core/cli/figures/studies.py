@@ -101,13 +101,13 @@ def _under_noise(scene: Scene, values: Array) -> Run:
 
 
 def gaussian(values: Array, spread: float, seed: int) -> Array:
-    """Normal noise added, the sum cut to grey levels from 0 to 255."""
+    """Normal noise added, the sum cut to gray levels from 0 to 255."""
     shape = (values.shape[0], values.shape[1])
     return np.clip(values + grain(shape, spread, seed), 0.0, 255.0)
 
 
 def uniform(values: Array, percentage: float, seed: int) -> Array:
-    """Pixels of a percentage replaced by any grey level from 0 to 255."""
+    """Pixels of a percentage replaced by any gray level from 0 to 255."""
     random = np.random.default_rng(seed)
     return np.where(_chosen(values, percentage, random), random.integers(0, 256, values.shape), values)
 

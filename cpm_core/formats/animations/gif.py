@@ -57,7 +57,7 @@ class GifAnimation:
         fresh = np.ones(part.shape[:2], dtype=np.bool_)
         if self._last is not None:
             fresh = (part != self._last[top:bottom, left:right]).any(axis=2)
-            fresh[0, 0] = True  # a palette has at least one colour
+            fresh[0, 0] = True  # a palette has at least one color
         found, palette = indexed(part[fresh][None], _MOST)
         indices = np.full(part.shape[:2], len(palette), dtype=np.uint8)  # the last one is seen through
         indices[fresh] = found[0]

@@ -1,4 +1,4 @@
-"""Appearance: what a contour is called and which colour it has in files."""
+"""Appearance: what a contour is called and which color it has in files."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from cpm_core.contours.contour import Contour
 RGB = tuple[int, int, int]
 
 DEFAULT = "#d6006c"
-"""Colour of contours that nobody has given one: to be seen on grey, and on white paper."""
+"""Color of contours without one of their own: it shows on gray, and on white paper."""
 
 
 def title(contour: Contour, number: int) -> str:
@@ -17,5 +17,5 @@ def title(contour: Contour, number: int) -> str:
 
 def rgb(contour: Contour) -> RGB:
     """Red, green and blue of a contour, from 0 to 255."""
-    colour = contour.colour or DEFAULT
-    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+    color = contour.colour or DEFAULT
+    return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)

@@ -17,9 +17,9 @@ def encode(result: Result | Skeleton) -> bytes:
     """Tabulate the vertices of all contours, one a row.
 
     Columns: ``contour`` (from 1), ``closed`` (TRUE or FALSE; the first vertex is not repeated), ``label`` (the one in
-    the label mask, 0 when open), ``strength`` (mean edge strength [grey levels / px]), ``vertex`` (from 1), ``row`` and
-    ``col`` [px, pixel centres at integers], where the size of a pixel is known, ``x_...`` and ``y_...`` in its unit,
-    from the centre of the first pixel along columns and rows, ``contrast`` (mean contrast of both sides, empty where
+    the label mask, 0 when open), ``strength`` (mean edge strength [gray levels / px]), ``vertex`` (from 1), ``row`` and
+    ``col`` [px, pixel centers at integers], where the size of a pixel is known, ``x_...`` and ``y_...`` in its unit,
+    from the center of the first pixel along columns and rows, ``contrast`` (mean contrast of both sides, empty where
     there is no image to measure it in), and where any contour has one, ``name`` and ``colour``. Of a skeleton each
     branch is a contour, has a label in the branch mask, no contrast, and a last column ``radius``: the distance to the
     boundary [px].

@@ -63,7 +63,7 @@ def read_contours(path: str | os.PathLike[str]) -> ContourFile:
     Returns
     -------
     ContourFile
-        Contours with what the file tells of their names, colours, strengths and junctions; single points are left out.
+        Contours with what the file tells of their names, colors, strengths and junctions; single points are left out.
 
     Raises
     ------
@@ -94,13 +94,13 @@ def read_contours(path: str | os.PathLike[str]) -> ContourFile:
 
 
 def _contour(
-    points: Any, closed: bool, *, strength: float = 0.0, junctions: Any = (), name: Any = "", colour: str = ""
+    points: Any, closed: bool, *, strength: float = 0.0, junctions: Any = (), name: Any = "", color: str = ""
 ) -> Contour:
     vertices = np.array(points, dtype=np.float64)
     if vertices.ndim != 2 or vertices.shape[1] != 2:
         raise ValueError("vertices are no pairs")
     first, last = (*map(bool, junctions), False, False)[:2]
-    return Contour(vertices, closed and len(vertices) > 2, float(strength), (first, last), None, str(name), colour)
+    return Contour(vertices, closed and len(vertices) > 2, float(strength), (first, last), None, str(name), color)
 
 
 def _table(name: str, text: str) -> ContourFile:
@@ -121,7 +121,7 @@ def _table(name: str, text: str) -> ContourFile:
                 first["closed"].strip().upper() == "TRUE",
                 strength=float(first.get("strength") or 0.0),
                 name=first.get("name") or "",
-                colour=first.get("colour") or "",
+                color=first.get("colour") or "",
             )
         )
     return ContourFile(tuple(contours))
@@ -152,7 +152,7 @@ def _own(content: dict[str, Any]) -> ContourFile:
             strength=entry["strength"],
             junctions=entry["junctions"],
             name=entry["name"],
-            colour=entry["colour"],
+            color=entry["colour"],
         )
         for entry in content["contours"]
     )
@@ -219,14 +219,14 @@ def _features(content: Any, properties: dict[str, Any] | None = None) -> Iterato
 
 
 def _line(positions: Any, closed: bool, known: dict[str, Any]) -> Contour:
-    colour = known.get("color")
-    red_green_blue = colour if isinstance(colour, list) and len(colour) == 3 else None
+    color = known.get("color")
+    red_green_blue = color if isinstance(color, list) and len(color) == 3 else None
     return _contour(
         np.array(positions, dtype=np.float64)[:, 1::-1] - PIXEL,
         closed,
         name=known.get("name") or "",
         junctions=known.get("junctions") or (),
-        colour="#{:02x}{:02x}{:02x}".format(*map(int, red_green_blue)) if red_green_blue else "",
+        color="#{:02x}{:02x}{:02x}".format(*map(int, red_green_blue)) if red_green_blue else "",
     )
 
 

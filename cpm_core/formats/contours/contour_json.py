@@ -16,7 +16,7 @@ FORMAT = "cpm-contours"
 def encode(result: Result | Skeleton) -> bytes:
     """Write an object with the image, the run, the contours and the bridges.
 
-    ``points`` are pairs [row, col] in px, pixel centres at integers; lengths are in px, areas in px², strengths in grey
+    ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
     levels / px. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null where
     there is no image to measure it in. Where the size of a pixel is known, length and area stand there in its unit as
     well. Of a skeleton the branches are contours with ``radii`` [px], and there is no run.

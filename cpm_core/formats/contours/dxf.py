@@ -23,7 +23,7 @@ _NUMBERS = {
     (128, 128, 128): 8,
     (255, 127, 0): 30,
 }
-"""The numbers of some colours, which is how this version tells them."""
+"""The numbers of some colors, which is how this version tells them."""
 
 _BY_LAYER = 256
 _LONGEST_NAME = 31
@@ -34,7 +34,7 @@ def encode(result: Result | Skeleton) -> bytes:
 
     The drawing is the right way up: x runs along columns and y up, from the lower left corner of the image, in the unit
     of the image where the size of a pixel is known, else in px. Closed and open contours lie on layers of these names,
-    and one with a name on a layer of that, as far as the letters, digits and dashes allowed there go; a colour becomes
+    and one with a name on a layer of that, as far as the letters, digits and dashes allowed there go; a color becomes
     the nearest of a few. A single vertex is a point.
 
     Returns
@@ -80,7 +80,7 @@ def _layer(contour: Contour) -> str:
 
 
 def _nearest(contour: Contour) -> int:
-    """Number of the colour next to that of a contour; the colour of its layer when it has none."""
+    """Number of the color next to that of a contour; the color of its layer when it has none."""
     if not contour.colour:
         return _BY_LAYER
     red, green, blue = rgb(contour)

@@ -21,7 +21,7 @@ def encode(result: Result | Skeleton) -> bytes:
 
     A closed contour is a polygon whose interior rings are the contours right inside it, so that it covers what has its
     label in the label mask; each of those is a feature of its own as well. An open one is a line, a single vertex a
-    point. Coordinates are (x, y) in px from the corner of the image, the centre of the first pixel at (0.5, 0.5).
+    point. Coordinates are (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5).
 
     Returns
     -------

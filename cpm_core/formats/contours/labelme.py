@@ -18,7 +18,7 @@ def encode(result: Result | Skeleton) -> bytes:
 
     The label of a shape is the name of the contour, or "closed" or "open", for in labelme it tells what kind of thing a
     shape is. Coordinates are (x, y) in px from the corner of the image. The image is referred to by its name, so the
-    file belongs beside it; a hole is a polygon of its own, and colours, which labelme gives to labels, are left out.
+    file belongs beside it; a hole is a polygon of its own, and colors, which labelme gives to labels, are left out.
 
     Returns
     -------

@@ -16,7 +16,7 @@ def encode(result: Result | Skeleton) -> bytes:
 
     Columns: ``contour`` (from 1), ``label`` (the one in the label mask, 0 when open), ``name``, ``colour``, ``closed``
     (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
-    none), ``strength`` (mean edge strength [grey levels / px]), ``contrast`` (empty where there is no image to measure
+    none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
     it in), ``length_px``, ``area_px2`` (0 when open), and the same in the unit of the image where it is known.
 
     Returns

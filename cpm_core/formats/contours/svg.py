@@ -13,17 +13,17 @@ from cpm_core.formats.contours.appearance import DEFAULT
 from cpm_core.formats.masks.label_mask import numbers
 from cpm_core.medial_axis.skeleton import Skeleton
 
-_MILLIMETRES = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}
+_MILLIMETERS = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}
 _SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell could not be seen
 
 
 def encode(result: Result | Skeleton) -> bytes:
     """Draw the contours of a result.
 
-    User units are pixels of the image, x along columns and y along rows, pixel centres at integers: the image covers
+    User units are pixels of the image, x along columns and y along rows, pixel centers at integers: the image covers
     the view box. Every contour is one path without a fill, and tells in data attributes whether it is closed, its mean
-    edge strength [grey levels / px], its length [px], its contrast where that can be measured, and its label in the
-    label mask (0 when open). One that has been named or coloured has its name as the title and its colour as the
+    edge strength [gray levels / px], its length [px], its contrast where that can be measured, and its label in the
+    label mask (0 when open). One that has been named or colored has its name as the title and its color as the
     stroke. The page has the object's true size where that is known and can be seen, else one CSS pixel per pixel. Of a
     skeleton each branch is such a path, and tells the distance to the boundary of all its vertices [px].
 
@@ -71,9 +71,9 @@ def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None
 def _page(result: Result | Skeleton) -> tuple[str, str]:
     """Width and height of the drawing as SVG lengths."""
     size = np.array(result.shape) * result.spacing
-    millimetres = size * _MILLIMETRES.get(result.unit or "", 0.0)
-    if millimetres.min() >= _SMALLEST_PAGE:
-        return f"{millimetres[1]:.6g}mm", f"{millimetres[0]:.6g}mm"
+    millimeters = size * _MILLIMETERS.get(result.unit or "", 0.0)
+    if millimeters.min() >= _SMALLEST_PAGE:
+        return f"{millimeters[1]:.6g}mm", f"{millimeters[0]:.6g}mm"
     pixels = size / min(result.spacing)
     return f"{pixels[1]:.6g}", f"{pixels[0]:.6g}"
 

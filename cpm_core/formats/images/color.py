@@ -1,4 +1,4 @@
-"""Colour: red, green, blue and alpha become one grey level."""
+"""Color: red, green, blue and alpha become one gray level."""
 
 from __future__ import annotations
 
@@ -13,36 +13,36 @@ WEIGHTS = (0.2125, 0.7154, 0.0721)
 """Share of red, green and blue in the luminance (ITU-R BT.709)."""
 
 
-def to_grey(samples: NDArray[Any], alpha: NDArray[Any] | None = None) -> tuple[NDArray[Any], tuple[str, ...]]:
-    """Reduce the samples of each pixel to its grey level.
+def to_gray(samples: NDArray[Any], alpha: NDArray[Any] | None = None) -> tuple[NDArray[Any], tuple[str, ...]]:
+    """Reduce the samples of each pixel to its gray level.
 
     Parameters
     ----------
     samples : ndarray, shape (H, W, 1) or (H, W, 3)
-        Grey, or red, green and blue.
+        Gray, or red, green and blue.
     alpha : ndarray, shape (H, W), optional
         Opacity from 0 to the full scale of its type. What is transparent shows white, as on paper.
 
     Returns
     -------
     values : ndarray, shape (H, W)
-        Grey levels in the range of `samples`; grey samples that are opaque come back as they are.
+        Gray levels in the range of `samples`; gray samples that are opaque come back as they are.
     notes : tuple of str
         What was changed.
     """
     notes: list[str] = []
     first = samples[..., 0]
     if samples.shape[-1] == 1:
-        grey = first
+        gray = first
     elif np.array_equal(first, samples[..., 1]) and np.array_equal(first, samples[..., 2]):
-        grey = first
+        gray = first
         notes.append("Its three colour channels are the same; one was taken.")
     else:
-        grey = samples.astype(np.float64) @ np.array(WEIGHTS)
+        gray = samples.astype(np.float64) @ np.array(WEIGHTS)
         notes.append("Colour was turned into luminance.")
     if alpha is not None:
         opacity = alpha.astype(np.float64) / full_scale(alpha)
         if np.any(opacity != 1.0):
-            grey = grey * opacity + full_scale(samples) * (1.0 - opacity)
+            gray = gray * opacity + full_scale(samples) * (1.0 - opacity)
             notes.append("Transparent parts were laid on white.")
-    return grey, tuple(notes)
+    return gray, tuple(notes)

@@ -19,12 +19,12 @@ class UnreadableError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Decoded:
-    """Grey levels of a file, not yet checked.
+    """Gray levels of a file, not yet checked.
 
     Attributes
     ----------
     values : ndarray, shape (H, W)
-        Grey levels in the type of the file.
+        Gray levels in the type of the file.
     spacing : tuple of float
         Size of a pixel along (row, col), in `unit`.
     unit : str or None
@@ -55,7 +55,7 @@ def check_size(name: str, rows: int, columns: int) -> None:
 
 
 def full_scale(values: NDArray[Any]) -> float:
-    """Grey level of white: the largest value of an integer type, else 1 or the largest value there is."""
+    """Gray level of white: the largest value of an integer type, else 1 or the largest value there is."""
     if values.dtype.kind == "b":
         return 1.0
     if values.dtype.kind in "ui":

@@ -1,4 +1,4 @@
-"""NumPy arrays: ``.npy`` files of grey levels or of colours."""
+"""NumPy arrays: ``.npy`` files of gray levels or of colors."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.formats.images.color import to_grey
+from cpm_core.formats.images.color import to_gray
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
 
 READS = {".npy": "NumPy array"}
@@ -30,15 +30,15 @@ def read(path: Path) -> Decoded:
     stored: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
     if stored.dtype.kind not in "buif":
         raise UnreadableError(f"{path.name} holds values of type {stored.dtype}, but grey levels must be real numbers.")
-    colour = stored.ndim == 3 and stored.shape[2] in (3, 4)
-    if stored.ndim != 2 and not colour:
+    color = stored.ndim == 3 and stored.shape[2] in (3, 4)
+    if stored.ndim != 2 and not color:
         raise UnreadableError(
             f"{path.name} holds an array of shape {stored.shape}, but an image is (rows, columns), "
             "with 3 or 4 channels at most: save one plane of it."
         )
     check_size(path.name, stored.shape[0], stored.shape[1])
     values = np.array(stored)
-    if not colour:
+    if not color:
         return Decoded(values)
-    grey, notes = to_grey(values[..., :3], values[..., 3] if values.shape[2] == 4 else None)
-    return Decoded(grey, notes=notes)
+    gray, notes = to_gray(values[..., :3], values[..., 3] if values.shape[2] == 4 else None)
+    return Decoded(gray, notes=notes)

@@ -10,7 +10,7 @@ import PIL.Image
 from numpy.typing import NDArray
 
 from cpm_core.formats.images import orientation, resolution
-from cpm_core.formats.images.color import to_grey
+from cpm_core.formats.images.color import to_gray
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
 
 READS = {
@@ -30,7 +30,7 @@ READS = {
 # Named one by one: others that Pillow knows start external programs or are documents rather than images.
 _DECODERS = ("PNG", "JPEG", "BMP", "DIB", "PPM", "GIF", "WEBP", "JPEG2000")
 _WITH_ALPHA = ("LA", "PA", "RGBA", "RGBa")
-_PIXELS_A_METRE = 1 / 0.0254
+_PIXELS_A_METER = 1 / 0.0254
 
 
 def reads(_head: bytes, _path: Path) -> bool:
@@ -59,7 +59,7 @@ def read(path: Path) -> Decoded:
 
 
 def pixels(picture: PIL.Image.Image) -> Decoded:
-    """Grey levels of an opened picture, of 16-bit pictures in full."""
+    """Gray levels of an opened picture, of 16-bit pictures in full."""
     notes = list(_depth_notes(picture))
     largest = _declared_maximum(picture)
     mode = picture.mode
@@ -77,11 +77,11 @@ def pixels(picture: PIL.Image.Image) -> Decoded:
     elif mode in _WITH_ALPHA or "transparency" in picture.info:
         samples = np.array(picture.convert("RGBA"))
         channels = 1 if mode in ("L", "LA") else 3
-        values, colour_notes = to_grey(samples[..., :channels], samples[..., 3])
-        notes.extend(colour_notes)
+        values, color_notes = to_gray(samples[..., :channels], samples[..., 3])
+        notes.extend(color_notes)
     else:
-        values, colour_notes = to_grey(np.array(picture.convert("RGB")))
-        notes.extend(colour_notes)
+        values, color_notes = to_gray(np.array(picture.convert("RGB")))
+        notes.extend(color_notes)
     return Decoded(values, notes=tuple(notes))
 
 
@@ -102,13 +102,13 @@ def _tile_arguments(picture: PIL.Image.Image) -> tuple[Any, ...]:
 
 
 def _depth_notes(picture: PIL.Image.Image) -> tuple[str, ...]:
-    """Own up that Pillow cuts 16-bit colour down to 8 bits."""
+    """Note that Pillow cuts 16-bit color down to 8 bits."""
     arguments = _tile_arguments(picture)
-    deep_colour = picture.mode in ("RGB", "RGBA") and (
+    deep_color = picture.mode in ("RGB", "RGBA") and (
         (arguments and ";16" in str(arguments[0]))
         or (picture.format == "PPM" and (_declared_maximum(picture) or 0) > 255)
     )
-    return ("Its 16 bits a colour were cut down to 8.",) if deep_colour else ()
+    return ("Its 16 bits a colour were cut down to 8.",) if deep_color else ()
 
 
 def _declared_maximum(picture: PIL.Image.Image) -> int | None:
@@ -124,7 +124,7 @@ def _spacing(picture: PIL.Image.Image) -> resolution.Spacing:
     density = picture.info.get("dpi")
     if picture.format != "PNG" or density is None:
         return resolution.UNKNOWN
-    return resolution.from_density(float(density[1]) * _PIXELS_A_METRE, float(density[0]) * _PIXELS_A_METRE)
+    return resolution.from_density(float(density[1]) * _PIXELS_A_METER, float(density[0]) * _PIXELS_A_METER)
 
 
 def _orientation(picture: PIL.Image.Image) -> int:

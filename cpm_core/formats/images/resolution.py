@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 
-MICROMETRE = "µm"
+MICROMETER = "µm"
 
 PRINT_LIMIT = 10.0
 """Largest pixel size that is believed from a plain resolution tag [µm]; see `from_density`."""
 
 _NAMES = {
-    "um": MICROMETRE,
-    "\u00b5m": MICROMETRE,
-    "\u03bcm": MICROMETRE,
-    "micron": MICROMETRE,
-    "microns": MICROMETRE,
-    "micrometer": MICROMETRE,
-    "micrometre": MICROMETRE,
+    "um": MICROMETER,
+    "\u00b5m": MICROMETER,
+    "\u03bcm": MICROMETER,
+    "micron": MICROMETER,
+    "microns": MICROMETER,
+    "micrometer": MICROMETER,
+    "micrometre": MICROMETER,
     "nm": "nm",
     "mm": "mm",
     "cm": "cm",
@@ -35,13 +35,13 @@ def from_sizes(row: float, col: float, unit: str) -> Spacing:
     return (row, col), name
 
 
-def from_density(rows_per_metre: float, columns_per_metre: float) -> Spacing:
-    """Spacing from a plain resolution tag, in pixels a metre.
+def from_density(rows_per_meter: float, columns_per_meter: float) -> Spacing:
+    """Spacing from a plain resolution tag, in pixels a meter.
 
     Cameras, screens and printers write 72, 96, 300 dots an inch and the like whatever the picture shows. Only a
     resolution too fine for them, a pixel below `PRINT_LIMIT`, is taken for the size of a pixel on the specimen.
     """
-    if not (rows_per_metre > 0 and columns_per_metre > 0):
+    if not (rows_per_meter > 0 and columns_per_meter > 0):
         return UNKNOWN
-    row, col = 1e6 / rows_per_metre, 1e6 / columns_per_metre
-    return from_sizes(row, col, MICROMETRE) if max(row, col) < PRINT_LIMIT else UNKNOWN
+    row, col = 1e6 / rows_per_meter, 1e6 / columns_per_meter
+    return from_sizes(row, col, MICROMETER) if max(row, col) < PRINT_LIMIT else UNKNOWN

@@ -13,7 +13,7 @@ import tifffile
 from numpy.typing import NDArray
 
 from cpm_core.formats.images import orientation, raster, resolution
-from cpm_core.formats.images.color import to_grey
+from cpm_core.formats.images.color import to_gray
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, full_scale
 from cpm_core.formats.images.silence import native_silence
 
@@ -25,8 +25,8 @@ logging.getLogger("tifffile").addHandler(logging.NullHandler())
 _MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _PLAIN_COMPRESSIONS = (1, 8, 32773, 32946)  # none, deflate, PackBits: tifffile unpacks them itself, Pillow all others
 _WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE = 0, 1, 2, 3
-_INCH, _CENTIMETRE = 2, 3
-_PER_METRE = {_INCH: 1 / 0.0254, _CENTIMETRE: 100.0}
+_INCH, _CENTIMETER = 2, 3
+_PER_METER = {_INCH: 1 / 0.0254, _CENTIMETER: 100.0}
 
 
 def reads(head: bytes, _path: Path) -> bool:
@@ -67,7 +67,7 @@ def _open_packed(path: Path) -> PIL.Image.Image:
 
 
 def _pixels(page: tifffile.TiffPage) -> Decoded:
-    """Grey levels of a page that tifffile unpacks by itself."""
+    """Gray levels of a page that tifffile unpacks by itself."""
     raw: NDArray[Any] = np.asarray(page.asarray(maxworkers=1))
     if raw.ndim < 2 or raw.size != page.imagelength * page.imagewidth * page.samplesperpixel:
         raise ValueError("pixels are missing")
@@ -91,12 +91,12 @@ def _pixels(page: tifffile.TiffPage) -> Decoded:
     has_alpha = extra.shape[-1] > 0 and bool(page.extrasamples) and int(page.extrasamples[0]) in (1, 2)
     if extra.shape[-1] > has_alpha:
         notes.append(f"Only the first {count + has_alpha} of its {samples.shape[-1]} channels were taken.")
-    grey, colour_notes = to_grey(samples[..., :count], extra[..., 0] if has_alpha else None)
-    return Decoded(grey, notes=(*notes, *colour_notes))
+    gray, color_notes = to_gray(samples[..., :count], extra[..., 0] if has_alpha else None)
+    return Decoded(gray, notes=(*notes, *color_notes))
 
 
 def _page_notes(file: tifffile.TiffFile) -> tuple[str, ...]:
-    """Own up to further pages, which ImageJ may keep behind a single directory."""
+    """Note further pages, which ImageJ may keep behind a single directory."""
     stack = file.imagej_metadata or {}
     pages = max(len(file.pages), int(stack.get("images", 1)))
     return (f"Only the first of its {pages} pages was taken.",) if pages > 1 else ()
@@ -118,7 +118,7 @@ def _spacing(file: tifffile.TiffFile, page: tifffile.TiffPage) -> resolution.Spa
     stack = file.imagej_metadata
     if stack and "unit" in stack:
         return resolution.from_sizes(1 / rows, 1 / columns, str(stack["unit"]))
-    factor = _PER_METRE.get(_number(page, "ResolutionUnit", 1), 0.0)
+    factor = _PER_METER.get(_number(page, "ResolutionUnit", 1), 0.0)
     return resolution.from_density(rows * factor, columns * factor)
 
 

@@ -12,7 +12,7 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.masks.labels import labels_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
-_PER_CENTIMETRE = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
+_PER_CENTIMETER = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
 
 
 def encode(result: Result | Skeleton) -> bytes:
@@ -21,7 +21,7 @@ def encode(result: Result | Skeleton) -> bytes:
     Returns
     -------
     bytes
-        An uncompressed grey TIFF of 16 bits with the entries of ImageJ, so that it shows lengths in the unit of the
+        An uncompressed gray TIFF of 16 bits with the entries of ImageJ, so that it shows lengths in the unit of the
         image; of 32 bits where there are more than 65535 labels, which ImageJ would take for real numbers.
 
     Raises
@@ -38,8 +38,8 @@ def encode(result: Result | Skeleton) -> bytes:
         entries |= {"imagej": True, "metadata": {"axes": "YX", "unit": unit}}
     else:
         entries |= {"metadata": None}
-        if result.unit in _PER_CENTIMETRE:
-            factor = _PER_CENTIMETRE[result.unit]
+        if result.unit in _PER_CENTIMETER:
+            factor = _PER_CENTIMETER[result.unit]
             entries["resolution"] = (factor / result.spacing[1], factor / result.spacing[0])
             entries["resolutionunit"] = "CENTIMETER"
     stream = io.BytesIO()

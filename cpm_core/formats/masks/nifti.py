@@ -13,13 +13,13 @@ from cpm_core.medial_axis.skeleton import Skeleton
 
 _HEADER, _OFFSET = 348, 352
 _DATATYPES = {np.dtype(np.uint16): (512, 16), np.dtype(np.uint32): (768, 32)}
-_UNKNOWN, _METRE, _MILLIMETRE, _MICROMETRE = 0, 1, 2, 3
+_UNKNOWN, _METER, _MILLIMETER, _MICROMETER = 0, 1, 2, 3
 _UNITS = {
-    "nm": (_MICROMETRE, 1e-3),
-    "µm": (_MICROMETRE, 1.0),
-    "mm": (_MILLIMETRE, 1.0),
-    "cm": (_MILLIMETRE, 10.0),
-    "m": (_METRE, 1.0),
+    "nm": (_MICROMETER, 1e-3),
+    "µm": (_MICROMETER, 1.0),
+    "mm": (_MILLIMETER, 1.0),
+    "cm": (_MILLIMETER, 10.0),
+    "m": (_METER, 1.0),
 }
 _SCANNER = 1
 
@@ -31,8 +31,8 @@ def encode(result: Result | Skeleton) -> bytes:
     -------
     bytes
         A NIfTI-1 file of one slice, columns first. Columns run to the patient's left and rows to the back, as they do
-        where a picture without a place is opened, so that mask and picture lie on each other. Micrometres, millimetres
-        and metres are kept, other units turned into the next of them.
+        where a picture without a place is opened, so that mask and picture lie on each other. Micrometers, millimeters
+        and meters are kept, other units turned into the next of them.
 
     Raises
     ------
