@@ -6,6 +6,7 @@ import struct
 import tempfile
 import zlib
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import PIL.Image
@@ -14,7 +15,8 @@ import tifffile
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cpm_core.formats import load_image
+from cpm_core.formats import load_image, readers
+from cpm_core.formats.images.decoded import Decoded
 from cpm_core.image.image import Image
 
 VALUES = (np.add.outer(np.arange(24) * 7, np.arange(30) * 5) % 251).astype(np.uint8)
@@ -182,3 +184,24 @@ def test_a_tiff_too_large_for_memory_is_refused_before_it_is_unpacked(tmp_path):
     with tifffile.TiffFile(tmp_path / "a.tif", mode="r+") as file:
         file.pages.first.tags["ImageLength"].overwrite(2**31)
     assert "crop it or make it smaller" in failure_report(tmp_path / "a.tif")
+
+
+def test_a_reader_sees_the_path_and_the_marks_of_medical_formats(tmp_path, monkeypatch):
+    """DICOM says what it is at byte 128, NIfTI at 344; raw data only by the name of its file."""
+    seen = []
+
+    class Medical:
+        READS: ClassVar = {".dcm": "DICOM image"}
+
+        def reads(self, head, path):
+            seen.append((head[128:132], head[344:348], path))
+            return head[128:132] == b"DICM"
+
+        def read(self, path):
+            return Decoded(np.full((9, 12), 7.0))
+
+    monkeypatch.setattr(readers, "_READERS", (Medical(), *readers._READERS))
+    path = tmp_path / "scan.dcm"
+    path.write_bytes((bytes(128) + b"DICM").ljust(344, b"\0") + b"n+1\0" + bytes(500))
+    assert load_image(path).shape == (9, 12)
+    assert seen == [(b"DICM", b"n+1\0", path)]
