@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
@@ -85,7 +87,7 @@ def test_circles_and_ellipses_are_dragged(window, hand, keys, name, kind) -> Non
     keys("!>v!>")
     (shape,) = drawn(window)
     assert shape == (
-        Circle((row, col), pytest.approx(200**0.5)) if kind is Circle else Ellipse((row + 5, col + 5), (5.0, 5.0))
+        Circle((row, col), math.hypot(10, 10)) if kind is Circle else Ellipse((row + 5, col + 5), (5.0, 5.0))
     )
 
 

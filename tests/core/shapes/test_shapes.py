@@ -1,4 +1,4 @@
-"""Shapes: where their particles lie, how they are moved, grown and led, and how far off a position is."""
+"""Shapes: where their particles lie, how they are moved, resized and reshaped, and how far off a position is."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def test_an_ellipse_of_equal_radii_is_a_circle(radius, center) -> None:
 
 
 @given(polygons | st.builds(Region, stars()), st.floats(0.5, 5))
-def test_an_area_that_is_grown_holds_its_middle_and_reaches_farther_by_so_much(shape, by) -> None:
+def test_an_area_that_is_enlarged_holds_its_middle_and_reaches_farther_by_so_much(shape, by) -> None:
     middle = np.mean(shape.points, axis=0)
     farthest = max(math.dist(middle, point) for point in shape.points)
     resized = shape.resized(by)
