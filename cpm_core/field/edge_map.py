@@ -141,10 +141,10 @@ def prepared(values: Array) -> Cleaned:
     -------
     Cleaned
         The image to smooth, by how much, and what remains of the noise: the very image, with a floor of 0, where noise
-        is light.
+        is light. Volumes are left to the Gaussian: the averages along edges are those of a plane.
     """
     sigma = automatic_smoothing(values)
-    if sigma <= _WIDE or noise_level(values) <= _FAINT * float(values.std()):
+    if values.ndim != 2 or sigma <= _WIDE or noise_level(values) <= _FAINT * float(values.std()):
         return Cleaned(values, sigma, 0.0)
     return clean(values)
 

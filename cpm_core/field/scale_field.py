@@ -67,13 +67,14 @@ class ScaleField:
     gradient : ndarray, shape (D, \*shape)
         Gradient of the smoothed image [grey levels / px]; on an edge it is normal to it.
     edge_map : ndarray, shape (\*shape)
-        Edge strength f [grey levels / px]; minus it is the fixed charge in regions of interest.
+        Edge strength f [gray levels / px], kept to a little beyond the regions of interest.
     values : ndarray, shape (\*shape)
         The image.
     strongest : float
         Largest edge strength [grey levels / px].
-    least_charge : float
-        Edge strength under which a pixel carries no fixed charge.
+    fixed_charges : ndarray, shape (\*shape)
+        Size of the fixed charges that the field is made of: the edge map where it is not under the edge floor, inside
+        the regions of interest and the border.
     floor : float
         Edge strength under which there is no edge for a particle to sit on.
     smoothing : float
@@ -87,7 +88,7 @@ class ScaleField:
     edge_map: Array
     values: Array
     strongest: float
-    least_charge: float
+    fixed_charges: Array
     floor: float
     smoothing: float
     barrier_map: BarrierMap = NO_BARRIERS
@@ -96,11 +97,6 @@ class ScaleField:
     def lorentz(self) -> Single:
         r"""Normalised Lorentz force on the pixels, shape (D, \*shape)."""
         return np.moveaxis(self.packed, -1, 0)[: self.packed.ndim - 1]
-
-    @property
-    def charges(self) -> Array:
-        r"""Size of the fixed charges, shape (\*shape): the edge map where it is not under `least_charge`."""
-        return np.where(self.edge_map >= self.least_charge, self.edge_map, 0.0)
 
     def strength(self, points: Array) -> Array:
         """Edge strength at points, shape (N, D), between the pixels."""
@@ -121,8 +117,8 @@ class ScaleField:
 
     @cached_property
     def potential(self) -> Array:
-        """Potential of the fixed charges, shape (H, W) [grey levels]."""
-        return convolved_potential(self.charges)
+        r"""Potential of the fixed charges, shape (\*shape) [gray levels]."""
+        return convolved_potential(self.fixed_charges)
 
     @cached_property
     def slope(self) -> float:
@@ -177,10 +173,8 @@ def build_scale_field(
     ScaleField
         Fields of the scale.
     """
-    if known is not None and known.values is values and known.smoothing == smoothing:
-        grad = known.gradient
-    else:
-        grad = gradient(values, smoothing)
+    same = known is not None and known.values is values and known.smoothing == smoothing
+    grad = known.gradient if known is not None and same else gradient(values, smoothing)
     strength = magnitude(grad)
     barrier_map = NO_BARRIERS
     if regions is not None:
@@ -189,20 +183,22 @@ def build_scale_field(
     if regions is not None and regions.interest:
         inside &= regions.pixels(values.shape)
     strongest = float(strength.max(where=inside, initial=0.0))
-    least = edge_floor * strongest
-    charged = np.where(inside & (strength >= least), strength, 0.0)
+    charged = np.where(inside & (strength >= edge_floor * strongest), strength, 0.0)
     lorentz = lorentz_force(convolved_field(charged, precision=_FIELD_PRECISION), grad, strength, strongest)
     if not inside.all():
         strength[~within(inside, _MARGIN)] = 0.0
     packed = np.stack([*lorentz, *grad, strength], axis=-1, dtype=np.float32)
-    if strongest == 0.0:  # a coarse scale may have no pixel inside: nowhere is an edge to sit on
-        floor = np.inf
-    elif edge_floor > 0.0:
-        floor = max(WEAKEST_EDGE * strongest, least)
-    else:
-        background = min(background_strength(strength[inside]), _MOST_BACKGROUND * strongest)
-        floor = max(WEAKEST_EDGE * strongest, background)
-    return ScaleField(packed, grad, strength, values, strongest, least, floor, smoothing, barrier_map)
+    floor = _weakest_edge(strength[inside], strongest, edge_floor)
+    return ScaleField(packed, grad, strength, values, strongest, charged, floor, smoothing, barrier_map)
+
+
+def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
+    """Edge strength under which there is no edge to sit on, by what there is inside; see `build_scale_field`."""
+    if strongest == 0.0:  # a coarse scale may have no pixel inside
+        return np.inf
+    if edge_floor > 0.0:
+        return max(WEAKEST_EDGE, edge_floor) * strongest
+    return max(WEAKEST_EDGE * strongest, min(background_strength(strength), _MOST_BACKGROUND * strongest))
 
 
 def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:
