@@ -36,15 +36,15 @@ class Contour:
     closed : bool
         Whether the last vertex is joined to the first; the first is not repeated.
     strength : float
-        Mean of the edge map along the curve [grey levels / px].
+        Mean of the edge map along the curve [gray levels / px].
     junctions : tuple of two bool
         Whether the first and the last vertex lie on a junction that further contours share.
     sides : HasContrast or None
         What `contrast` is measured on (`field.region_contrast.Sides`); None for a curve that was not found in an image.
     name : str
-        What a user calls it; empty when nobody has named it.
+        What a user calls it; empty when it has no name.
     colour : str
-        Colour that a user has given it, ``"#rrggbb"``; empty when nobody has.
+        Colour that a user has given it, ``"#rrggbb"``; empty for the color of its kind.
 
     Raises
     ------
@@ -108,7 +108,7 @@ class Bridge:
     length : float
         Length along it [px].
     strength : float
-        Mean of the edge map along it [grey levels / px].
+        Mean of the edge map along it [gray levels / px].
     """
 
     points: Array

@@ -18,7 +18,7 @@ from cpm_core.numerics.types import Array
 Labels = NDArray[np.int32]
 
 _MOST_CHANGES = 0.5
-"""Share of neighbouring pixels that may differ in a mask; of a picture with noise nearly all do."""
+"""Share of neighboring pixels that may differ in a mask; of a picture with noise nearly all do."""
 
 _CLEAR = 0.125
 """How far from black or white a pixel of a black and white mask may be that a lossy format has smeared."""
@@ -101,7 +101,7 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
     Raises
     ------
     ValueError
-        When all pixels are the same, or so many neighbours differ that it is no mask.
+        When all pixels are the same, or so many neighbors differ that it is no mask.
     """
     levels, index = np.unique(values, return_inverse=True)
     labels = index.reshape(values.shape).astype(np.int32)

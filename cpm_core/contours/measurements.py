@@ -38,7 +38,7 @@ class Measures:
     area : float
         Enclosed area, that of contours inside included [px²]; 0 when open.
     strength : float
-        Mean edge strength [grey levels / px].
+        Mean edge strength [gray levels / px].
     contrast : float or None
         Mean contrast of the regions on both sides, 0 to 1; None when it was not asked for or there is no image to
         measure it in.

@@ -49,7 +49,7 @@ def gradient(values: ArrayLike, smoothing: float) -> Array:
     Returns
     -------
     ndarray, shape (D, \*shape)
-        Derivative along each axis [grey levels / px]: central differences of the Gaussian-smoothed image, which is
+        Derivative along each axis [gray levels / px]: central differences of the Gaussian-smoothed image, which is
         continued beyond its border by its outermost pixels, so that the border is no edge.
     """
     image = np.asarray(values, dtype=float)
@@ -98,7 +98,7 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
     Returns
     -------
     ndarray, shape (\*shape)
-        Edge strength [grey levels / px]; minus it is the fixed charge.
+        Edge strength [gray levels / px]; minus it is the fixed charge.
     """
     image = np.asarray(values, dtype=float)
     if smoothing == "auto":
@@ -121,7 +121,7 @@ def background_strength(strength: Array) -> float:
     Returns
     -------
     float
-        Four standard deviations of a component [grey levels / px]; 0 for an image with a flat background.
+        Four standard deviations of a component [gray levels / px]; 0 for an image with a flat background.
     """
     return float(_DEVIATIONS * np.percentile(strength, 25.0) / _RAYLEIGH_QUARTILE)
 

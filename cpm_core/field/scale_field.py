@@ -33,16 +33,16 @@ _MOST_BACKGROUND = 0.35
 """Fraction of the largest edge strength beyond which an image that is full of edges is not taken for background."""
 
 _RIDGE, _SLOPE = 0.6, 0.4
-"""Fractions of the strongest neighbour: at the first a pixel is on an edge, under the second it is beside one."""
+"""Fractions of the strongest neighbor: at the first a pixel is on an edge, under the second it is beside one."""
 
 _MARGIN = 4
 """Distance beyond the regions of interest to which the edge map is kept, so that an edge inside is seen whole [px]."""
 
 _SUMMIT_REACH, _FIELD_REACH = 2, 1
-"""How far the crest of an edge, and the largest field beside it, are looked for [px]."""
+"""How far the ridge of an edge, and the largest field beside it, are looked for [px]."""
 
 _OVERLAP = _SUMMIT_REACH + 1
-"""Lines beyond a part of the image that its forces depend on: a central difference within reach of a crest."""
+"""Lines beyond a part of the image that its forces depend on: a central difference within reach of a ridge."""
 
 _PART, _LEAST_LINES = 2**15, 16
 """Pixels of a part of the image, so that what is computed on the way stays in the cache, and lines of it at least."""
@@ -65,13 +65,13 @@ class ScaleField:
         Normalised Lorentz force, `gradient` and `edge_map` of each pixel side by side, so that a particle finds all of
         it in one place; single precision is as much as a particle can feel.
     gradient : ndarray, shape (D, \*shape)
-        Gradient of the smoothed image [grey levels / px]; on an edge it is normal to it.
+        Gradient of the smoothed image [gray levels / px]; on an edge it is normal to it.
     edge_map : ndarray, shape (\*shape)
         Edge strength f [gray levels / px], kept to a little beyond the regions of interest.
     values : ndarray, shape (\*shape)
         The image.
     strongest : float
-        Largest edge strength [grey levels / px].
+        Largest edge strength [gray levels / px].
     fixed_charges : ndarray, shape (\*shape)
         Size of the fixed charges that the field is made of: the edge map where it is not under the edge floor, inside
         the regions of interest and the border.
@@ -122,7 +122,7 @@ class ScaleField:
 
     @cached_property
     def slope(self) -> float:
-        """Mean slope of the potential [grey levels / px]; 1 where it is flat."""
+        """Mean slope of the potential [gray levels / px]; 1 where it is flat."""
         slope = float(magnitude(gradient(self.potential, 0.0)).mean())
         return slope if slope > 0.0 else 1.0
 
@@ -208,10 +208,10 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
 
     - The field is divided by its largest size beside the edge and not by its own, so that the force falls linearly
       through zero where the field does. Unit vectors would round that place to the middle between two pixels.
-    - The part along the edge is taken out. On the crest it is all that is left of the field, and scaled up it would
+    - The part along the edge is taken out. On the ridge it is all that is left of the field, and scaled up it would
       drain particles from weak stretches towards strong ones and keep them circling; motion along an edge is the
       Coulomb force's.
-    - Where the field leads off the crest, as it does all across a weak edge beside a strong one, the slope of the edge
+    - Where the field leads off the ridge, as it does all across a weak edge beside a strong one, the slope of the edge
       map takes its place, so that every edge holds what sits on it.
 
     Parameters

@@ -84,7 +84,7 @@ class Regions:
         return np.asarray(self.contains(points) & off_lines)
 
     def pixels(self, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-        """Which pixels of an image of this shape have their centre in a region of interest."""
+        """Which pixels of an image of this shape have their center in a region of interest."""
         if not self.interest:
             return np.ones(shape, np.bool_)
         return np.asarray(np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0))
@@ -130,7 +130,7 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
 
 @lru_cache(maxsize=_KEPT)
 def _pixels(polygon: Line, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Which pixels of an image of this shape have their centre in a polygon."""
+    """Which pixels of an image of this shape have their center in a polygon."""
     places = np.indices(shape).reshape(2, -1).T.astype(float)
     return polyline.inside(polygon, places).reshape(shape)
 

@@ -108,7 +108,7 @@ def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
 
 
 def coarser(paths: Sequence[Array], off: float) -> list[Array]:
-    """Leave out corners that lie next to the line between their neighbours; the ends of each path stay.
+    """Leave out corners that lie next to the line between their neighbors; the ends of each path stay.
 
     Much faster than to thin them, though it leaves more: where it can, it leaves out every second corner, and that
     `_HALVINGS` times.
@@ -132,7 +132,7 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
         onward = np.einsum("ij,ij->i", before, behind) > 0.0
         left_out = np.zeros(len(corners), np.bool_)
         left_out[1:-1] = flat & onward & (number[2:] == number[:-2])
-        left_out[::2] = False  # so that the neighbours stay
+        left_out[::2] = False  # so that the neighbors stay
         corners, number = corners[~left_out], number[~left_out]
     return np.split(corners, np.flatnonzero(np.diff(number)) + 1)
 

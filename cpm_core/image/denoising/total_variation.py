@@ -33,7 +33,7 @@ def noise_level(values: Array) -> float:
     Returns
     -------
     float
-        From the mean square of the response of a mask that is blind to smooth structure [grey levels]: of whatever
+        From the mean square of the response of a mask that is blind to smooth structure [gray levels]: of whatever
         distribution the noise is, a few pixels of another grey level included. Corners add a little to it.
     """
     mask = reduce(np.multiply.outer, [_CURVATURE] * values.ndim)
@@ -54,7 +54,7 @@ def total_variation(values: Array, weight: float) -> Array:
     values : ndarray, shape (H, W)
         Image.
     weight : float
-        How much a unit of variation costs [grey levels]: about 1.5 standard deviations of the noise flatten it.
+        How much a unit of variation costs [gray levels]: about 1.5 standard deviations of the noise flatten it.
 
     Returns
     -------

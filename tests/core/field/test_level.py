@@ -33,16 +33,16 @@ def uneven_edge():
 def test_force_on_an_edge_has_no_part_along_it():
     scale_field = build_scale_field(uneven_edge(), 1.0, 0.0)
     summit = ndimage.maximum_filter(scale_field.edge_map, size=5)
-    crest = (scale_field.edge_map > 0.9 * summit) & (summit > 0.5 * scale_field.edge_map.max())
+    ridge = (scale_field.edge_map > 0.9 * summit) & (summit > 0.5 * scale_field.edge_map.max())
     # the ends of the edge at the border are no straight edge
-    crest[:5] = crest[-5:] = False
+    ridge[:5] = ridge[-5:] = False
     normal = scale_field.gradient / np.maximum(np.hypot(*scale_field.gradient), 1e-30)
     along = scale_field.lorentz[0] * normal[1] - scale_field.lorentz[1] * normal[0]
     field = electric_field(scale_field.edge_map)
     plain = (field[0] * normal[1] - field[1] * normal[0]) / np.hypot(*field)
-    assert crest.sum() > 40
-    assert np.abs(plain[crest]).max() > 0.1  # it would have one otherwise
-    assert np.abs(along[crest]).max() < SINGLE
+    assert ridge.sum() > 40
+    assert np.abs(plain[ridge]).max() > 0.1  # it would have one otherwise
+    assert np.abs(along[ridge]).max() < SINGLE
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, 0.8, 1.4, 2.5])
