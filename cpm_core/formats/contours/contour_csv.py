@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import io
 
+from cpm_core.contours.rasterize import numbers
 from cpm_core.contours.result import Result
-from cpm_core.formats.masks.label_mask import numbers
 from cpm_core.medial_axis.skeleton import Skeleton
 
 ASCII_UNIT = {"µm": "um"}  # spreadsheets guess the encoding of a file from its header, and guess badly

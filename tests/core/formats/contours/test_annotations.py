@@ -14,8 +14,8 @@ import pytest
 import shapely
 from pycocotools.coco import COCO
 
+from cpm_core.contours.rasterize import paint
 from cpm_core.formats import encoded, export
-from cpm_core.formats.masks.label_mask import paint
 
 from ..drawn import CELL, CORE, FIBRE, HOLE, RESULT
 
