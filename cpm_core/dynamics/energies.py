@@ -20,16 +20,13 @@ import numpy as np
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.placed_charges import at_scale, placed_potential, radius_at
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.jit import compiled
 from cpm_core.parameters import Parameters
-from cpm_core.particles.cell_list import Cells, build_cells, cells_around, row_of_cells
+from cpm_core.particles.cell_list.plane import build_cells
+from cpm_core.particles.coulomb.pair_force.plane import pair_energy
 from cpm_core.particles.state import State
 
 _PAIR = 0.5
 """Coulomb force of two particles d_min apart, in w1."""
-
-_NEAREST = 0.1
-"""Distance as which a smaller one of two particles counts [px]: their energy stays finite."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,9 +59,8 @@ def energies(state: State, scale_field: ScaleField, parameters: Parameters) -> E
     """
     particles = state.particles
     in_image = 4.0**state.scale
-    height, width = scale_field.shape
     reach = parameters.d_min + parameters.d_max
-    pairs = _near_pairs(build_cells(particles.position, height, width, reach), reach)
+    pairs = pair_energy(build_cells(particles.position, scale_field.shape, reach), reach)
     fixed = interpolate(scale_field.potential[None], particles.position).sum() / scale_field.slope
     charges = at_scale(state.charges, state.scale, state.shape)
     placed = placed_potential(charges, radius_at(state.scale), particles.position).sum()
@@ -76,19 +72,3 @@ def kinetic_energy(state: State) -> float:
     """Kinetic energy of the particles of a state [px^2 of the image / unit of time^2]; next to no work."""
     velocity = state.particles.velocity
     return 0.5 * 4.0**state.scale * float(np.einsum("ni,ni->", velocity, velocity))
-
-
-@compiled
-def _near_pairs(cells: Cells, reach: float) -> float:
-    """Sum of ``1/r - 1/R`` over the pairs nearer than R."""
-    total = 0.0
-    for k in range(len(cells.y)):
-        y, x = cells.y[k], cells.x[k]
-        top, bottom, left, right = cells_around(cells, y, x, reach)
-        for row in range(top, bottom + 1):
-            first, last = row_of_cells(cells, row, left, right)
-            for j in range(max(first, k + 1), last):
-                squared = (cells.y[j] - y) ** 2 + (cells.x[j] - x) ** 2
-                if squared < reach**2:
-                    total += 1.0 / max(np.sqrt(squared), _NEAREST) - 1.0 / reach
-    return total

@@ -35,17 +35,17 @@ _STUCK_SPEED = 0.3
 
 
 @compiled
-def normalised_coulomb(force_y: float, force_x: float, spacing: float, d_min: float) -> tuple[float, float]:
-    """Coulomb force of unit size on a sparse front, falling linearly to zero near equilibrium.
+def coulomb_scale(size: float, spacing: float, d_min: float) -> float:
+    """Factor that normalizes the Coulomb force: of unit size on a sparse front, falling to zero near equilibrium.
 
     The unit vector of the sum never rests: its direction flips around equilibrium. Scaled by the squared local spacing
-    the sum is a pure number, of order one on a particle with neighbours on one side only and small where they balance;
+    the sum is a pure number, of order one on a particle with neighbors on one side only and small where they balance;
     only what exceeds one is cut.
 
     Parameters
     ----------
-    force_y, force_x : float
-        Sum of eq. (9).
+    size : float
+        Length of the sum of eq. (9).
     spacing : float
         Mean distance to the two nearest particles [px].
     d_min : float
@@ -53,13 +53,12 @@ def normalised_coulomb(force_y: float, force_x: float, spacing: float, d_min: fl
 
     Returns
     -------
-    float, float
-        Force of at most unit size.
+    float
+        What the sum is multiplied by, for a force of at most unit size.
     """
     scale = _SOFTNESS * spacing**2 * min(1.0, spacing / d_min)
-    size = np.sqrt(force_y**2 + force_x**2) * scale
-    scale /= max(1.0, size)
-    return force_y * scale, force_x * scale
+    scale /= max(1.0, size * scale)
+    return scale
 
 
 @compiled

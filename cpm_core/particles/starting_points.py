@@ -37,8 +37,7 @@ def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions |
 
 def inside_image(positions: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     """Which positions lie on the image, its outermost pixels whole."""
-    row, col = positions.T
-    return np.asarray((row >= -0.5) & (row <= shape[0] - 0.5) & (col >= -0.5) & (col <= shape[1] - 0.5))
+    return np.asarray(((positions >= -0.5) & (positions <= np.array(shape) - 0.5)).all(axis=1))
 
 
 def allowed_by(positions: Array, regions: Regions | None) -> NDArray[np.bool_]:

@@ -214,7 +214,7 @@ class Engine:
         -------
         Forces
             As exactly as a step reckons them: pairs in single precision (2e-4 of a force of unit size), and what comes
-            from afar by a mesh, which serves for four steps (`coulomb.far_force` tells what that leaves out). A step
+            from afar by a mesh, which serves for four steps (`coulomb.mesh_force` tells what that leaves out). A step
             carries the force on by its change in the last two steps, eq. (15), and integrates the damping exactly;
             friction also takes the speed along the edge at once. None of this is a force.
         """

@@ -66,6 +66,6 @@ def start_scale(state: State, scale: int, regions: Regions | None) -> State:
         idle=0,
         quiet=0,
         reseedings=0,
-        far=None,
+        mesh=None,
         epsilon=float("nan"),
     )

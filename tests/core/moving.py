@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core import Parameters
-from cpm_core.dynamics.edge_contact import EdgeContact, contact_at
+from cpm_core.dynamics.edge_contact import EdgeContact
+from cpm_core.dynamics.edge_contact.plane import contact_at
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.particles.cell_list import build_cells
+from cpm_core.particles.cell_list.plane import build_cells
 
 Array = NDArray[np.float64]
 
@@ -17,8 +18,8 @@ LONELY = 8.0
 
 
 def survey(positions: Array, scale_field: ScaleField, distance: float) -> EdgeContact:
-    """How particles stand, with neighbours up to a distance."""
-    return EdgeContact(*contact_at(positions, scale_field), build_cells(positions, *scale_field.shape, distance))
+    """How particles stand, with neighbors up to a distance."""
+    return EdgeContact(*contact_at(positions, scale_field), build_cells(positions, scale_field.shape, distance))
 
 
 def even_scale_field(

@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Parameters, Regions
-from cpm_core.dynamics.deletion import deletion, thinned
-from cpm_core.dynamics.edge_contact import contact_at
-from cpm_core.dynamics.insertion import insertion, search_range
+from cpm_core.dynamics.deletion.plane import deletion, thinned
+from cpm_core.dynamics.edge_contact.plane import contact_at
+from cpm_core.dynamics.insertion import Search, search_range
+from cpm_core.dynamics.insertion.plane import insertion
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.numerics import parallel
@@ -167,7 +168,7 @@ def births_of(
         np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy() for mask in masks
     )
     contact = replace(survey(points, scale_field, search_range(asked)), on_edge=contact_at)
-    return insertion(contact, there, lookers, careful, scouts, scale_field, d_max, asked, turn)
+    return insertion(contact, Search(there, lookers, careful, scouts), scale_field, d_max, asked, turn)
 
 
 def births_between(scale_field, points, d_max=3.0, on_edge=True, d_min=2.0):

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles.cell_list import build_cells, cell_of, cells_around, row_of_cells
+from cpm_core.particles.cell_list import cell_of
+from cpm_core.particles.cell_list.plane import build_cells, cells_around, row_of_cells
 
 HEIGHT, WIDTH = 60, 45
 
@@ -38,7 +39,7 @@ def found_near(cells, y, x, radius):
 @settings(max_examples=80, deadline=None)
 @given(clouds, sizes)
 def test_every_particle_is_sorted_in_once_and_into_its_own_cell(points, size):
-    cells = build_cells(points, HEIGHT, WIDTH, size)
+    cells = build_cells(points, (HEIGHT, WIDTH), size)
     assert sorted(cells.order.tolist()) == list(range(len(points)))
     np.testing.assert_array_equal(np.stack([cells.y, cells.x], axis=1), points[cells.order])
     assert (cells.start[0], cells.start[-1]) == (0, len(points))
@@ -50,7 +51,7 @@ def test_every_particle_is_sorted_in_once_and_into_its_own_cell(points, size):
 @settings(max_examples=80, deadline=None)
 @given(clouds, sizes)
 def test_particles_of_one_cell_keep_their_order(points, size):
-    cells = build_cells(points, HEIGHT, WIDTH, size)
+    cells = build_cells(points, (HEIGHT, WIDTH), size)
     for first, last in zip(cells.start[:-1], cells.start[1:], strict=True):
         assert np.all(np.diff(cells.order[first:last]) > 0)
 
@@ -58,7 +59,7 @@ def test_particles_of_one_cell_keep_their_order(points, size):
 @settings(max_examples=100, deadline=None)
 @given(clouds, sizes, st.tuples(st.floats(-9.0, 70.0), st.floats(-9.0, 55.0)), st.floats(0.0, 30.0))
 def test_all_within_a_radius_lie_in_the_rows_found_and_nobody_twice(points, size, place, radius):
-    cells = build_cells(points, HEIGHT, WIDTH, size)
+    cells = build_cells(points, (HEIGHT, WIDTH), size)
     found = found_near(cells, *place, radius)
     assert len(set(found)) == len(found)
     near = np.flatnonzero(np.hypot(*(points - place).T) <= radius)
@@ -73,7 +74,7 @@ def test_all_nearer_than_the_side_of_a_cell_lie_in_the_cells_around(points, size
     if not len(points):
         return
     place = points[which % len(points)]
-    cells = build_cells(points, HEIGHT, WIDTH, size)
+    cells = build_cells(points, (HEIGHT, WIDTH), size)
     row, col = cell_of(place[0], size, cells.rows), cell_of(place[1], size, cells.cols)
     for i in np.flatnonzero(np.hypot(*(points - place).T) < size):
         assert abs(cell_of(points[i, 0], size, cells.rows) - row) <= 1
@@ -83,7 +84,7 @@ def test_all_nearer_than_the_side_of_a_cell_lie_in_the_cells_around(points, size
 @pytest.mark.parametrize("size", [0.5, 1.0, 3.7, 60.0, 1e3])
 def test_the_rim_of_the_image_has_cells_and_beyond_it_are_the_outermost(size):
     corners = np.array([(-0.5, -0.5), (HEIGHT - 0.5, WIDTH - 0.5)])
-    cells = build_cells(corners, HEIGHT, WIDTH, size)
+    cells = build_cells(corners, (HEIGHT, WIDTH), size)
     assert [own_cell(corner, size) for corner in corners] == [(0, 0), (cells.rows - 1, cells.cols - 1)]
     for along in (cells.rows, cells.cols):
         assert cell_of(-1e6, size, along) == 0
@@ -94,7 +95,7 @@ def test_the_rim_of_the_image_has_cells_and_beyond_it_are_the_outermost(size):
 
 
 def test_an_empty_image_has_empty_cells():
-    cells = build_cells(np.zeros((0, 2)), HEIGHT, WIDTH, 4.0)
+    cells = build_cells(np.zeros((0, 2)), (HEIGHT, WIDTH), 4.0)
     assert (cells.rows, cells.cols) == (16, 12)
     assert not cells.start.any()
     assert len(cells.order) == len(cells.y) == len(cells.x) == 0

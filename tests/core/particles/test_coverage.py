@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles.coverage import cover, idle_at, no_coverage, renewed
+from cpm_core.particles.coverage import no_coverage, renewed
+from cpm_core.particles.coverage.plane import cover, idle_at
 
 SHAPE = (50, 38)
 SIDE = 4.0

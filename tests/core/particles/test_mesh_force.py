@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles.coulomb.mesh_force import NOTHING_FAR, far_at, far_force, nodes, spline
+from cpm_core.particles.coulomb.mesh_force import nodes, spline
+from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force, mesh_force_at
 
 from ..moving import coulomb, offsets
 
@@ -20,16 +21,17 @@ many of which are nearer than that (seen: 0.021)."""
 
 def whole_force(points, shape=SHAPE, reach=REACH):
     """What the mesh carries, and for pairs within the reach what it leaves out."""
-    far = far_force(points, shape, reach)
+    mesh = mesh_force(points, shape, reach)
     apart, distance = offsets(points)
-    a, b, c = far.bend.astype(float)
+    a, b, c = mesh.softening.astype(float)
     with np.errstate(over="ignore", invalid="ignore"):
         left_out = np.where(distance < reach, distance**-3.0 - (a + b * distance**2 + c * distance**4), 0.0)
-    return (left_out[..., None] * apart).sum(axis=1) + smooth_force(far, points)
+    return (left_out[..., None] * apart).sum(axis=1) + smooth_force(mesh, points)
 
 
-def smooth_force(far, points):
-    return np.array([far_at(far.force, (y - far.top) / far.pitch, (x - far.left) / far.pitch) for y, x in points])
+def smooth_force(mesh, points):
+    places = (points - np.array(mesh.first)) / mesh.pitch
+    return np.array([mesh_force_at(mesh.force, down, right) for down, right in places])
 
 
 def error(points, shape=SHAPE, reach=REACH):
@@ -93,30 +95,30 @@ def test_mirrored_particles_have_mirrored_forces(axis, shape):
     points = cloud(80, 1, shape)
     mirrored = points.copy()
     mirrored[:, axis] = shape[axis] - 1.0 - points[:, axis]
-    force = smooth_force(far_force(points, shape, REACH), points)
+    force = smooth_force(mesh_force(points, shape, REACH), points)
     force[:, axis] *= -1.0
-    other = smooth_force(far_force(mirrored, shape, REACH), mirrored)
+    other = smooth_force(mesh_force(mirrored, shape, REACH), mirrored)
     np.testing.assert_allclose(other, force, rtol=0, atol=3e-6 * len(points))
 
 
 def test_transposed_particles_have_transposed_forces():
     points = cloud(80, 2)
-    force = smooth_force(far_force(points, SHAPE, REACH), points)
-    other = smooth_force(far_force(points[:, ::-1].copy(), SHAPE[::-1], REACH), points[:, ::-1])
+    force = smooth_force(mesh_force(points, SHAPE, REACH), points)
+    other = smooth_force(mesh_force(points[:, ::-1].copy(), SHAPE[::-1], REACH), points[:, ::-1])
     np.testing.assert_allclose(other[:, ::-1], force, rtol=0, atol=3e-6 * len(points))
 
 
 def test_forces_add_up_particle_by_particle():
     points, places = cloud(12, 3), cloud(30, 4)
-    together = smooth_force(far_force(points, SHAPE, REACH), places)
-    alone = sum(smooth_force(far_force(one[None], SHAPE, REACH), places) for one in points)
+    together = smooth_force(mesh_force(points, SHAPE, REACH), places)
+    alone = sum(smooth_force(mesh_force(one[None], SHAPE, REACH), places) for one in points)
     np.testing.assert_allclose(together, alone, rtol=0, atol=1e-5)
 
 
 def test_momentum_is_conserved_to_single_precision():
     """What one particle does to the others they do to it: the smooth forces add up to nothing."""
     points = cloud(300, 5)
-    force = smooth_force(far_force(points, SHAPE, REACH), points)
+    force = smooth_force(mesh_force(points, SHAPE, REACH), points)
     assert np.abs(force.sum(axis=0)).max() < 1e-4 * np.abs(force).sum()
 
 
@@ -136,42 +138,42 @@ def test_all_charge_is_seen_from_far_away():
     """A heap of particles at one end pushes at the other like one particle of their whole charge, to the digits that
     single precision leaves beside what the heap does to itself."""
     heap = np.array([10.0, 10.0]) + np.random.default_rng(6).uniform(-0.5, 0.5, (200, 2))
-    (force,) = smooth_force(far_force(heap, SHAPE, REACH), np.array([(110.0, 140.0)]))
+    (force,) = smooth_force(mesh_force(heap, SHAPE, REACH), np.array([(110.0, 140.0)]))
     truth = coulomb(np.concatenate([heap, [(110.0, 140.0)]]))[-1]
     np.testing.assert_allclose(force, truth, rtol=0, atol=1e-6 * len(heap))
     assert np.hypot(*truth) > 30.0 * 1e-6 * len(heap)
 
 
 @pytest.mark.parametrize("reach", [3.0, 10.0, 70.0])
-def test_bend_meets_the_inverse_square_with_two_derivatives_at_the_reach(reach):
-    a, b, c = far_force(cloud(1, 0), SHAPE, reach).bend.astype(float)
-    bent = np.polynomial.Polynomial([0.0, a, 0.0, b, 0.0, c])
+def test_softening_meets_the_inverse_square_with_two_derivatives_at_the_reach(reach):
+    a, b, c = mesh_force(cloud(1, 0), SHAPE, reach).softening.astype(float)
+    soft = np.polynomial.Polynomial([0.0, a, 0.0, b, 0.0, c])
     inverse_square = [reach**-2.0, -2.0 * reach**-3.0, 6.0 * reach**-4.0]
-    found = [bent(reach), bent.deriv()(reach), bent.deriv(2)(reach)]
+    found = [soft(reach), soft.deriv()(reach), soft.deriv(2)(reach)]
     np.testing.assert_allclose(found, inverse_square, rtol=1e-5)
     inside = np.linspace(0.0, reach, 50)[1:-1]
-    assert np.all(bent(inside) < inside**-2.0)
-    assert np.all(bent(inside) >= 0.0)
+    assert np.all(soft(inside) < inside**-2.0)
+    assert np.all(soft(inside) >= 0.0)
 
 
-def test_without_a_mesh_nothing_is_bent_or_left_out():
-    assert not NOTHING_FAR.bend.any()
-    assert NOTHING_FAR.reach == np.inf
-    assert len(NOTHING_FAR.force) == 0
+def test_without_a_mesh_nothing_is_softened_or_left_out():
+    assert not NO_MESH.softening.any()
+    assert NO_MESH.reach == np.inf
+    assert len(NO_MESH.force) == 0
 
 
 def test_same_particles_same_bits():
     points = cloud(200, 7)
-    assert far_force(points, SHAPE, REACH).force.tobytes() == far_force(points, SHAPE, REACH).force.tobytes()
+    assert mesh_force(points, SHAPE, REACH).force.tobytes() == mesh_force(points, SHAPE, REACH).force.tobytes()
 
 
 def test_nobody_exerts_no_force():
-    assert not far_force(np.zeros((0, 2)), SHAPE, REACH).force.any()
+    assert not mesh_force(np.zeros((0, 2)), SHAPE, REACH).force.any()
 
 
 def test_more_pixels_or_a_smaller_reach_need_more_nodes():
     """The nodes are those of twice the mesh along both axes, so that no particle sees another one around the rim."""
-    mesh = far_force(cloud(1, 0), SHAPE, REACH).force.shape
+    mesh = mesh_force(cloud(1, 0), SHAPE, REACH).force.shape
     assert nodes(SHAPE, REACH) == 4 * mesh[0] * mesh[1]
     assert nodes((242, 300), REACH) > 3 * nodes(SHAPE, REACH)
     assert nodes(SHAPE, 0.5 * REACH) > 3 * nodes(SHAPE, REACH)
