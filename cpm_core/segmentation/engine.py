@@ -30,7 +30,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import no_coverage
-from cpm_core.particles.starting_points import starting_points
+from cpm_core.particles.initialization import starting_points
 from cpm_core.particles.state import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation import interventions

@@ -13,7 +13,7 @@ from cpm_core.image.pyramid import to_scale
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.particles.coverage import renewed, renewed_near
-from cpm_core.particles.starting_points import allowed_by, starting_points
+from cpm_core.particles.initialization import allowed_by, starting_points
 from cpm_core.particles.state import State
 
 Chosen = NDArray[np.bool_] | Callable[[Array], ArrayLike]

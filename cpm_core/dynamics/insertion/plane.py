@@ -131,10 +131,7 @@ def _find_places(
     first: int,
     last: int,
 ) -> None:
-    """Let some of the sorted particles look for places, as if no others did; each offers some.
-
-    Those that are present are given in the order of the cells.
-    """
+    """Let some of the sorted particles look for places, as if no others did; `present` is in their order."""
     # a wider range holds more of them
     most = min(int(_MOST_NEAR * max(1.0, rule.range / (_NEAR_RANGE * rule.d_min)) ** 2), len(cells.order) + 1)
     near_y, near_x, index = np.empty(most + 1), np.empty(most + 1), np.empty(most + 1, np.int64)
