@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cpm_core import Parameters
 from cpm_core.dynamics.edge_contact.plane import contact_at
 from cpm_core.dynamics.equations import damped_series, damping, is_stuck, repulsion_left
-from cpm_core.dynamics.integrator import Moved
+from cpm_core.dynamics.integrator import Moved, is_asleep, plane
 from cpm_core.dynamics.integrator.plane import mesh_force_for, move
 from cpm_core.field.scale_field import GATE, build_scale_field
 from cpm_core.numerics import parallel
@@ -19,6 +19,7 @@ from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force
 from cpm_core.particles.state import MEMORY, Particles
 
 from ..moving import coulomb, even_scale_field, repulsion, spacing, survey
+from ..moving import crowds as crowded
 
 SHAPE = (70, 90)
 LORENTZ = (0.6, -0.8)
@@ -44,20 +45,62 @@ def force_truth(points, parameters=DEFAULT, left=1.0, lorentz=LORENTZ):
 
 
 def cloud(count, seed=0, shape=SHAPE):
-    return np.random.default_rng(seed).uniform(-0.5, np.array(shape) - 0.5, (count, 2))
+    return np.random.default_rng(seed).uniform(-0.5, np.array(shape) - 0.5, (count, len(shape)))
 
 
 def without_off_edge(points, seed=0, speed=0.5):
     """Particles that have been there for long, with motion and history."""
     rng = np.random.default_rng(seed)
-    count = len(points)
+    count, dimension = np.shape(points)
     return Particles(
         np.array(points, dtype=float),
-        speed * rng.normal(size=(count, 2)),
-        rng.normal(size=(count, 2, 2)),
+        speed * rng.normal(size=(count, dimension)),
+        rng.normal(size=(count, 2, dimension)),
         rng.uniform(20.0, 50.0, (count, MEMORY)),
         np.arange(count),
     )
+
+
+@pytest.mark.parametrize(("kernels", "shape"), [pytest.param(plane, (35, 45), id="plane")])
+class TestIntegrator:
+    """What holds for a step in any dimension."""
+
+    def stepped(self, kernels, shape, before, idle, parameters, lorentz, mesh=None):
+        scale_field = even_scale_field(shape, tuple(lorentz))
+        mesh = kernels.mesh_force_for(before, idle, scale_field, parameters) if mesh is None else mesh
+        return kernels.move(before, idle, mesh, scale_field, parameters)
+
+    @settings(max_examples=40, deadline=None)
+    @given(seed=st.integers(0, 10**6), beta=st.sampled_from([0.0, 0.8]), w1=st.sampled_from([0.4, 1.6]))
+    def test_a_step_is_eq_12_14_and_15_under_the_force_of_all_pairs(self, kernels, shape, seed, beta, w1):
+        """Where the Lorentz force is of unit size, and there is no friction; each with its own steps without news."""
+        rng, parameters = np.random.default_rng(seed), Parameters(beta=beta, w1=w1, time_step=0.3)
+        before = without_off_edge(crowded(shape, seed), seed)
+        idle, lorentz = rng.integers(0, 90, len(before)), rng.normal(size=len(shape))
+        lorentz /= np.linalg.norm(lorentz)
+        after = self.stepped(kernels, shape, before, idle, parameters, lorentz)
+        left = np.array([repulsion_left(steps) for steps in idle])
+        force = force_truth(before.position, parameters, left, lorentz)
+        np.testing.assert_allclose(after.particles.force[:, 0], force, rtol=0, atol=SINGLE)
+        np.testing.assert_array_equal(after.particles.force[:, 1], before.force[:, 0])
+        keep, one, two, three = np.array([damped_series(damping(beta, steps) * 0.3) for steps in idle]).T[..., None]
+        force, (last, older), v = after.particles.force[:, 0], before.force.swapaxes(0, 1), before.velocity
+        slope = (3.0 * force - 4.0 * last + older) / 0.6
+        position = before.position + 0.3 * one * v + 0.09 * two * force + 0.027 * three * slope
+        np.testing.assert_allclose(after.particles.position, position, atol=1e-12)
+        np.testing.assert_allclose(
+            after.particles.velocity, keep * v + 0.3 * one * force + 0.09 * two * slope, atol=1e-12
+        )
+        np.testing.assert_allclose(after.motion, np.linalg.norm(position - before.position, axis=1), atol=1e-12)
+
+    def test_those_asleep_stay_and_no_others(self, kernels, shape):
+        before, idle = without_off_edge(cloud(80, 1, shape), speed=0.0), np.repeat([20, 100], 40)
+        before.velocity[::3] = 0.01
+        before.distance[::5, -1] = np.nan
+        asleep = is_asleep(before, idle)
+        np.testing.assert_array_equal(asleep, (idle == 100) & (np.arange(80) % 3 > 0) & (np.arange(80) % 5 > 0))
+        after = self.stepped(kernels, shape, before, idle, DEFAULT, np.eye(len(shape))[0])
+        np.testing.assert_array_equal(after.motion == 0.0, asleep)
 
 
 coordinate = st.integers(-4, 69 * 8 + 4).map(lambda n: n / 8.0)

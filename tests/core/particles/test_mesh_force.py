@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles.coulomb.mesh_force import nodes, spline
+from cpm_core.particles.coulomb.mesh_force import nodes, plane, spline
 from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force, mesh_force_at
 
 from ..moving import coulomb, offsets
@@ -19,14 +19,18 @@ CURVES, CROWDS = 0.008, 0.03
 many of which are nearer than that (seen: 0.021)."""
 
 
-def whole_force(points, shape=SHAPE, reach=REACH):
-    """What the mesh carries, and for pairs within the reach what it leaves out."""
-    mesh = mesh_force(points, shape, reach)
+def left_out(mesh, points):
+    """What the mesh leaves out of the force of pairs within the reach."""
     apart, distance = offsets(points)
+    near = np.where(distance < mesh.reach, distance, 1.0)
     a, b, c = mesh.softening.astype(float)
-    with np.errstate(over="ignore", invalid="ignore"):
-        left_out = np.where(distance < reach, distance**-3.0 - (a + b * distance**2 + c * distance**4), 0.0)
-    return (left_out[..., None] * apart).sum(axis=1) + smooth_force(mesh, points)
+    weight = np.where(distance < mesh.reach, near**-3.0 - (a + b * near**2 + c * near**4), 0.0)
+    return (weight[..., None] * apart).sum(axis=1)
+
+
+def whole_force(points, shape=SHAPE, reach=REACH):
+    mesh = mesh_force(points, shape, reach)
+    return left_out(mesh, points) + smooth_force(mesh, points)
 
 
 def smooth_force(mesh, points):
@@ -49,7 +53,47 @@ def on_line(angle):
 
 
 def cloud(count, seed, shape=SHAPE):
-    return np.random.default_rng(seed).uniform(-0.5, np.array(shape) - 0.5, (count, 2))
+    return np.random.default_rng(seed).uniform(-0.5, np.array(shape) - 0.5, (count, len(shape)))
+
+
+@pytest.mark.parametrize(("kernels", "shape"), [pytest.param(plane, (63, 64), id="plane")])
+class TestMeshForce:
+    """What holds for the force by way of a mesh in any dimension."""
+
+    def smooth(self, kernels, mesh, points):
+        places = (points - np.array(mesh.first)) / mesh.pitch
+        return np.array([kernels.mesh_force_at(mesh.force, *place) for place in places])
+
+    @settings(max_examples=20, deadline=None)
+    @given(seed=st.integers(0, 10**6), reach=st.floats(3.0, 40.0))
+    def test_with_the_near_pairs_it_is_the_sum_over_all_pairs(self, kernels, shape, seed, reach):
+        """Also in the corners: what each particle adds to the error is at most 0.2 / reach^2."""
+        corners = np.stack(np.meshgrid(*[(-0.5, n - 0.5) for n in shape]), axis=-1).reshape(-1, len(shape))
+        points = np.concatenate([cloud(30, seed, shape), corners])
+        mesh = kernels.mesh_force(points, shape, reach)
+        force = left_out(mesh, points) + self.smooth(kernels, mesh, points)
+        assert np.linalg.norm(force - coulomb(points), axis=1).max() < 0.2 * len(points) / reach**2
+
+    def test_forces_add_up_particle_by_particle(self, kernels, shape):
+        points, places = cloud(12, 3, shape), cloud(30, 4, shape)
+        meshes = [kernels.mesh_force(some, shape, REACH) for some in (points, *points[:, None])]
+        together, *alone = (self.smooth(kernels, mesh, places) for mesh in meshes)
+        np.testing.assert_allclose(together, sum(alone), rtol=0, atol=1e-5)
+
+    def test_momentum_is_conserved_to_single_precision(self, kernels, shape):
+        """What one particle does to the others they do to it: the smooth forces add up to nothing."""
+        points = cloud(300, 5, shape)
+        force = self.smooth(kernels, kernels.mesh_force(points, shape, REACH), points)
+        assert np.abs(force.sum(axis=0)).max() < 1e-4 * np.abs(force).sum()
+
+    @pytest.mark.parametrize("axis", [0, -1])
+    def test_mirrored_particles_have_mirrored_forces(self, kernels, shape, axis):
+        points = cloud(80, 1, shape)
+        mirrored = points.copy()
+        mirrored[:, axis] = shape[axis] - 1.0 - points[:, axis]
+        force, other = (self.smooth(kernels, kernels.mesh_force(p, shape, REACH), p) for p in (points, mirrored))
+        force[:, axis] *= -1.0
+        np.testing.assert_allclose(other, force, rtol=0, atol=3e-6 * len(points))
 
 
 @pytest.mark.parametrize(
@@ -74,31 +118,10 @@ def test_error_falls_with_the_square_of_the_scale(factor):
     assert error(points, (pixels, pixels), factor * REACH) < CROWDS / factor**2
 
 
-@settings(max_examples=30, deadline=None)
-@given(st.integers(0, 10**6), st.tuples(st.integers(16, 90), st.integers(16, 90)), st.floats(3.0, 40.0))
-def test_error_is_bounded_for_any_image_and_reach(seed, shape, reach):
-    """Also on the rim: what each particle adds to it is at most 0.2 / reach^2."""
-    corners = np.array([(-0.5, -0.5), (shape[0] - 0.5, -0.5), (-0.5, shape[1] - 0.5), np.array(shape) - 0.5])
-    points = np.concatenate([cloud(30, seed, shape), corners])
-    assert error(points, shape, reach) < 0.2 * len(points) / reach**2
-
-
 def test_one_particle_hardly_pushes_itself():
     """Wherever it stands between the nodes."""
     for place in np.random.default_rng(0).uniform(30.0, 90.0, (50, 2)):
         assert error(place[None]) < 0.5 * CURVES
-
-
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.parametrize("shape", [(60, 45), (121, 150), (64, 64)])
-def test_mirrored_particles_have_mirrored_forces(axis, shape):
-    points = cloud(80, 1, shape)
-    mirrored = points.copy()
-    mirrored[:, axis] = shape[axis] - 1.0 - points[:, axis]
-    force = smooth_force(mesh_force(points, shape, REACH), points)
-    force[:, axis] *= -1.0
-    other = smooth_force(mesh_force(mirrored, shape, REACH), mirrored)
-    np.testing.assert_allclose(other, force, rtol=0, atol=3e-6 * len(points))
 
 
 def test_transposed_particles_have_transposed_forces():
@@ -106,20 +129,6 @@ def test_transposed_particles_have_transposed_forces():
     force = smooth_force(mesh_force(points, SHAPE, REACH), points)
     other = smooth_force(mesh_force(points[:, ::-1].copy(), SHAPE[::-1], REACH), points[:, ::-1])
     np.testing.assert_allclose(other[:, ::-1], force, rtol=0, atol=3e-6 * len(points))
-
-
-def test_forces_add_up_particle_by_particle():
-    points, places = cloud(12, 3), cloud(30, 4)
-    together = smooth_force(mesh_force(points, SHAPE, REACH), places)
-    alone = sum(smooth_force(mesh_force(one[None], SHAPE, REACH), places) for one in points)
-    np.testing.assert_allclose(together, alone, rtol=0, atol=1e-5)
-
-
-def test_momentum_is_conserved_to_single_precision():
-    """What one particle does to the others they do to it: the smooth forces add up to nothing."""
-    points = cloud(300, 5)
-    force = smooth_force(mesh_force(points, SHAPE, REACH), points)
-    assert np.abs(force.sum(axis=0)).max() < 1e-4 * np.abs(force).sum()
 
 
 @settings(max_examples=100, deadline=None)
