@@ -1,14 +1,14 @@
 """Kinetic and potential energy of the particles: what the damping takes out of a run until it is at rest.
 
-The forces of the model are normalised and have no potential of their own. Its energy is reckoned by the potentials that
-they come from, in their measure:
+The forces of the model are normalized and have no potential of their own. Its energy is computed from the potentials
+that they come from, in their measure:
 
 - The Lorentz force has unit size away from edges, however steep the potential of the fixed charges is there: it counts
   in units of its mean slope, so that it pulls with w2 on average. That of placed charges is exact, but for the cut of
   their sum.
 - The Coulomb force of two particles ``d_min`` apart is half of w1: a pair counts as ``0.5 w1 d_min^2 (1/r - 1/R)``, up
-  to the distance ``R = d_min + d_max`` to which particles have neighbours. Farther ones make little difference, since
-  the force on a particle is scaled by the distance to its neighbours.
+  to the distance ``R = d_min + d_max`` to which particles have neighbors. Farther ones make little difference, since
+  the force on a particle is scaled by the distance to its neighbors.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def energies(state: State, scale_field: ScaleField, parameters: Parameters) -> E
     state : State
         With the placed charges that count.
     scale_field : ScaleField
-        What is felt at its scale, without placed charges.
+        Fields of its scale, without placed charges.
     parameters : Parameters
         For the weights, `d_min` and `d_max`.
     """

@@ -18,7 +18,7 @@ from cpm_core.particles.state import State
 
 _NO_EDGES = np.zeros((2, 2, 5), np.float32)
 _NO_EDGES[..., 0] = 1.0
-"""What is felt where there is no edge, hence no friction, and the Lorentz force is one downwards."""
+"""Packed field where there is no edge, hence no friction, and the Lorentz force is one downwards."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -61,7 +61,7 @@ def forces(
     state : State
         As the next step takes it up.
     scale_field, charged : ScaleField
-        What is felt at its scale, without the placed charges and with them.
+        Fields of its scale, without the placed charges and with them.
     idle : ndarray of int64, shape (N,)
         Steps since cells around each particle were newly covered.
     parameters : Parameters

@@ -41,7 +41,7 @@ def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> 
     Parameters
     ----------
     center : tuple of float
-        Centre (row, col) [px].
+        Center (row, col) [px].
     radius : float
         Radius [px].
     spacing : float
@@ -55,7 +55,7 @@ def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> 
     Raises
     ------
     ValueError
-        When radius or spacing is not a positive number, or the centre is not finite.
+        When radius or spacing is not a positive number, or the center is not finite.
     """
     if not np.isfinite(center).all() or len(center) != 2:
         raise ValueError(f"center is {center!r} but must be two finite numbers, (row, col).")
@@ -205,7 +205,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     smoothing : float
         Gaussian before the gradient [px]; more of it passes over finer detail.
     spacing : float
-        Of two centres no further apart than this, along each axis, only the stronger stays [px].
+        Of two centers no further apart than this, along each axis, only the stronger stays [px].
 
     Returns
     -------
@@ -219,7 +219,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     """
     image = np.asarray(values, dtype=float)
     if image.ndim != 2:
-        raise ValueError(f"the image has {image.ndim} dimensions but must have 2 to look for centres of divergence.")
+        raise ValueError(f"the image has {image.ndim} dimensions but must have 2 to look for centers of divergence.")
     _positive("spacing", spacing)
     if not (np.isfinite(smoothing) and smoothing >= 0):
         raise ValueError(f"smoothing is {smoothing:g} but must be 0 or more.")

@@ -114,11 +114,11 @@ def undamped_force(
     mesh : MeshForce
         Smooth part of the Coulomb force.
     packed : ndarray of float32, shape (H, W, 5)
-        What is felt on the pixels; see `ScaleField`.
+        Packed field on the pixels; see `ScaleField`.
     shape : tuple of int
         Shape of the image at the scale.
     parameters : Parameters
-        Weights, and what the Coulomb force is normalised by.
+        Weights, and what the Coulomb force is normalized by.
 
     Returns
     -------

@@ -48,7 +48,7 @@ def coulomb_force(
     Returns
     -------
     ndarray, shape (N, 2) or (M, 2)
-        ``sum_j (r_i - r_j) / |r_i - r_j|^3``, not normalised. Particles on the very same spot do not act on each other;
+        ``sum_j (r_i - r_j) / |r_i - r_j|^3``, not normalized. Particles on the very same spot do not act on each other;
         as such count those that are nearer to one another than 1e-18 of what all of them extend over.
 
     Raises

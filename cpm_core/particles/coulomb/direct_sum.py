@@ -55,7 +55,7 @@ def _sum_pairs(y: Array, x: Array, targets: Index, single: bool, first: int, las
 
 @compiled
 def pairs_of(y: Array, x: Array, y_i: float, x_i: float, single: bool) -> tuple[float, float]:
-    """Eq. (9) for a particle at (y_i, x_i) and others, which may be told in any unit of length and include itself."""
+    """Eq. (9) for a particle at (y_i, x_i) and others, which may be given in any unit of length and include itself."""
     if single:
         one = np.float32(1.0)
         s_y, s_x = one - one, one - one
