@@ -17,7 +17,7 @@ from app.session.features.truth_comparison import GroundTruth
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Mark, Neighbourhood, ReviewedContour, Verdict, anchor, reviewed
+from cpm_core.contours.review import Mark, Neighborhood, ReviewedContour, Verdict, anchor, reviewed
 from cpm_core.numerics.types import Position
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ class ContourReview(QObject):
         self._tracked: TrackedContours | None = None
         self._marks: tuple[Mark, ...] = ()
         self._by_key: dict[int, Item] = {}
-        self._around: Neighbourhood | None = None
+        self._around: Neighborhood | None = None
         self.truth = GroundTruth(session, self)
         session.surveyed.connect(self._use_tracked)
         session.document_changed.connect(self._use_document)
@@ -121,7 +121,7 @@ class ContourReview(QObject):
     def under(self, place: Position, reach: float) -> int | None:
         """Key of the contour nearest to a place (row, col) within `reach` [px], as far as it is seen."""
         if self._around is None:
-            self._around = Neighbourhood([item.contour for item in self.items])
+            self._around = Neighborhood([item.contour for item in self.items])
         near = (self.items[index] for index, _ in self._around.passing(place, reach))
         return next((item.key for item in near if self.rejected_seen or not item.reviewed.rejected), None)
 

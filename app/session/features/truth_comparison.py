@@ -15,7 +15,8 @@ from app.session.exchange.latest_only import Latest
 from app.session.exchange.messages import Report
 from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, load_truth
+from cpm_core.contours.ground_truth import Truth
+from cpm_core.formats.ground_truth_file import load_truth
 
 if TYPE_CHECKING:
     from app.session.features.contour_review import ContourReview
