@@ -12,7 +12,7 @@ The model on one page
    linearly through zero (`level`).
 3. The **particles**, all of one positive charge, repel one another: the **Coulomb force** F_c, eq. (9)
    (`coulomb_force`), scaled by the local spacing and cut at one. Where a run has many of them, near pairs are summed at
-   every step, and a mesh, made anew every few steps, carries what comes from afar (`far_force`).
+   every step, and a mesh, made anew every few steps, carries what comes from afar (`mesh_force`).
 4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), the last term being the **damping**; one **step** advances
    them by eq. (14)-(15) (`dynamics`, `motion`). Who leaves the image is removed.
 5. **Insertion**: two neighbours at rest on an edge, d_min < d <= d_min + d_max apart, get a particle between them if

@@ -1,6 +1,7 @@
 """The laws of motion of a particle: total force of eq. (12) and one step of eq. (14)-(15).
 
-All of them are compiled, of single numbers, for the loop in `motion` that applies them to every particle.
+All of them are compiled, of single numbers, for the loop in `integrator` that applies them to every particle, in any
+number of dimensions.
 """
 
 from __future__ import annotations
@@ -10,15 +11,15 @@ import numpy as np
 from cpm_core.numerics.jit import compiled
 
 _SOFTNESS = 0.5
-"""Slope of the normalised Coulomb force near equilibrium; with it the stiffest mode of a chain of particles, neighbours
+"""Slope of the normalized Coulomb force near equilibrium; with it the stiffest mode of a chain of particles, neighbors
 moving against each other, stays within what the integrator keeps stable at the default time step."""
 
 _STICTION, _STICTION_GROWTH = 0.25, 0.02
 """Force along an edge, as a fraction of w1, that a particle at rest on it withstands, and how much more of it for each
-step since particles last reached new ground."""
+step since cells were last newly covered."""
 
 _FADING = 0.04
-"""Fraction of the repulsion that goes with each step since particles last reached new ground."""
+"""Fraction of the repulsion that goes with each step since cells were last newly covered."""
 
 _COOLING, _LONGEST_COOLING, _LEAST_DAMPING = 12.0, 200.0, 0.1
 """Steps after which damping has doubled once the repulsion is gone, those for which it goes on doubling, and what it
@@ -35,17 +36,17 @@ _STUCK_SPEED = 0.3
 
 
 @compiled
-def normalised_coulomb(force_y: float, force_x: float, spacing: float, d_min: float) -> tuple[float, float]:
-    """Coulomb force of unit size on a sparse front, falling linearly to zero near equilibrium.
+def coulomb_scale(size: float, spacing: float, d_min: float) -> float:
+    """Factor that normalizes the Coulomb force: of unit size on a sparse front, falling to zero near equilibrium.
 
     The unit vector of the sum never rests: its direction flips around equilibrium. Scaled by the squared local spacing
-    the sum is a pure number, of order one on a particle with neighbours on one side only and small where they balance;
+    the sum is a pure number, of order one on a particle with neighbors on one side only and small where they balance;
     only what exceeds one is cut.
 
     Parameters
     ----------
-    force_y, force_x : float
-        Sum of eq. (9).
+    size : float
+        Length of the sum of eq. (9).
     spacing : float
         Mean distance to the two nearest particles [px].
     d_min : float
@@ -53,27 +54,26 @@ def normalised_coulomb(force_y: float, force_x: float, spacing: float, d_min: fl
 
     Returns
     -------
-    float, float
-        Force of at most unit size.
+    float
+        What the sum is multiplied by, for a force of at most unit size.
     """
     scale = _SOFTNESS * spacing**2 * min(1.0, spacing / d_min)
-    size = np.sqrt(force_y**2 + force_x**2) * scale
-    scale /= max(1.0, size)
-    return force_y * scale, force_x * scale
+    scale /= max(1.0, size * scale)
+    return scale
 
 
 @compiled
 def repulsion_left(idle: int) -> float:
-    """Fraction of the Coulomb force that acts on a particle whose neighbourhood has stopped gaining ground.
+    """Fraction of the Coulomb force that acts on a particle with no newly covered cells around it for long.
 
-    As long as there is ground to gain the repulsion is whole. Afterwards it can only keep particles creeping, on edges
+    As long as coverage grows the repulsion is whole. Afterwards it can only keep particles creeping, on edges
     from bays to tips and in flight against those that already sit, and it is let fade, so that everything lands and
     rests.
 
     Parameters
     ----------
     idle : int
-        Steps since there was new ground around it.
+        Steps since cells around it were newly covered.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def damping(beta: float, idle: int) -> float:
     beta : float
         Damping coefficient of eq. (12).
     idle : int
-        Steps since there was new ground around it.
+        Steps since cells around it were newly covered.
 
     Returns
     -------
@@ -165,8 +165,8 @@ def is_stuck(pull: float, speed: float, w1: float, idle: int) -> bool:
     """Whether static friction holds a particle that sits on an edge: if it is slow and the force along the edge small.
 
     Like charges on a conductor the particles would go on creeping for ever from bays to tips; an equilibrium that keeps
-    the spacing within some ten percent from one neighbour to the next is all that a contour needs, and this makes it
-    one. Once the particles have stopped finding new ground, friction grows until all of them rest.
+    the spacing within some ten percent from one neighbor to the next is all that a contour needs, and this makes it
+    one. Once the particles have stopped covering new cells, friction grows until all of them rest.
 
     Parameters
     ----------
@@ -177,6 +177,6 @@ def is_stuck(pull: float, speed: float, w1: float, idle: int) -> bool:
     w1 : float
         Coulomb weight, the measure of the force.
     idle : int
-        Steps since there was new ground around it.
+        Steps since cells around it were newly covered.
     """
     return pull < (_STICTION + _STICTION_GROWTH * idle) * w1 and speed < _STUCK_SPEED

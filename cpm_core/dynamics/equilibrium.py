@@ -15,7 +15,7 @@ QUIET_STEPS = 20
 """Consecutive quiet steps that make rest."""
 
 IDLE_STEPS = 10
-"""Steps without new ground after which a coarser scale has told what it can."""
+"""Steps without newly covered cells after which a coarser scale has nothing more to give."""
 
 STILL = 0.02
 """Motion in a step under which a particle counts as still [px]."""
@@ -24,7 +24,7 @@ _CHURN = 0.002
 """Fraction of the particles that may move, be born or be deleted in a quiet step."""
 
 _NEWS = 0.003
-"""Fraction of the ground that a step must add to count as finding some."""
+"""Fraction of the coverage that a step must add to count as finding some."""
 
 
 def epsilon(distance: Array) -> float:
@@ -75,7 +75,7 @@ def is_quiet(epsilon: float, moving: int, changed: int, count: int) -> bool:
 
 
 def is_idle(new: int, coverage: int) -> bool:
-    """Whether a step found next to no new ground.
+    """Whether a step covered next to no new cells.
 
     Parameters
     ----------

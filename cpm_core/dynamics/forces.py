@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.dynamics.equations import FADED, LATEST, damping
-from cpm_core.dynamics.integrator import far_force_of, is_asleep, undamped_force
+from cpm_core.dynamics.integrator import is_asleep
+from cpm_core.dynamics.integrator.plane import mesh_force_of, undamped_force
 from cpm_core.field.plane import interpolate_felt
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Index
@@ -17,7 +18,7 @@ from cpm_core.particles.state import State
 
 _NO_EDGES = np.zeros((2, 2, 5), np.float32)
 _NO_EDGES[..., 0] = 1.0
-"""What is felt where there is no edge, hence no friction, and the Lorentz force is one downwards."""
+"""Packed field where there is no edge, hence no friction, and the Lorentz force is one downwards."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -60,9 +61,9 @@ def forces(
     state : State
         As the next step takes it up.
     scale_field, charged : ScaleField
-        What is felt at its scale, without the placed charges and with them.
+        Fields of its scale, without the placed charges and with them.
     idle : ndarray of int64, shape (N,)
-        Steps since there was new ground around each particle.
+        Steps since cells around each particle were newly covered.
     parameters : Parameters
         Of the next step.
     index : array_like of int, shape (M,)
@@ -70,17 +71,17 @@ def forces(
     """
     particles, which = state.particles, np.atleast_1d(np.asarray(index, dtype=np.int64))
     chosen = particles.taken(which)
-    far = far_force_of(state, idle, scale_field, parameters)
+    mesh = mesh_force_of(state, idle, scale_field, parameters)
     lorentz = parameters.w2 * interpolate_felt(scale_field.packed, chosen.position)
     placed = parameters.w2 * interpolate_felt(charged.packed, chosen.position) - lorentz
     coulomb = np.zeros_like(lorentz)
     feeling = np.flatnonzero(idle[which] < FADED)
     if len(feeling):
         coulomb[feeling] = undamped_force(
-            particles, which[feeling], idle, far, _NO_EDGES, scale_field.shape, parameters
+            particles, which[feeling], idle, mesh, _NO_EDGES, scale_field.shape, parameters
         )
         coulomb[feeling, 0] -= parameters.w2
-    applied = undamped_force(particles, which, idle, far, charged.packed, scale_field.shape, parameters)
+    applied = undamped_force(particles, which, idle, mesh, charged.packed, scale_field.shape, parameters)
     late, kinds = np.unique(np.minimum(idle[which], LATEST), return_inverse=True)
     beta = np.array([damping(parameters.beta, int(steps)) for steps in late])[kinds]
     damped = -beta[:, None] * chosen.velocity

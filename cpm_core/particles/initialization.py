@@ -1,4 +1,4 @@
-"""Where particles start: the shapes a person draws, and starts that need no drawing."""
+"""Where particles start: along shapes that a person draws, at starts that need no drawing, and where it is allowed."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
+from cpm_core.image.regions import Regions
 from cpm_core.numerics.polyline import lengths_along, places_at
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Mask
 
 _LEAST_ON_CIRCLE = 5
 
@@ -40,7 +41,7 @@ def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> 
     Parameters
     ----------
     center : tuple of float
-        Centre (row, col) [px].
+        Center (row, col) [px].
     radius : float
         Radius [px].
     spacing : float
@@ -54,7 +55,7 @@ def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> 
     Raises
     ------
     ValueError
-        When radius or spacing is not a positive number, or the centre is not finite.
+        When radius or spacing is not a positive number, or the center is not finite.
     """
     if not np.isfinite(center).all() or len(center) != 2:
         raise ValueError(f"center is {center!r} but must be two finite numbers, (row, col).")
@@ -202,7 +203,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     smoothing : float
         Gaussian before the gradient [px]; more of it passes over finer detail.
     spacing : float
-        Of two centres no further apart than this, along each axis, only the stronger stays [px].
+        Of two centers no further apart than this, along each axis, only the stronger stays [px].
 
     Returns
     -------
@@ -216,7 +217,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     """
     image = np.asarray(values, dtype=float)
     if image.ndim != 2:
-        raise ValueError(f"the image has {image.ndim} dimensions but must have 2 to look for centres of divergence.")
+        raise ValueError(f"the image has {image.ndim} dimensions but must have 2 to look for centers of divergence.")
     _positive("spacing", spacing)
     if not (np.isfinite(smoothing) and smoothing >= 0):
         raise ValueError(f"smoothing is {smoothing:g} but must be 0 or more.")
@@ -229,6 +230,45 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     rim = np.concatenate([strength[0], strength[-1], strength[:, 0], strength[:, -1]])
     cut = rim.max() > WEAKEST_EDGE * strength.max()
     return np.concatenate([centers, _inflow(direction)]) if cut else centers
+
+
+def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:
+    """Check where particles are to start, and leave out those that may not be there."""
+    points = np.asarray(seeds, dtype=float)
+    if points.size == 0:
+        raise ValueError("there are no particles to start with: draw a circle or click some points first.")
+    if points.ndim != 2 or points.shape[1] != len(shape):
+        raise ValueError(f"the starting particles have the shape {points.shape} but must be (N, {len(shape)}).")
+    if not np.isfinite(points).all():
+        wrong = int((~np.isfinite(points)).sum())
+        raise ValueError(f"{wrong} coordinates of the starting particles are not finite: leave those particles out.")
+    inside = inside_image(points, shape)
+    if not inside.any():
+        size = " x ".join(map(str, shape))
+        raise ValueError(
+            f"none of the {len(points)} starting particles lies inside the image ({size} pixels): draw inside it."
+        )
+    points = points[inside]
+    allowed = allowed_by(points, regions)
+    if not allowed.any():
+        raise ValueError(
+            f"none of the {len(points)} starting particles lies inside the regions of interest, clear of barriers: "
+            "draw inside them."
+        )
+    return points[allowed]
+
+
+def inside_image(positions: Array, shape: tuple[int, ...]) -> Mask:
+    """Which positions lie on the image, its outermost pixels whole."""
+    inside = np.ones(len(positions), np.bool_)
+    for along, x in zip(shape, positions.T, strict=True):
+        inside &= (x >= -0.5) & (x <= along - 0.5)
+    return inside
+
+
+def allowed_by(positions: Array, regions: Regions | None) -> Mask:
+    """Which positions [px of the image] lie in the regions of interest and on no barrier."""
+    return np.ones(len(positions), np.bool_) if regions is None else regions.allows(positions)
 
 
 def _inflow(direction: Array) -> Array:

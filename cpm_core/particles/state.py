@@ -12,8 +12,8 @@ from cpm_core.field.placed_charges import Charges
 from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
-from cpm_core.particles.coulomb.mesh_force import FAR_EVERY, FarForce
 from cpm_core.particles.coverage import Coverage
+from cpm_core.particles.mesh import MESH_EVERY, MeshForce
 
 MEMORY = 4
 """Steps T that eq. (23) looks back over."""
@@ -134,9 +134,9 @@ class State:
     scale : int
         0 is the image itself, 1 half its size, and so on.
     coverage : Coverage
-        When particles first sat on an edge in each cell of the scale.
-    far : FarForce or None
-        Far part of the Coulomb force, which serves for some steps; None before the first step of a scale.
+        When particles were first on an edge in each cell of the scale.
+    mesh : MeshForce or None
+        Smooth part of the Coulomb force, which serves for some steps; None before the first step of a scale.
     step : int
         Steps done in all.
     step_of_scale : int
@@ -164,7 +164,7 @@ class State:
     moving : int
         Particles that moved by more than `equilibrium.STILL` in the last step.
     idle : int
-        Consecutive steps that found next to no new ground at this scale.
+        Consecutive steps that covered next to no new cells at this scale.
     quiet : int
         Consecutive steps in which hardly anything moved, was born or was deleted.
     reseedings : int
@@ -180,7 +180,7 @@ class State:
     shape: tuple[int, ...]
     scale: int
     coverage: Coverage
-    far: FarForce | None = None
+    mesh: MeshForce | None = None
     step: int = 0
     step_of_scale: int = 0
     annealed: float = 1.0
@@ -221,20 +221,20 @@ class State:
         return sum(array.nbytes for array in whole.values())
 
     def light(self) -> State:
-        """Return this state without what the next step makes anew: the far force, when its time is over.
+        """Return this state without what the next step makes anew: the mesh, when its time is over.
 
-        It is made every `FAR_EVERY` steps of a scale, from where the particles are then. States whose `step_of_scale`
+        It is made every `MESH_EVERY` steps of a scale, from where the particles are then. States whose `step_of_scale`
         is a multiple of that do without it; others keep it, for between times it could not be made again. A step from
         a light state thus gives the same bits.
         """
-        return self if self.step_of_scale % FAR_EVERY else replace(self, far=None)
+        return self if self.step_of_scale % MESH_EVERY else replace(self, mesh=None)
 
     def _arrays(self) -> list[NDArray[Any]]:
-        particles, far = self.particles, self.far
+        particles, mesh = self.particles, self.mesh
         return [
             *(particles.position, particles.velocity, particles.force, particles.distance, particles.identity),
             *(self.start, self.coverage.found, self.coverage.latest),
-            *(() if far is None else (far.force, far.bend)),
+            *(() if mesh is None else (mesh.force, mesh.softening)),
         ]
 
     def resumed(self) -> State:

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.dynamics.edge_contact import contact_at
+from cpm_core.dynamics.edge_contact.plane import contact_at
 from cpm_core.dynamics.equations import FADED, LATEST
 from cpm_core.field.placed_charges import at_scale, placed_force, radius_at, within_reach
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
-from cpm_core.particles.coverage import idle_at
+from cpm_core.particles.coverage.plane import idle_at
 from cpm_core.particles.state import State
 from cpm_core.segmentation.enclosed_regions import RESEEDINGS, reseeding_places
 

@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.dynamics.deletion import deletion
+from cpm_core.dynamics.deletion.plane import deletion
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array

@@ -30,7 +30,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import no_coverage
-from cpm_core.particles.starting_points import starting_points
+from cpm_core.particles.initialization import starting_points
 from cpm_core.particles.state import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation import interventions
@@ -214,7 +214,7 @@ class Engine:
         -------
         Forces
             As exactly as a step reckons them: pairs in single precision (2e-4 of a force of unit size), and what comes
-            from afar by a mesh, which serves for four steps (`coulomb.far_force` tells what that leaves out). A step
+            from afar by a mesh, which serves for four steps (`coulomb.mesh_force` tells what that leaves out). A step
             carries the force on by its change in the last two steps, eq. (15), and integrates the damping exactly;
             friction also takes the speed along the edge at once. None of this is a force.
         """

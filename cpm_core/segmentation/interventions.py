@@ -13,7 +13,7 @@ from cpm_core.image.pyramid import to_scale
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.particles.coverage import renewed, renewed_near
-from cpm_core.particles.starting_points import allowed_by, starting_points
+from cpm_core.particles.initialization import allowed_by, starting_points
 from cpm_core.particles.state import State
 
 Chosen = NDArray[np.bool_] | Callable[[Array], ArrayLike]
@@ -30,7 +30,7 @@ def reactivated(state: State) -> State:
         idle=0,
         quiet=0,
         reseedings=0,
-        far=None,
+        mesh=None,
     )
 
 
@@ -60,9 +60,9 @@ def reactivated_near(state: State, charges: Charges) -> State:
     step, others = state.step_of_scale, changed(state.charges, charges)
     places = at_scale(others, state.scale, state.shape)[:, :2]
     coverage = renewed_near(state.coverage, places, REACH * 0.5**state.scale, step)
-    served = state.far is not None and len(state.far.force) > 0  # else everybody may have been asleep
-    far = state.far if served else None
-    return replace(state, charges=charges, coverage=coverage, annealed=1.0, reactivated=step, quiet=0, far=far)
+    served = state.mesh is not None and len(state.mesh.force) > 0  # else everybody may have been asleep
+    mesh = state.mesh if served else None
+    return replace(state, charges=charges, coverage=coverage, annealed=1.0, reactivated=step, quiet=0, mesh=mesh)
 
 
 def joined(state: State, seeds: ArrayLike, regions: Regions | None) -> State:
@@ -87,7 +87,7 @@ def erased(state: State, inside: Chosen) -> State:
         gone, start = _mask(inside, state.count, "particles"), state.start
     if not gone.any() and len(start) == len(state.start):
         return state
-    rest = replace(state, particles=state.particles.where(~gone), start=start, far=None, erased=True)
+    rest = replace(state, particles=state.particles.where(~gone), start=start, mesh=None, erased=True)
     return rest if rest.count else rest.stopped("all particles have been erased")
 
 

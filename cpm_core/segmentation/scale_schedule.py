@@ -11,7 +11,7 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.regions import Regions
 from cpm_core.particles.coverage import no_coverage
-from cpm_core.particles.starting_points import allowed_by, inside_image
+from cpm_core.particles.initialization import allowed_by, inside_image
 from cpm_core.particles.state import Particles, State
 from cpm_core.segmentation.completion import reseeded, without_off_edge, without_resting_off_edge
 
@@ -66,6 +66,6 @@ def start_scale(state: State, scale: int, regions: Regions | None) -> State:
         idle=0,
         quiet=0,
         reseedings=0,
-        far=None,
+        mesh=None,
         epsilon=float("nan"),
     )

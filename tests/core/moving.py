@@ -1,4 +1,4 @@
-"""Hand-made levels and the force of eq. (12) in double precision: what one compiled step is measured against."""
+"""Hand-made scale fields and the force of eq. (12) in double precision, in any dimension: the judges of the kernels."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core import Parameters
-from cpm_core.dynamics.edge_contact import EdgeContact, contact_at
+from cpm_core.dynamics.edge_contact import EdgeContact
+from cpm_core.dynamics.edge_contact.plane import contact_at
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.particles.cell_list import build_cells
+from cpm_core.particles.cell_list.plane import build_cells
 
 Array = NDArray[np.float64]
 
@@ -17,23 +18,25 @@ LONELY = 8.0
 
 
 def survey(positions: Array, scale_field: ScaleField, distance: float) -> EdgeContact:
-    """How particles stand, with neighbours up to a distance."""
-    return EdgeContact(*contact_at(positions, scale_field), build_cells(positions, *scale_field.shape, distance))
+    """How particles stand, with neighbors up to a distance."""
+    return EdgeContact(*contact_at(positions, scale_field), build_cells(positions, scale_field.shape, distance))
 
 
 def even_scale_field(
-    shape: tuple[int, int],
-    lorentz: tuple[float, float],
-    normal: tuple[float, float] = (0.0, 0.0),
+    shape: tuple[int, ...],
+    lorentz: tuple[float, ...],
+    normal: tuple[float, ...] | None = None,
     strength: float = 0.0,
     floor: float = 1.0,
 ) -> ScaleField:
-    """A level on which the Lorentz force, the gradient and the edge strength are the same everywhere."""
-    packed = np.zeros((*shape, 5), np.float32)
-    packed[..., :2], packed[..., 2:4], packed[..., 4] = lorentz, normal, strength
+    """A scale field on which the Lorentz force, the gradient and the edge strength are the same everywhere."""
+    dimension = len(shape)
+    normal = normal or dimension * (0.0,)
+    packed = np.zeros((*shape, 2 * dimension + 1), np.float32)
+    packed[..., :dimension], packed[..., dimension:-1], packed[..., -1] = lorentz, normal, strength
     return ScaleField(
         packed=packed,
-        gradient=np.broadcast_to(np.array(normal)[:, None, None], (2, *shape)),
+        gradient=np.broadcast_to(np.reshape(normal, (-1, *(dimension * (1,)))), (dimension, *shape)),
         edge_map=np.full(shape, strength),
         values=np.zeros(shape),
         strongest=max(strength, 1.0),
@@ -43,10 +46,23 @@ def even_scale_field(
     )
 
 
+def cloud(shape: tuple[int, ...], count: int, seed: int) -> Array:
+    """Particles anywhere on an image of this shape."""
+    return np.random.default_rng(seed).uniform(-0.5, np.array(shape) - 0.5, (count, len(shape)))
+
+
+def crowds(shape: tuple[int, ...], seed: int) -> Array:
+    """Particles anywhere on an image, some of them in a heap and some on the same spot, in multiples of 1/8 px."""
+    rng = np.random.default_rng(seed)
+    heap = rng.uniform(5.0, 9.0, (rng.integers(0, 20), len(shape)))
+    points = np.concatenate([cloud(shape, int(rng.integers(0, 25)), seed), heap])
+    return np.concatenate([np.round(8.0 * points) / 8.0, np.round(8.0 * heap[:3]) / 8.0])
+
+
 def offsets(points: Array) -> tuple[Array, Array]:
     """Vectors between all pairs, and their lengths; infinite for particles on the very same spot."""
     apart = points[:, None] - points
-    distance = np.hypot(apart[..., 0], apart[..., 1])
+    distance = np.linalg.norm(apart, axis=-1)
     distance[distance == 0.0] = np.inf
     return apart, distance
 
@@ -69,4 +85,4 @@ def repulsion(points: Array, parameters: Parameters) -> Array:
     """Coulomb force scaled by half the squared spacing, less below d_min, and cut at one."""
     apart = spacing(points, parameters)
     scaled = coulomb(points) * (0.5 * apart**2 * np.minimum(1.0, apart / parameters.d_min))[:, None]
-    return np.asarray(scaled / np.maximum(1.0, np.hypot(*scaled.T))[:, None])
+    return np.asarray(scaled / np.maximum(1.0, np.linalg.norm(scaled, axis=1))[:, None])

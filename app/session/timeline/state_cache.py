@@ -158,5 +158,5 @@ def _arrays(state: State) -> Iterator[NDArray[np.generic]]:
     yield particles.distance
     yield particles.identity
     yield from state.coverage
-    if state.far is not None:
-        yield state.far.force
+    if state.mesh is not None:
+        yield state.mesh.force

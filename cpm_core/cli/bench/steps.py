@@ -13,7 +13,7 @@ from cpm_core.particles.initialization import uniform_grid
 from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
 
-_SETTLING = 60
+_WARM_UP = 60
 """Steps before the clock is started, after which most particles are on an edge and few are at rest."""
 
 _TIMED = 30
@@ -43,6 +43,6 @@ def under_way(side: int, parameters: Parameters) -> tuple[Engine, State]:
     """A run that started everywhere on a scene of `side` x `side` pixels and is some steps old."""
     engine = Engine(objects((side, side)), parameters)
     state = engine.start(uniform_grid(engine.image.shape))
-    for _ in range(_SETTLING):
+    for _ in range(_WARM_UP):
         state = engine.step(state, parameters)
     return engine, state

@@ -1,11 +1,11 @@
 """Series for the potential 1 / r of particles in a plane, up to the fourth order.
 
-What a box of particles does far away is told by its moments about its centre c,
+What a box of particles does far away is given by its moments about its center c,
 
     M_ab = sum_j (c_y - y_j)^a (c_x - x_j)^b / (a! b!),
 
-and what far boxes do inside a box by the derivatives L_ab of their potential at its centre. They belong together by
-Taylor's theorem: L_ab = sum_kl M_kl D_(a+k)(b+l), D being the derivatives of 1 / r at the vector between the centres,
+and what far boxes do inside a box by the derivatives L_ab of their potential at its center. They belong together by
+Taylor's theorem: L_ab = sum_kl M_kl D_(a+k)(b+l), D being the derivatives of 1 / r at the vector between the centers,
 and all orders beyond the fourth being left out. A row of coefficients keeps ab at a * SIDE + b, so that the places of
 orders add like the orders themselves.
 """
@@ -41,7 +41,7 @@ def gather_moments(
         for node in range(first << (levels - down), last << (levels - down)):
             start, end = y.size * (node - leaves) // leaves, y.size * (node - leaves + 1) // leaves
             count = end - start if node >= leaves else 2
-            # The particles of a leaf, or the centres of the two boxes of any other.
+            # The particles of a leaf, or the centers of the two boxes of any other.
             for i in range(count):
                 there_y = y[start + i] if node >= leaves else box[2 * node + i, 0]
                 there_x = x[start + i] if node >= leaves else box[2 * node + i, 1]
@@ -66,7 +66,7 @@ def gather_moments(
 
 @compiled
 def add_far(box: Array, moments: Array, boxes: Index, far: Boxes, far_end: Index, local: Array, side: int) -> None:
-    """Add what is far from some boxes to the derivatives at their centres.
+    """Add what is far from some boxes to the derivatives at their centers.
 
     The derivatives of 1 / r follow from those of the two orders below, n = a + b being theirs:
     n r^2 D_ab = -(2 n - 1) (a y D_(a-1)b + b x D_a(b-1)) - (n - 1) (a (a - 1) D_(a-2)b + b (b - 1) D_a(b-2)).

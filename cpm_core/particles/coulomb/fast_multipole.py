@@ -1,13 +1,13 @@
 """Eq. (9) by a fast multipole method.
 
 The particles are sorted into a tree. From its top down, each box looks at the boxes that the one above it has left
-undecided: one that is far enough acts on it by the series of `series`, one that is not is opened, and what a leaf is
-left with is near and summed pair by pair. Every box so meets a number of others that does not depend on N.
+undecided: one that is far enough acts on it by the series of `expansions`, one that is not is opened, and what a leaf
+is left with is near and summed pair by pair. Every box so meets a number of others that does not depend on N.
 
 What is far enough follows from the tolerance. Of a box of M particles at a distance d, a series of order p leaves out
 less than about M theta^p / d^2, theta being the sum of the two radii over d. This is compared with the force that is
-usual among these particles, which a sample tells (`sample`). So the error stays small beside the forces also where most
-of what acts on a particle cancels; and where all of it does, everything is near, and the sum is exact.
+usual among these particles, which a sample tells (`usual_force`). So the error stays small beside the forces also where
+most of what acts on a particle cancels; and where all of it does, everything is near, and the sum is exact.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.particles.coulomb.direct_sum import SAME_SPOT
-from cpm_core.particles.coulomb.error_estimate import usual_force
+from cpm_core.particles.coulomb.direct_sum import SAME_SPOT, usual_force
 from cpm_core.particles.coulomb.expansions import ORDER, ROWS, SIDE, add_far, gather_moments, hand_down
 from cpm_core.particles.coulomb.kd_tree import TOP, Tree, flag_boxes, plant
 from cpm_core.particles.coulomb.near_field import sum_near

@@ -32,7 +32,7 @@ class Tree(NamedTuple):
     order : ndarray of int64, shape (N,)
         Which particle each of them is.
     box : ndarray, shape (2 leaves, 4)
-        Centre and radius of every box, and how many particles it holds; the first row is not used.
+        Center and radius of every box, and how many particles it holds; the first row is not used.
     depth : int
         Levels below the first; there are 2^depth leaves.
     """

@@ -35,7 +35,7 @@ def sum_near(
     single: bool,
     force: Array,
 ) -> None:
-    """Force on the particles of some leaves, from the derivatives at their centres and from the leaves near them."""
+    """Force on the particles of some leaves, from the derivatives at their centers and from the leaves near them."""
     widest = y.size // leaves + 1
     u, v, f = np.empty((side, widest)), np.empty((side, widest)), np.empty((2, widest))
     near_y, near_x = np.empty(y.size), np.empty(y.size)

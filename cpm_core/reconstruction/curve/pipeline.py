@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.graph import Graph
-from cpm_core.dynamics.deletion import deletion
+from cpm_core.dynamics.deletion.plane import deletion
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters

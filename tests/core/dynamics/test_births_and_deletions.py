@@ -8,15 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Parameters, Regions
-from cpm_core.dynamics.deletion import deletion, thinned
-from cpm_core.dynamics.edge_contact import contact_at
-from cpm_core.dynamics.insertion import insertion, search_range
+from cpm_core.dynamics.deletion import plane as deletions
+from cpm_core.dynamics.deletion.plane import deletion, thinned
+from cpm_core.dynamics.edge_contact.plane import contact_at
+from cpm_core.dynamics.insertion import Search, search_range
+from cpm_core.dynamics.insertion import plane as insertions
+from cpm_core.dynamics.insertion.plane import insertion
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.numerics import parallel
 from cpm_core.particles.state import Particles
 
-from ..moving import even_scale_field, survey
+from ..moving import cloud, even_scale_field, survey
+from ..moving import crowds as crowded
 from ..scenes import disk, ring
 
 SHAPE = (40, 48)
@@ -42,6 +46,77 @@ def apart(points):
     return distance
 
 
+@pytest.mark.parametrize(("kernels", "shape"), [pytest.param(deletions, SHAPE, id="plane")])
+class TestDeletion:
+    """What holds for deletion in any dimension."""
+
+    @settings(max_examples=60, deadline=None)
+    @given(seed=st.integers(0, 10**6), d_min=st.sampled_from([0.5, 1.0, 2.0, 4.5]))
+    def test_deletion_leaves_no_two_too_near_and_goes_no_further(self, kernels, shape, seed, d_min):
+        points = crowded(shape, seed)
+        strength = np.random.default_rng(seed).integers(0, 4, len(points)).astype(float)
+        kept = kernels.deletion(points, strength, shape, d_min)
+        near = apart(points) < 0.5 * d_min
+        assert not near[np.ix_(kept, kept)].any()
+        for i in np.flatnonzero(~kept):
+            assert (near[i] & kept & (strength >= strength[i])).any()
+        assert kernels.deletion(points[kept], strength[kept], shape, d_min).all()
+
+    @settings(max_examples=30, deadline=None)
+    @given(seed=st.integers(0, 10**6))
+    def test_deletion_does_not_depend_on_the_order_of_the_particles(self, kernels, shape, seed):
+        points, rng = crowded(shape, seed), np.random.default_rng(seed)
+        strength, order = rng.permutation(len(points)).astype(float), rng.permutation(len(points))
+        kept = kernels.deletion(points, strength, shape, 2.0)
+        np.testing.assert_array_equal(kernels.deletion(points[order], strength[order], shape, 2.0), kept[order])
+
+
+@pytest.mark.parametrize(("kernels", "shape"), [pytest.param(insertions, SHAPE, id="plane")])
+class TestInsertion:
+    """What holds for insertion in any dimension, on a flat edge across the last axis."""
+
+    def born(self, kernels, shape, points, d_max, ahead):
+        share = np.clip(np.arange(shape[-1]) + 0.5 - EDGE, 0.0, 1.0)
+        scale_field = build_scale_field(np.broadcast_to(100.0 * share, shape).copy(), 1.0, 0.0)
+        parameters = Parameters(d_max=max(d_max, 3.0))
+        contact, every = survey(points, scale_field, search_range(parameters)), np.ones(len(points), bool)
+        search = Search(every, every, every, ahead & every)
+        return contact, kernels.insertion(contact, search, scale_field, d_max, parameters)
+
+    def beside(self, shape, seed, on_edge):
+        """Particles on the edge, and some elsewhere."""
+        points = cloud(shape, on_edge + 8, seed)
+        points[:on_edge, -1] = EDGE + np.random.default_rng(seed).normal(0.0, 0.2, on_edge)
+        return points
+
+    @settings(max_examples=40, deadline=None)
+    @given(seed=st.integers(0, 10**6), d_max=st.floats(0.0, 4.0))
+    def test_those_between_halve_a_pair_within_range_that_none_is_inside_of(self, kernels, shape, seed, d_max):
+        points = self.beside(shape, seed, 32)
+        contact, births = self.born(kernels, shape, points, d_max, ahead=False)
+        one, other = points[births.parent], points[births.other]
+        assert contact.on_edge[births.parent].all()
+        assert contact.on_edge[births.other].all()
+        np.testing.assert_allclose(births.position, 0.5 * (one + other), atol=1e-12)
+        gap = np.linalg.norm(one - other, axis=1)
+        assert np.all((gap > 2.0) & (gap <= 2.0 + d_max))
+        distance = np.linalg.norm(births.position[:, None] - points, axis=2)
+        assert np.all(distance.min(axis=1, initial=np.inf) >= 0.5 * gap - 1e-8)
+        assert np.all((distance < 3.0).sum(axis=1) <= 3)
+
+    @settings(max_examples=40, deadline=None)
+    @given(seed=st.integers(0, 10**6))
+    def test_those_ahead_are_on_the_edge_a_stride_from_one_and_keep_their_room_from_all(self, kernels, shape, seed):
+        points = self.beside(shape, seed, 5)
+        contact, births = self.born(kernels, shape, points, 0.0, ahead=True)
+        assert len(births.position)
+        assert contact.on_edge[births.parent].all()
+        np.testing.assert_array_equal(births.parent, births.other)
+        assert np.abs(births.position[:, -1] - EDGE).max() < 1.0
+        assert np.linalg.norm(births.position - points[births.parent], axis=1).max() < 2.8
+        assert apart(np.concatenate([points, births.position]))[len(points) :].min() >= 1.6
+
+
 coordinate = st.tuples(st.integers(-4, 39 * 8 + 4), st.integers(-4, 47 * 8 + 4)).map(lambda p: (p[0] / 8, p[1] / 8))
 crowds = st.one_of(
     st.lists(coordinate, max_size=30),
@@ -49,36 +124,6 @@ crowds = st.one_of(
         lambda c: [(min(c[0][0] + y, 39.5), min(c[0][1] + x, 47.5)) for y, x in c[1]]
     ),
 ).map(lambda points: np.array(points, dtype=float).reshape(-1, 2))
-
-
-@settings(max_examples=60, deadline=None)
-@given(crowds, st.integers(0, 10**6), st.sampled_from([0.5, 1.0, 2.0, 4.5]))
-def test_deletion_leaves_no_two_too_near_and_goes_no_further(points, seed, d_min):
-    strength = np.random.default_rng(seed).integers(0, 4, len(points)).astype(float)
-    kept = deletion(points, strength, SHAPE, d_min)
-    near = ((points[:, None] - points) ** 2).sum(axis=2) < (0.5 * d_min) ** 2
-    np.fill_diagonal(near, False)
-    assert not near[np.ix_(kept, kept)].any()
-    for i in np.flatnonzero(~kept):
-        assert (near[i] & kept & (strength >= strength[i])).any()
-
-
-@settings(max_examples=30, deadline=None)
-@given(crowds, st.integers(0, 10**6))
-def test_deletion_twice_deletes_no_more(points, seed):
-    strength = np.random.default_rng(seed).uniform(0.0, 9.0, len(points))
-    kept = deletion(points, strength, SHAPE, 2.0)
-    assert deletion(points[kept], strength[kept], SHAPE, 2.0).all()
-
-
-@settings(max_examples=30, deadline=None)
-@given(crowds, st.integers(0, 10**6))
-def test_deletion_does_not_depend_on_the_order_of_the_particles(points, seed):
-    rng = np.random.default_rng(seed)
-    strength = rng.permutation(len(points)).astype(float)
-    order = rng.permutation(len(points))
-    kept = deletion(points, strength, SHAPE, 2.0)
-    np.testing.assert_array_equal(deletion(points[order], strength[order], SHAPE, 2.0), kept[order])
 
 
 def test_deletion_keeps_the_one_on_the_stronger_edge_and_the_earlier_of_equals():
@@ -167,7 +212,7 @@ def births_of(
         np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy() for mask in masks
     )
     contact = replace(survey(points, scale_field, search_range(asked)), on_edge=contact_at)
-    return insertion(contact, there, lookers, careful, scouts, scale_field, d_max, asked, turn)
+    return insertion(contact, Search(there, lookers, careful, scouts), scale_field, d_max, asked, turn)
 
 
 def births_between(scale_field, points, d_max=3.0, on_edge=True, d_min=2.0):

@@ -7,7 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.dynamics.equilibrium import EPSILON, STILL, epsilon, is_idle, is_quiet
+from cpm_core import Engine, Parameters, uniform_grid
+from cpm_core.dynamics.equilibrium import EPSILON, QUIET_STEPS, epsilon, is_idle, is_quiet
+
+from ..scenes import disk
 
 T = 4
 histories = st.lists(st.lists(st.floats(0.0, 500.0), min_size=T, max_size=T), min_size=1, max_size=20)
@@ -81,5 +84,18 @@ def test_nothing_new_is_idle_and_more_news_never_more_idle(new, coverage):
     assert not is_idle(coverage // 2 + 1, coverage)
 
 
-def test_still_is_finer_than_what_eyes_see():
-    assert 0.0 < STILL < 0.1
+def test_a_run_at_rest_would_stay_within_a_tenth_of_a_pixel():
+    """Were it to go on for as many steps as were quiet; which is what the bounds on motion are for."""
+    parameters, scene = Parameters(scales=1), disk((56, 60), (27.4, 30.2), 15.0)
+    engine = Engine(scene.values, parameters)
+    state = engine.start(uniform_grid(scene.values.shape))
+    while not state.stop_reason:
+        state = engine.step(state, parameters)
+    assert state.converged
+    later = state.resumed()
+    for _ in range(QUIET_STEPS):
+        later = engine.step(later, parameters)
+    before = dict(zip(state.particles.identity.tolist(), state.position, strict=True))
+    kept = [(i, p) for i, p in zip(later.particles.identity.tolist(), later.position, strict=True) if i in before]
+    assert len(kept) == len(before) == later.count
+    assert max(np.linalg.norm(p - before[i]) for i, p in kept) < 0.1

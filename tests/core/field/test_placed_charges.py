@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, PlacedCharge, circle
-from cpm_core.dynamics.integrator import far_force_for, move
+from cpm_core.dynamics.integrator.plane import mesh_force_for, move
 from cpm_core.field.placed_charges import (
     MOST,
     RADIUS,
@@ -21,7 +21,7 @@ from cpm_core.field.placed_charges import (
     radius_at,
 )
 from cpm_core.image.pyramid import to_image
-from cpm_core.particles.coverage import idle_at
+from cpm_core.particles.coverage.plane import idle_at
 from cpm_core.particles.state import Particles
 
 from ..moving import even_scale_field
@@ -153,7 +153,7 @@ def test_a_repelling_charge_pushes_a_particle_straight_away():
         idle = np.zeros(1, np.int64)
         for _ in range(30):
             particles = move(
-                particles, idle, far_force_for(particles, idle, scale_field, PARAMETERS), charged, PARAMETERS
+                particles, idle, mesh_force_for(particles, idle, scale_field, PARAMETERS), charged, PARAMETERS
             ).particles
         offset = particles.position[0] - 79.5
         assert offset @ away > 2.0 * RADIUS

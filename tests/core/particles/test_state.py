@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cpm_core import Engine, Parameters
-from cpm_core.particles.coulomb.mesh_force import FAR_EVERY
+from cpm_core.particles.mesh import MESH_EVERY
 from cpm_core.particles.state import State
 
 from ..scenes import ring
@@ -26,7 +26,7 @@ def states(engine):
     states = [engine.start(np.random.default_rng(1).uniform(0.0, 109.0, (3000, 2)))]
     for _ in range(11):
         states.append(engine.step(states[-1], PARAMETERS))
-    assert any(state.far is not None and len(state.far.force) for state in states)
+    assert any(state.mesh is not None and len(state.mesh.force) for state in states)
     return states
 
 
@@ -39,7 +39,7 @@ def test_the_memory_of_a_state_is_that_of_its_arrays(states):
     particles = sum(getattr(state.particles, name).nbytes for name in ARRAYS)
     assert particles == state.count * 8 * (2 + 2 + 4 + 4 + 1)
     rest = state.start.nbytes + state.coverage.found.nbytes + state.coverage.latest.nbytes
-    rest += state.far.force.nbytes + state.far.bend.nbytes
+    rest += state.mesh.force.nbytes + state.mesh.softening.nbytes
     assert state.nbytes == particles + rest
 
 
@@ -63,9 +63,9 @@ def test_a_step_from_a_light_state_gives_the_same_bits(engine, states):
     for state in states[:-1]:
         light = state.light()
         lighter += light.nbytes < state.nbytes
-        assert light.far is None or state.step_of_scale % FAR_EVERY
+        assert light.mesh is None or state.step_of_scale % MESH_EVERY
         one, other = state, light
-        for _ in range(FAR_EVERY + 1):
+        for _ in range(MESH_EVERY + 1):
             one, other = (engine.step(each, PARAMETERS) for each in (one, other))
             assert bits(one) == bits(other)
     assert lighter >= 1

@@ -1,14 +1,14 @@
-"""Insertion of particles (section 3.6)."""
+"""Insertion of particles on an image of rows and columns."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from cpm_core.dynamics.edge_contact import EdgeContact
+from cpm_core.dynamics.insertion import CROWD, CROWD_RANGE, STRIDE, STRIDE_ROOM, Births, Rule, Search, search_range
 from cpm_core.field.plane import between, component
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.barriers import BarrierMap, crosses
@@ -16,16 +16,11 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.parameters import Parameters
-from cpm_core.particles.cell_list import Cells, cell_of, cells_around, row_of_cells
+from cpm_core.particles.cell_list import cell_of
+from cpm_core.particles.cell_list.plane import Cells, cells_around, row_of_cells
 
 Place = tuple[bool, float, float, float, int]
-"""Whether it is free, where, what it must keep from everybody [px], and how many stand about."""
-
-_STRIDE, _STRIDE_ROOM = 0.9, 0.8
-"""Distance, in d_min, of a place ahead of a particle, and what it must keep from all others."""
-
-_CROWD_RANGE, _CROWD = 1.5, 3
-"""Distance, in d_min, within which a place may have at most so many particles: more are two rows on one edge."""
+"""Whether it is free, where, what it must keep from all others [px], and how many are about."""
 
 _DIRECTIONS = 2.0 * np.pi * np.arange(8) / 8
 _TURNS = np.stack([np.sin(_DIRECTIONS), np.cos(_DIRECTIONS)], axis=1)
@@ -57,71 +52,41 @@ _WORTH_A_THREAD = 400
 """Particles from which on a second thread makes the search faster."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Births:
-    """New particles: where, and between which two (the same twice for a place ahead of one)."""
-
-    position: Array
-    parent: Index
-    other: Index
-
-
-class _Rule(NamedTuple):
-    """What a place must fulfil.
+class _Offers(NamedTuple):
+    """Places that the particles offer, up to a number M each.
 
     Attributes
     ----------
-    floor : float
-        Weakest edge strength that counts.
-    d_min, reach : float
-        Spacing, and annealed distance up to which two get one between them [px].
-    range : float
-        How far off particles are looked at [px].
+    number : ndarray of int64, shape (N,)
+        How many each offers.
+    place : ndarray, shape (N, M, 2)
+        Where [px].
+    other : ndarray of int64, shape (N, M)
+        The second of the two particles that each place is between; the first itself for a place ahead.
+    room : ndarray, shape (N, M)
+        What each place must keep from all others [px].
+    crowd : ndarray of int64, shape (N, M)
+        Particles about each.
     """
 
-    floor: float
-    d_min: float
-    reach: float
-    range: float
-
-
-def search_range(parameters: Parameters) -> float:
-    """Distance up to which a step looks at the particles around one [px]."""
-    d_min, reach = parameters.d_min, parameters.d_min + parameters.d_max
-    return max(reach, 0.5 * reach + _CROWD_RANGE * d_min, (_STRIDE + _CROWD_RANGE) * d_min)
+    number: Index
+    place: Array
+    other: Index
+    room: Array
+    crowd: Index
 
 
 def insertion(
-    contact: EdgeContact,
-    present: Mask,
-    looking: Mask,
-    thorough: Mask,
-    ahead: Mask,
-    scale_field: ScaleField,
-    d_max: float,
-    parameters: Parameters,
-    turn: int = 0,
+    contact: EdgeContact, search: Search, scale_field: ScaleField, d_max: float, parameters: Parameters, turn: int = 0
 ) -> Births:
     """Find places for new particles.
-
-    Two rules. Between: two seated particles at ``d_min < d <= d_min + d_max`` with nothing between them get one at
-    their midpoint, as in section 3.6, if the edge goes on there and its crest is free beside the midpoint. Ahead: a
-    seated particle that sees the edge go on within one spacing, with nobody on it, gets one there. Annealing ends the
-    first rule; the second one does not depend on it and carries a front along every edge that is connected to the one
-    it sits on, through bends and junctions. Neither of them reaches across a wall.
 
     Parameters
     ----------
     contact : EdgeContact
-        How the particles stand.
-    present : ndarray of bool, shape (N,)
-        Which of them are still there.
-    looking : ndarray of bool, shape (N,)
-        Which of them look for places in this step.
-    thorough : ndarray of bool, shape (N,)
-        Which of those do so even if they have others on both sides along their edge.
-    ahead : ndarray of bool, shape (N,)
-        Which of those look ahead as well.
+        Edge contact of the particles.
+    search : Search
+        Which of them look for places.
     scale_field : ScaleField
         The scale's fields.
     d_max : float
@@ -136,32 +101,18 @@ def insertion(
     Births
         The new particles.
     """
-    count = len(contact.strength)
-    rule = _Rule(scale_field.floor, parameters.d_min, parameters.d_min + d_max, search_range(parameters))
-    offers = np.empty(count, np.int64)
-    place, other = np.empty((count, _MOST_PLACES, 2)), np.empty((count, _MOST_PLACES), np.int64)
-    room, crowd = np.empty((count, _MOST_PLACES)), np.empty((count, _MOST_PLACES), np.int64)
-    breeding, thorough = contact.on_edge & present, thorough & looking
-    there = present[contact.cells.order]
-    asks = (
-        contact.cells,
-        contact.strength,
-        there,
-        breeding,
-        looking,
-        thorough,
-        ahead,
-        scale_field.packed,
-        scale_field.barrier_map,
-        rule,
-    )
-    work = partial(_find_places, *asks, _TURNS, turn, offers, place, other, room, crowd)
-    share(work, count, _WORTH_A_THREAD)
-    most = int(offers.sum())
+    count, d_min = len(contact.strength), parameters.d_min
+    rule = Rule(scale_field.floor, d_min, d_min + d_max, search_range(parameters))
+    room = np.empty((count, _MOST_PLACES))
+    other, crowd = np.empty(room.shape, np.int64), np.empty(room.shape, np.int64)
+    offers = _Offers(np.empty(count, np.int64), np.empty((*room.shape, 2)), other, room, crowd)
+    breeding, there = contact.on_edge & search.present, search.present[contact.cells.order]
+    asked = search._replace(present=there, thorough=search.thorough & search.looking)
+    seen = (contact.cells, contact.strength, asked, breeding, scale_field.packed, scale_field.barrier_map)
+    share(partial(_find_places, *seen, rule, _TURNS, turn, offers), count, _WORTH_A_THREAD)
+    most = int(offers.number.sum())
     position, parents = np.empty((most, 2)), np.empty((most, 2), np.int64)
-    born = 0
-    if most:
-        born = _occupy(contact.cells, offers, place, other, room, crowd, parameters.d_min, position, parents)
+    born = _occupy(contact.cells, offers, d_min, position, parents) if most else 0
     return Births(position[:born], parents[:born, 0], parents[:born, 1])
 
 
@@ -169,34 +120,27 @@ def insertion(
 def _find_places(
     cells: Cells,
     strength: Array,
-    present: Mask,
+    search: Search,
     breeding: Mask,
-    looking: Mask,
-    thorough: Mask,
-    ahead: Mask,
     packed: Single,
     barrier_map: BarrierMap,
-    rule: _Rule,
+    rule: Rule,
     turns: Array,
     turn: int,
-    offers: Index,
-    place: Array,
-    other: Index,
-    room: Array,
-    crowd: Index,
+    offers: _Offers,
     first: int,
     last: int,
 ) -> None:
-    """Let some of the sorted particles look for places, as if nobody else did; each offers some."""
+    """Let some of the sorted particles look for places, as if no others did; `present` is in their order."""
     # a wider range holds more of them
     most = min(int(_MOST_NEAR * max(1.0, rule.range / (_NEAR_RANGE * rule.d_min)) ** 2), len(cells.order) + 1)
     near_y, near_x, index = np.empty(most + 1), np.empty(most + 1), np.empty(most + 1, np.int64)
     here, there = np.empty(2), np.empty(2)
-    walled = len(barrier_map.segments) > 0
+    present, thorough = search.present, search.thorough
     for k in range(first, last):
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
-        offers[i] = 0
-        if not (breeding[i] and looking[i]):
+        offers.number[i] = 0
+        if not (breeding[i] and search.looking[i]):
             continue
         if not thorough[i] and _is_flanked(cells, present, y, x, packed, _FLANK * rule.d_min):
             continue
@@ -204,34 +148,33 @@ def _find_places(
         if length == most:
             continue
         faintest = max(rule.floor, FAINTEST * strength[i])
-        offered = 0
-        for n in range(length + len(turns)):
+        for n in range(length + len(turns) if search.ahead[i] else length):
             j, far_y, far_x = i, y, x
             if n < length:
                 j, far_y, far_x = index[n], near_y[n], near_x[n]
                 if not (breeding[j] and (j > i or not thorough[j])):
                     continue
-                free, p_y, p_x, keep, about = _halfway(
-                    near_y, near_x, length, y, x, far_y, far_x, packed, faintest, rule
-                )
-            elif ahead[i]:
+                found = _halfway(near_y, near_x, length, y, x, far_y, far_x, packed, faintest, rule)
+            else:
                 down, right = turns[n - length, 0], turns[n - length, 1]
                 if (n - length - turn) % (len(turns) // 2) and not _is_along(packed, y, x, down, right):
                     continue
-                free, p_y, p_x, keep, about = _ahead(near_y, near_x, length, y, x, down, right, packed, faintest, rule)
-                far_y, far_x = p_y, p_x
-            else:
-                break
-            if not free or offered == _MOST_PLACES:
+                found = _ahead(near_y, near_x, length, y, x, down, right, packed, faintest, rule)
+                far_y, far_x = found[1], found[2]
+            if not found[0] or offers.number[i] == _MOST_PLACES:
                 continue
-            if walled:
-                here[0], here[1], there[0], there[1] = y, x, far_y, far_x
-                if crosses(barrier_map, here, there):
-                    continue
-            place[i, offered, 0], place[i, offered, 1] = p_y, p_x
-            other[i, offered], room[i, offered], crowd[i, offered] = j, keep, about
-            offered += 1
-        offers[i] = offered
+            here[0], here[1], there[0], there[1] = y, x, far_y, far_x
+            if not crosses(barrier_map, here, there):
+                _offer(offers, i, j, found)
+
+
+@compiled
+def _offer(offers: _Offers, i: int, j: int, found: Place) -> None:
+    """Add a place to those that a particle offers."""
+    n = offers.number[i]
+    offers.place[i, n, 0], offers.place[i, n, 1] = found[1], found[2]
+    offers.other[i, n], offers.room[i, n], offers.crowd[i, n] = j, found[3], found[4]
+    offers.number[i] = n + 1
 
 
 @compiled
@@ -245,19 +188,19 @@ def _halfway(
     far_x: float,
     packed: Single,
     faintest: float,
-    rule: _Rule,
+    rule: Rule,
 ) -> Place:
-    """Place halfway between two particles, if there is one and the crest beside it is not another row's."""
+    """Place halfway between two particles, if there is one and the ridge beside it is not another row's."""
     squared = (far_y - y) ** 2 + (far_x - x) ** 2
-    keep = 0.5 * np.sqrt(squared) - 1e-9  # nothing between: nobody in the circle over the pair
+    keep = 0.5 * np.sqrt(squared) - 1e-9  # nothing between: none in the circle over the pair
     p_y, p_x, about = 0.5 * (y + far_y), 0.5 * (x + far_x), _FULL
     free = rule.d_min**2 < squared <= rule.reach**2
     if free:
         about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
-        free = about <= _CROWD
+        free = about <= CROWD
     if free:
         free, c_y, c_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
-        free = free and _crowd(near_y, near_x, length, c_y, c_x, keep, rule.d_min) <= _CROWD
+        free = free and _crowd(near_y, near_x, length, c_y, c_x, keep, rule.d_min) <= CROWD
     return free, p_y, p_x, keep, about
 
 
@@ -272,17 +215,17 @@ def _ahead(
     right: float,
     packed: Single,
     faintest: float,
-    rule: _Rule,
+    rule: Rule,
 ) -> Place:
-    """Place one stride from a particle, if its edge, or one that meets it, goes on there without anybody."""
-    keep, about = _STRIDE_ROOM * rule.d_min, _FULL
-    p_y, p_x = y + _STRIDE * rule.d_min * down, x + _STRIDE * rule.d_min * right
+    """Place one stride from a particle, if its edge, or one that meets it, goes on there without others."""
+    keep, about = STRIDE_ROOM * rule.d_min, _FULL
+    p_y, p_x = y + STRIDE * rule.d_min * down, x + STRIDE * rule.d_min * right
     free = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min) < _FULL  # cheap, and hardly any direction passes
     if free:
         free, p_y, p_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
     if free:
         about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
-        free = about <= _CROWD
+        free = about <= CROWD
     return free, p_y, p_x, keep, about
 
 
@@ -335,7 +278,7 @@ def _crowd(near_y: Array, near_x: Array, length: int, y: float, x: float, room: 
     crowd = 0
     for n in range(length):
         squared = (near_y[n] - y) ** 2 + (near_x[n] - x) ** 2
-        crowd += 1 if squared < (_CROWD_RANGE * d_min) ** 2 else 0
+        crowd += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
         crowd += _FULL if squared < room * room else 0
     return crowd
 
@@ -362,37 +305,27 @@ def _relax(packed: Single, faintest: float, farthest: float, y: float, x: float)
 
 
 @compiled
-def _occupy(
-    cells: Cells,
-    offers: Index,
-    place: Array,
-    other: Index,
-    room: Array,
-    crowd: Index,
-    d_min: float,
-    position: Array,
-    parents: Index,
-) -> int:
+def _occupy(cells: Cells, offers: _Offers, d_min: float, position: Array, parents: Index) -> int:
     """Put particles on the places that are offered, in turn, as long as they keep their distance from one another."""
     newest = np.full(cells.rows * cells.cols, -1, np.int64)
     earlier = np.empty(len(position), np.int64)
     born = 0
-    for i in range(len(offers)):
-        for n in range(offers[i]):
-            y, x = place[i, n, 0], place[i, n, 1]
+    for i in range(len(offers.number)):
+        for n in range(offers.number[i]):
+            y, x = offers.place[i, n, 0], offers.place[i, n, 1]
             row, col = cell_of(y, cells.size, cells.rows), cell_of(x, cells.size, cells.cols)
-            about = crowd[i, n]
+            about = offers.crowd[i, n]
             for r in range(max(row - 1, 0), min(row + 2, cells.rows)):
                 for c in range(max(col - 1, 0), min(col + 2, cells.cols)):
                     j = newest[r * cells.cols + c]
                     while j >= 0:
                         squared = (position[j, 0] - y) ** 2 + (position[j, 1] - x) ** 2
-                        about += 1 if squared < (_CROWD_RANGE * d_min) ** 2 else 0
-                        about += _FULL if squared < room[i, n] ** 2 else 0
+                        about += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
+                        about += _FULL if squared < offers.room[i, n] ** 2 else 0
                         j = earlier[j]
-            if about <= _CROWD:
+            if about <= CROWD:
                 position[born, 0], position[born, 1] = y, x
-                parents[born, 0], parents[born, 1] = i, other[i, n]
+                parents[born, 0], parents[born, 1] = i, offers.other[i, n]
                 earlier[born] = newest[row * cells.cols + col]
                 newest[row * cells.cols + col] = born
                 born += 1

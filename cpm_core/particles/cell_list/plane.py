@@ -1,4 +1,4 @@
-"""Which particles are near which: a grid of cells, and the particles sorted by the cell that they lie in."""
+"""Particles of the plane sorted into square cells."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index
+from cpm_core.particles.cell_list import cell_of
 
 
 class Cells(NamedTuple):
@@ -40,10 +41,10 @@ class Cells(NamedTuple):
 
 
 @compiled
-def build_cells(position: Array, height: int, width: int, size: float) -> Cells:
-    """Sort the particles `position`, shape (N, 2), on an image of `height` by `width` pixels into cells."""
+def build_cells(position: Array, shape: tuple[int, ...], size: float) -> Cells:
+    """Sort the particles `position`, shape (N, 2), on an image of this shape into cells of side `size` [px]."""
     count = len(position)
-    rows, cols = int(height / size) + 1, int(width / size) + 1
+    rows, cols = int(shape[0] / size) + 1, int(shape[1] / size) + 1
     start = np.zeros(rows * cols + 1, np.int64)
     own = np.empty(count, np.int64)
     for i in range(count):
@@ -58,12 +59,6 @@ def build_cells(position: Array, height: int, width: int, size: float) -> Cells:
         cursor[own[i]] += 1
         order[k], y[k], x[k] = i, position[i, 0], position[i, 1]
     return Cells(size, rows, cols, start, order, y, x)
-
-
-@compiled
-def cell_of(place: float, size: float, along: int) -> int:
-    """Cell that a coordinate lies in, of so many along the axis."""
-    return int(min(max(int((place + 0.5) / size), 0), along - 1))
 
 
 @compiled

@@ -9,14 +9,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Parameters
+from cpm_core.dynamics.edge_contact.plane import contact_at
 from cpm_core.dynamics.equations import damped_series, damping, is_stuck, repulsion_left
-from cpm_core.dynamics.integrator import far_force_for, move
+from cpm_core.dynamics.integrator import Moved, is_asleep, plane
+from cpm_core.dynamics.integrator.plane import mesh_force_for, move
 from cpm_core.field.scale_field import GATE, build_scale_field
 from cpm_core.numerics import parallel
-from cpm_core.particles.coulomb.mesh_force import NOTHING_FAR, far_force
+from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force
 from cpm_core.particles.state import MEMORY, Particles
 
 from ..moving import coulomb, even_scale_field, repulsion, spacing, survey
+from ..moving import crowds as crowded
 
 SHAPE = (70, 90)
 LORENTZ = (0.6, -0.8)
@@ -27,11 +30,11 @@ SINGLE = 2e-4
 """Error that single precision leaves in a force of unit size, of particles no nearer than a tenth of a pixel."""
 
 
-def moved(points, parameters=DEFAULT, far=NOTHING_FAR, shape=SHAPE, scale_field=None, idle=0):
+def moved(points, parameters=DEFAULT, mesh=NO_MESH, shape=SHAPE, scale_field=None, idle=0):
     """Particles, given as such or by their places, after a step; `idle` steps after there was news around each."""
     particles = points if isinstance(points, Particles) else Particles.at_rest(points)
     scale_field = scale_field or even_scale_field(shape, LORENTZ)
-    after = move(particles, np.full(len(particles), idle), far, scale_field, parameters)
+    after = move(particles, np.full(len(particles), idle), mesh, scale_field, parameters)
     return after.particles, after.motion
 
 
@@ -42,20 +45,62 @@ def force_truth(points, parameters=DEFAULT, left=1.0, lorentz=LORENTZ):
 
 
 def cloud(count, seed=0, shape=SHAPE):
-    return np.random.default_rng(seed).uniform(-0.5, np.array(shape) - 0.5, (count, 2))
+    return np.random.default_rng(seed).uniform(-0.5, np.array(shape) - 0.5, (count, len(shape)))
 
 
 def without_off_edge(points, seed=0, speed=0.5):
     """Particles that have been there for long, with motion and history."""
     rng = np.random.default_rng(seed)
-    count = len(points)
+    count, dimension = np.shape(points)
     return Particles(
         np.array(points, dtype=float),
-        speed * rng.normal(size=(count, 2)),
-        rng.normal(size=(count, 2, 2)),
+        speed * rng.normal(size=(count, dimension)),
+        rng.normal(size=(count, 2, dimension)),
         rng.uniform(20.0, 50.0, (count, MEMORY)),
         np.arange(count),
     )
+
+
+@pytest.mark.parametrize(("kernels", "shape"), [pytest.param(plane, (35, 45), id="plane")])
+class TestIntegrator:
+    """What holds for a step in any dimension."""
+
+    def stepped(self, kernels, shape, before, idle, parameters, lorentz, mesh=None):
+        scale_field = even_scale_field(shape, tuple(lorentz))
+        mesh = kernels.mesh_force_for(before, idle, scale_field, parameters) if mesh is None else mesh
+        return kernels.move(before, idle, mesh, scale_field, parameters)
+
+    @settings(max_examples=40, deadline=None)
+    @given(seed=st.integers(0, 10**6), beta=st.sampled_from([0.0, 0.8]), w1=st.sampled_from([0.4, 1.6]))
+    def test_a_step_is_eq_12_14_and_15_under_the_force_of_all_pairs(self, kernels, shape, seed, beta, w1):
+        """Where the Lorentz force is of unit size, and there is no friction; each with its own steps without news."""
+        rng, parameters = np.random.default_rng(seed), Parameters(beta=beta, w1=w1, time_step=0.3)
+        before = without_off_edge(crowded(shape, seed), seed)
+        idle, lorentz = rng.integers(0, 90, len(before)), rng.normal(size=len(shape))
+        lorentz /= np.linalg.norm(lorentz)
+        after = self.stepped(kernels, shape, before, idle, parameters, lorentz)
+        left = np.array([repulsion_left(steps) for steps in idle])
+        force = force_truth(before.position, parameters, left, lorentz)
+        np.testing.assert_allclose(after.particles.force[:, 0], force, rtol=0, atol=SINGLE)
+        np.testing.assert_array_equal(after.particles.force[:, 1], before.force[:, 0])
+        keep, one, two, three = np.array([damped_series(damping(beta, steps) * 0.3) for steps in idle]).T[..., None]
+        force, (last, older), v = after.particles.force[:, 0], before.force.swapaxes(0, 1), before.velocity
+        slope = (3.0 * force - 4.0 * last + older) / 0.6
+        position = before.position + 0.3 * one * v + 0.09 * two * force + 0.027 * three * slope
+        np.testing.assert_allclose(after.particles.position, position, atol=1e-12)
+        np.testing.assert_allclose(
+            after.particles.velocity, keep * v + 0.3 * one * force + 0.09 * two * slope, atol=1e-12
+        )
+        np.testing.assert_allclose(after.motion, np.linalg.norm(position - before.position, axis=1), atol=1e-12)
+
+    def test_those_asleep_stay_and_no_others(self, kernels, shape):
+        before, idle = without_off_edge(cloud(80, 1, shape), speed=0.0), np.repeat([20, 100], 40)
+        before.velocity[::3] = 0.01
+        before.distance[::5, -1] = np.nan
+        asleep = is_asleep(before, idle)
+        np.testing.assert_array_equal(asleep, (idle == 100) & (np.arange(80) % 3 > 0) & (np.arange(80) % 5 > 0))
+        after = self.stepped(kernels, shape, before, idle, DEFAULT, np.eye(len(shape))[0])
+        np.testing.assert_array_equal(after.motion == 0.0, asleep)
 
 
 coordinate = st.integers(-4, 69 * 8 + 4).map(lambda n: n / 8.0)
@@ -68,7 +113,7 @@ crowds = st.tuples(places, heap).map(lambda c: np.array(c[0] + c[1], dtype=float
 
 @settings(max_examples=80, deadline=None)
 @given(crowds, st.sampled_from([0.5, 2.0, 6.0]), st.sampled_from([0.0, 1.0, 3.0]), st.sampled_from([0.4, 1.6]))
-def test_force_is_the_normalised_coulomb_force_and_the_lorentz_force(points, d_min, d_max, w1):
+def test_force_is_the_normalized_coulomb_force_and_the_lorentz_force(points, d_min, d_max, w1):
     """With any number of particles on the same spot, and of equal distances."""
     parameters = Parameters(d_min=d_min, d_max=d_max, w1=w1, w2=1.75)
     after, _ = moved(points, parameters)
@@ -83,10 +128,10 @@ def test_force_on_a_cloud_is_the_sum_over_all_pairs(count):
 
 
 def test_force_on_a_curve_by_way_of_a_mesh_is_as_good_as_the_mesh():
-    """0.006 at particles 2 px apart, twice as much when normalised, which is far below what friction holds."""
+    """0.006 at particles 2 px apart, twice as much when normalized, which is far below what friction holds."""
     angle = np.linspace(0.0, 2.0 * np.pi, 88, endpoint=False)
     points = np.stack([34.3 + 28.0 * np.sin(angle), 44.8 + 28.0 * np.cos(angle)], axis=1)
-    after, _ = moved(points, far=far_force(points, SHAPE, 10.0))
+    after, _ = moved(points, mesh=mesh_force(points, SHAPE, 10.0))
     error = np.hypot(*(after.force[:, 0] - force_truth(points)).T)
     assert error.max() < 2.0 * DEFAULT.w1 * 0.006
     assert error.max() < 0.1 * 0.25 * DEFAULT.w1
@@ -96,7 +141,7 @@ def test_force_on_a_curve_by_way_of_a_mesh_is_as_good_as_the_mesh():
 def test_force_on_a_cloud_by_way_of_a_mesh_is_as_good_as_the_mesh(reach):
     """The error is one of the sum, of the order of 1 / reach^2, and is scaled by the spacing with it."""
     points = cloud(400, seed=5)
-    after, _ = moved(points, far=far_force(points, SHAPE, reach))
+    after, _ = moved(points, mesh=mesh_force(points, SHAPE, reach))
     scale = 0.5 * spacing(points, DEFAULT) ** 2 * np.minimum(1.0, spacing(points, DEFAULT) / DEFAULT.d_min)
     error = np.hypot(*(after.force[:, 0] - force_truth(points)).T)
     within = 400 * np.pi * reach**2 / (SHAPE[0] * SHAPE[1])
@@ -106,17 +151,17 @@ def test_force_on_a_cloud_by_way_of_a_mesh_is_as_good_as_the_mesh(reach):
 def test_a_mesh_is_made_where_there_are_many_particles_only():
     few, many = Particles.at_rest(cloud(20)), Particles.at_rest(cloud(2000))
     scale_field = even_scale_field(SHAPE, LORENTZ)
-    assert far_force_for(few, np.zeros(20, int), scale_field, DEFAULT) is NOTHING_FAR
-    far = far_force_for(many, np.zeros(2000, int), scale_field, DEFAULT)
-    assert len(far.force)
-    assert far.reach == 2.0 * (DEFAULT.d_min + DEFAULT.d_max)
-    assert far_force_for(many, np.full(2000, 1000), scale_field, DEFAULT) is NOTHING_FAR  # nobody feels any of it
+    assert mesh_force_for(few, np.zeros(20, int), scale_field, DEFAULT) is NO_MESH
+    served = mesh_force_for(many, np.zeros(2000, int), scale_field, DEFAULT)
+    assert len(served.force)
+    assert served.reach == 2.0 * (DEFAULT.d_min + DEFAULT.d_max)
+    assert mesh_force_for(many, np.full(2000, 1000), scale_field, DEFAULT) is NO_MESH  # nobody feels any of it
 
 
 def test_nearest_particles_beyond_the_reach_of_a_mesh_are_found():
     """Spacings of up to forty px, the reach being ten: those who look farther than the cells around them."""
     points = np.array([(10.0, 10.0), (10.0, 38.0), (44.0, 10.0), (66.0, 86.0), (66.0, 80.0)])
-    after, _ = moved(points, far=far_force(points, SHAPE, 10.0))
+    after, _ = moved(points, mesh=mesh_force(points, SHAPE, 10.0))
     near, _ = moved(points)
     scale = 0.5 * spacing(points, DEFAULT) ** 2
     error = np.hypot(*(after.force[:, 0] - near.force[:, 0]).T)
@@ -151,8 +196,8 @@ def test_no_particle_pushes_itself_however_its_place_is_rounded(d_min):
     some = awkward_places(reach)
     for y in some:
         points = np.array([(y, 30.0), (y, 60.0), (y + 20.0, 44.0)])
-        far = far_force(points, (120, 90), reach)
-        after, _ = moved(points, parameters, far=far, shape=(120, 90))
+        served = mesh_force(points, (120, 90), reach)
+        after, _ = moved(points, parameters, mesh=served, shape=(120, 90))
         scale = 0.5 * spacing(points, parameters) ** 2
         error = np.hypot(*(after.force[:, 0] - force_truth(points, parameters)).T)
         assert np.all(error < parameters.w1 * scale * 0.003 + SINGLE)
@@ -185,8 +230,8 @@ def test_nor_do_they_on_one_spot_beside_others():
 def test_a_crowd_in_one_place_is_felt_whole(mesh):
     """Three hundred within four pixels."""
     points = np.concatenate([np.random.default_rng(3).uniform(20.0, 24.0, (300, 2)), cloud(20, 4)])
-    far = far_force(points, SHAPE, 10.0) if mesh else NOTHING_FAR
-    after, _ = moved(points, far=far)
+    served = mesh_force(points, SHAPE, 10.0) if mesh else NO_MESH
+    after, _ = moved(points, mesh=served)
     crowd = after.force[:300, 0] - force_truth(points)[:300]
     assert np.hypot(*crowd.T).max() < (0.01 if mesh else 5 * SINGLE)
 
@@ -352,11 +397,11 @@ def test_who_sleeps_is_slow_and_old_and_has_no_repulsion_left(idle, speed, young
 @pytest.mark.parametrize("mesh", [False, True])
 def test_same_bits_on_any_number_of_cores(monkeypatch, mesh):
     before = without_off_edge(cloud(1700, 9))
-    far = far_force(before.position, SHAPE, 10.0) if mesh else NOTHING_FAR
+    served = mesh_force(before.position, SHAPE, 10.0) if mesh else NO_MESH
     bits = []
     for cores in (1, 2, 3):
         monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
-        after, motion = moved(before, far=far)
+        after, motion = moved(before, mesh=served)
         quantities = (after.position, after.velocity, after.force, after.distance, motion)
         bits.append([quantity.tobytes() for quantity in quantities])
     assert bits[0] == bits[1] == bits[2]
@@ -366,9 +411,9 @@ def test_same_bits_on_any_number_of_cores(monkeypatch, mesh):
 def test_the_order_of_particles_does_not_matter_but_for_rounding(mesh):
     before = without_off_edge(cloud(500, 10))
     order = np.random.default_rng(11).permutation(500)
-    far = far_force(before.position, SHAPE, 10.0) if mesh else NOTHING_FAR
-    one, _ = moved(before, far=far)
-    other, _ = moved(before.taken(order), far=far)
+    served = mesh_force(before.position, SHAPE, 10.0) if mesh else NO_MESH
+    one, _ = moved(before, mesh=served)
+    other, _ = moved(before.taken(order), mesh=served)
     np.testing.assert_array_equal(other.identity, one.identity[order])
     np.testing.assert_allclose(other.force, one.force[order], rtol=0, atol=1e-4)
     np.testing.assert_allclose(other.position, one.position[order], rtol=0, atol=1e-4)
@@ -390,7 +435,7 @@ def test_nobody_can_take_a_step_as_well():
 def test_far_particles_push_with_the_inverse_square_through_a_mesh():
     """Two heaps at opposite ends, each of which pushes on the others alone."""
     points = np.concatenate([np.array([8.0, 8.0]) + cloud(3, 0, (2, 2)), np.array([60.0, 80.0]) + cloud(3, 1, (2, 2))])
-    after, _ = moved(points, far=far_force(points, SHAPE, 10.0))
+    after, _ = moved(points, mesh=mesh_force(points, SHAPE, 10.0))
     assert np.hypot(*coulomb(points).T).max() > 0.1
     np.testing.assert_allclose(after.force[:, 0], force_truth(points), rtol=0, atol=0.01)
 
@@ -403,11 +448,11 @@ def test_a_step_tells_how_everybody_stands_after_it():
     points = cloud(60, 3, (39, 47))
     sleepers = replace(Particles.at_rest(points), distance=np.ones((60, 4)))
     for idle in (0, 500):
-        after = move(sleepers, np.full(60, idle), NOTHING_FAR, scale_field, DEFAULT)
+        after = move(sleepers, np.full(60, idle), NO_MESH, scale_field, DEFAULT)
         contact = survey(after.particles.position, scale_field, 5.0)
         np.testing.assert_array_equal(after.strength, contact.strength)
         np.testing.assert_array_equal(after.on_edge, contact.on_edge)
-        held = after.held_at(Particles.at_rest(points), points, scale_field)
+        held = Moved.held_at(Particles.at_rest(points), points, contact_at(points, scale_field))
         np.testing.assert_array_equal(held.on_edge, survey(points, scale_field, 5.0).on_edge)
         assert not held.motion.any()
         some = points[:, 0] > 20.0

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from cpm_core.dynamics import equations
-from cpm_core.dynamics.equations import LATEST, damped_series, damping, is_stuck, normalised_coulomb, repulsion_left
+from cpm_core.dynamics.equations import LATEST, coulomb_scale, damped_series, damping, is_stuck, repulsion_left
 
 
 class Moving:
@@ -32,9 +32,11 @@ class Moving:
         return Moving(place, velocity, [force, self.last])
 
 
-def normalised(force, spacing, d_min):
-    """Normalised Coulomb force of every row."""
-    return np.array([normalised_coulomb(y, x, s, d_min) for (y, x), s in zip(force, spacing, strict=True)])
+def normalized(force, spacing, d_min):
+    """Normalized Coulomb force of every row, of any dimension; `spacing` of each, or of all."""
+    force = np.atleast_2d(np.asarray(force, dtype=float))
+    sizes, spacings = np.linalg.norm(force, axis=1), np.broadcast_to(spacing, len(force))
+    return np.array([f * coulomb_scale(size, s, d_min) for f, size, s in zip(force, sizes, spacings, strict=True)])
 
 
 def oscillator_error(beta, k, dt, duration, start):
@@ -160,36 +162,36 @@ def test_damped_weights_are_exact_on_both_sides_of_the_series(z):
     np.testing.assert_allclose(damped_series(z), [phi(order, z) for order in range(4)], rtol=1e-10)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
 @settings(max_examples=50, deadline=None)
-@given(st.integers(0, 10**6), st.floats(-6.0, 6.0))
-def test_normalised_coulomb_keeps_the_direction_and_is_at_most_of_unit_size(seed, decades):
+@given(seed=st.integers(0, 10**6), decades=st.floats(-6.0, 6.0))
+def test_normalized_coulomb_keeps_the_direction_and_is_at_most_of_unit_size(dimension, seed, decades):
     rng = np.random.default_rng(seed)
-    force = rng.normal(size=(20, 2)) * 10.0**decades
-    out = normalised(force, rng.uniform(0.0, 20.0, 20), 2.0)
-    assert np.all(np.linalg.norm(out, axis=1) <= 1.0 + 1e-12)
-    cross = force[:, 0] * out[:, 1] - force[:, 1] * out[:, 0]
-    assert np.all(np.abs(cross) <= 1e-12 * np.linalg.norm(force, axis=1))
-    assert np.all(np.einsum("ni,ni->n", force, out) >= 0.0)
+    force = rng.normal(size=(20, dimension)) * 10.0**decades
+    out = normalized(force, rng.uniform(0.0, 20.0, 20), 2.0)
+    size, length = np.linalg.norm(force, axis=1), np.linalg.norm(out, axis=1)
+    assert np.all(length <= 1.0 + 1e-12)
+    np.testing.assert_allclose(out * size[:, None], force * length[:, None], atol=1e-12 * size.max())
 
 
-def test_normalised_coulomb_is_linear_near_equilibrium_and_of_unit_size_on_a_sparse_front():
-    weak = np.array(normalised_coulomb(0.003, -0.004, 2.5, 2.0))
+def test_normalized_coulomb_is_linear_near_equilibrium_and_of_unit_size_on_a_sparse_front():
+    force = np.array([0.003, -0.004])
+    (weak,) = normalized(force, 2.5, 2.0)
     assert 0.0 < np.linalg.norm(weak) < 0.1
     for factor in (0.01, 0.5, 3.0):
-        many = normalised_coulomb(factor * 0.003, factor * -0.004, 2.5, 2.0)
-        np.testing.assert_allclose(many, factor * weak, rtol=1e-12)
-    np.testing.assert_allclose(normalised_coulomb(3e3, -4e3, 2.5, 2.0), [0.6, -0.8], rtol=1e-12)
+        np.testing.assert_allclose(normalized(factor * force, 2.5, 2.0)[0], factor * weak, rtol=1e-12)
+    np.testing.assert_allclose(normalized(1e6 * force, 2.5, 2.0)[0], [0.6, -0.8], rtol=1e-12)
 
 
 @pytest.mark.parametrize("spacing", [0.0, 2.0, 9.0])
-def test_normalised_coulomb_of_balanced_or_coinciding_particles_is_nothing(spacing):
-    assert normalised_coulomb(0.0, 0.0, spacing, 2.0) == (0.0, 0.0)
-    assert normalised_coulomb(1.0, 1.0, 0.0, 2.0) == (0.0, 0.0)
+def test_normalized_coulomb_of_balanced_or_coinciding_particles_is_nothing(spacing):
+    assert not normalized([0.0, 0.0], spacing, 2.0).any()
+    assert not normalized([1.0, 1.0], 0.0, 2.0).any()
 
 
-def test_normalised_coulomb_does_not_depend_on_the_scale():
+def test_normalized_coulomb_does_not_depend_on_the_scale():
     """Twice the spacing means a quarter of the force: the same push on the same pattern, once beyond d_min."""
-    once, twice = normalised_coulomb(0.05, 0.02, 3.0, 2.0), normalised_coulomb(0.0125, 0.005, 6.0, 2.0)
+    once, twice = normalized([0.05, 0.02], 3.0, 2.0), normalized([0.0125, 0.005], 6.0, 2.0)
     np.testing.assert_allclose(once, twice, rtol=1e-12)
 
 

@@ -1,4 +1,4 @@
-"""Deletion of particles that are too near to others (section 3.6)."""
+"""Deletion of particles of the plane that are too near to others."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from functools import partial
 
 import numpy as np
 
+from cpm_core.dynamics.deletion import NEAR, by_strength
 from cpm_core.dynamics.edge_contact import EdgeContact
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.particles.cell_list import Cells, build_cells, cells_around, row_of_cells
+from cpm_core.particles.cell_list.plane import Cells, build_cells, cells_around, row_of_cells
 
 _LEAST_CELL = 4.0
 """Side that cells must have to be worth their memory, however near the particles that are looked for [px]."""
@@ -39,10 +40,9 @@ def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: f
         Whether each stays.
     """
     places = np.ascontiguousarray(positions, dtype=float)
-    height, width = shape
-    cells = build_cells(places, height, width, max(d_min, _LEAST_CELL))
-    everybody = np.ones(len(places), np.bool_)
-    return thinned(EdgeContact(strength, everybody, cells), everybody, d_min)
+    cells = build_cells(places, shape, max(d_min, _LEAST_CELL))
+    every = np.ones(len(places), np.bool_)
+    return thinned(EdgeContact(strength, every, cells), every, d_min)
 
 
 def thinned(contact: EdgeContact, stirred: Mask, d_min: float) -> Mask:
@@ -51,7 +51,7 @@ def thinned(contact: EdgeContact, stirred: Mask, d_min: float) -> Mask:
     Parameters
     ----------
     contact : EdgeContact
-        How the particles stand.
+        Edge contact of the particles.
     stirred : ndarray of bool, shape (N,)
         Which of them have moved, or are new.
     d_min : float
@@ -62,13 +62,12 @@ def thinned(contact: EdgeContact, stirred: Mask, d_min: float) -> Mask:
     ndarray of bool, shape (N,)
         Whether each stays.
     """
-    count, strength = len(contact.strength), contact.strength
+    count = len(contact.strength)
     kept = np.ones(count, np.bool_)
-    share(partial(_find_close, contact.cells, stirred, 0.5 * d_min, kept), count, _WORTH_A_THREAD)
+    share(partial(_find_close, contact.cells, stirred, NEAR * d_min, kept), count, _WORTH_A_THREAD)
     close = np.flatnonzero(~kept)
     if len(close):
-        order = close[np.argsort(-strength[close], kind="stable")]
-        _thin(contact.cells, order, 0.5 * d_min, kept)
+        _thin(contact.cells, by_strength(close, contact.strength), NEAR * d_min, kept)
     return kept
 
 

@@ -1,0 +1,73 @@
+"""Coverage: where and when particles have first been on an edge.
+
+The number of particles does not tell growth, for they crowd together and thin out again. The number of cells of the
+image that they have been in does: it can only rise and is bounded. Particles without newly covered cells around them
+for a while are brought to rest, each neighborhood by itself, so that every run ends and a front far away keeps no
+others awake.
+"""
+
+from __future__ import annotations
+
+from functools import reduce
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.numerics.types import Array
+from cpm_core.particles.cell_list import cell_of
+
+Steps = NDArray[np.int32]
+
+CELL = 4.0
+"""Side of the cells by which coverage is counted [px]."""
+
+REACH = 4
+"""Cells to each side for which a newly covered cell is news."""
+
+NEVER = -1
+
+
+class Coverage(NamedTuple):
+    r"""Coverage of an image; a plain tuple for the compiled loops.
+
+    Attributes
+    ----------
+    found : ndarray of int32, shape (\*cells)
+        Step of the first visit of every cell, -1 for none.
+    latest : ndarray of int32, shape (\*cells)
+        Step of the latest first visit among the cells around each, -1 for none.
+    """
+
+    found: Steps
+    latest: Steps
+
+    @property
+    def size(self) -> int:
+        """Cells visited so far."""
+        return int(np.count_nonzero(self.found != NEVER))
+
+
+def no_coverage(shape: tuple[int, ...]) -> Coverage:
+    """Coverage of an image of this shape before any particle has been on an edge."""
+    cells = np.full(tuple(int(n / CELL) + 1 for n in shape), NEVER, np.int32)
+    return Coverage(cells, cells)
+
+
+def renewed(coverage: Coverage, step: int) -> Coverage:
+    """Coverage as if all cells visited had just been covered, at the step now."""
+    return Coverage(*(np.where(cells == NEVER, NEVER, step).astype(np.int32) for cells in coverage))
+
+
+def renewed_near(coverage: Coverage, places: Array, reach: float, step: int) -> Coverage:
+    """Coverage as if there were news in all cells within reach of places, shape (K, D) [px], at the step now."""
+    latest = coverage.latest.copy()
+    for place in places:
+        parts, away = [], []
+        for along, x in zip(latest.shape, place, strict=True):
+            first, last = (cell_of(x + sign * reach, CELL, along) for sign in (-1, 1))
+            parts.append(slice(first, last + 1))
+            middle = CELL * (np.arange(first, last + 1) + 0.5) - 0.5
+            away.append(np.maximum(np.abs(middle - x) - 0.5 * CELL, 0.0) ** 2)
+        latest[tuple(parts)][reduce(np.add.outer, away) < reach**2] = step
+    return Coverage(coverage.found, latest)

@@ -1,0 +1,116 @@
+"""The two halves of a step, each by itself: what moves and leaves the image, and who is deleted and born."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cpm_core import Engine, Parameters, Regions
+from cpm_core.dynamics.equilibrium import IDLE_STEPS, STILL, epsilon
+from cpm_core.dynamics.integrator.plane import mesh_force_of, move
+from cpm_core.dynamics.time_step import displaced, populated
+from cpm_core.field.scale_field import build_scale_field
+from cpm_core.particles.coverage.plane import idle_at
+
+from ..moving import cloud
+from ..scenes import disk
+
+PARAMETERS = Parameters(scales=1)
+SCENE = disk((56, 60), (27.4, 30.2), 15.0)
+SHAPE = SCENE.values.shape
+
+
+@pytest.fixture(scope="module")
+def scale_field():
+    return build_scale_field(SCENE.values, 1.0, 0.0)
+
+
+def state_of(points, steps=0):
+    """A run from some points, after some steps."""
+    engine = Engine(SCENE.values, PARAMETERS)
+    state = engine.start(points)
+    for _ in range(steps):
+        state = engine.step(state, PARAMETERS)
+    return state
+
+
+def idle(state):
+    return idle_at(state.coverage, state.particles.position, state.step_of_scale, state.idle)
+
+
+def test_the_first_half_moves_all_particles_and_measures_it(scale_field):
+    before = state_of(cloud(SHAPE, 120, 0), 30)
+    after, moved = displaced(before, idle(before), scale_field, PARAMETERS)
+    mesh = mesh_force_of(before, idle(before), scale_field, PARAMETERS)
+    truth = move(before.particles, idle(before), mesh, scale_field, PARAMETERS)
+    np.testing.assert_array_equal(after.particles.position, truth.particles.position)
+    way = np.linalg.norm(after.particles.position - before.particles.position, axis=1)
+    np.testing.assert_allclose(moved.motion, way, atol=1e-12)
+    assert after.displacement == pytest.approx(way.mean())
+    assert after.moving == (way > STILL).sum() > 0
+    assert after.epsilon == epsilon(after.particles.distance)
+    assert (after.step, after.step_of_scale) == (before.step + 1, before.step_of_scale + 1)
+    assert (after.born, after.deleted) == (0, 0)
+
+
+def test_the_first_half_removes_what_leaves_the_image(scale_field):
+    before = state_of(cloud(SHAPE, 40, 1))
+    before.particles.position[:3, 0], before.particles.velocity[:3, 0] = 0.0, -50.0
+    after, moved = displaced(before, idle(before), scale_field, PARAMETERS)
+    assert set(range(40)) - set(after.particles.identity.tolist()) >= {0, 1, 2}
+    assert after.deleted == 40 - after.count == 40 - len(moved.motion)
+    assert np.all(after.particles.position >= -0.5)
+
+
+def test_the_first_half_lets_no_particle_through_a_barrier():
+    barred = build_scale_field(SCENE.values, 1.0, 0.0, Regions(barriers=(((20.2, -5.0), (20.2, 65.0)),)))
+    before = state_of(cloud(SHAPE, 60, 2))
+    before.particles.velocity[:, 0] = 30.0
+    after, moved = displaced(before, idle(before), barred, PARAMETERS)
+    start = dict(zip(before.particles.identity.tolist(), before.particles.position, strict=True))
+    for number, (i, place) in enumerate(zip(after.particles.identity, after.particles.position, strict=True)):
+        assert (start[i][0] < 20.2) == (place[0] < 20.2)
+        assert moved.motion[number] == pytest.approx(np.linalg.norm(place - start[i]))
+
+
+def second_half(scale_field, before, **changes):
+    half, moved = displaced(before, idle(before), scale_field, PARAMETERS)
+    half = replace(half, **changes)
+    return half, populated(half, moved, False, scale_field, PARAMETERS)
+
+
+def test_the_second_half_balances_births_and_deletions(scale_field):
+    """The born are numbered on, of two too near one is gone, and d_max is annealed; over a number of steps."""
+    state, born, deleted = state_of(cloud(SHAPE, 200, 3)), 0, 0
+    for _ in range(25):
+        half, state = second_half(scale_field, state)
+        born, deleted = born + state.born, deleted + state.deleted - half.deleted
+        assert state.count == half.count + state.born - (state.deleted - half.deleted)
+        assert state.next_identity == half.next_identity + state.born
+        identity = state.particles.identity
+        assert len(set(identity.tolist())) == state.count
+        assert sorted(identity[identity >= half.next_identity]) == [*range(half.next_identity, state.next_identity)]
+        apart = np.linalg.norm(state.particles.position[:, None] - state.particles.position, axis=2)
+        assert apart[np.triu_indices(state.count, 1)].min() >= 0.5 * PARAMETERS.d_min
+        assert state.annealed == half.annealed * PARAMETERS.annealing
+    assert born > 0
+    assert deleted > 0
+
+
+def test_late_in_a_run_the_second_half_waits_every_other_step(scale_field):
+    before = state_of(cloud(SHAPE, 300, 4), 25)
+    changed = []
+    for step in (100, 101):
+        half, after = second_half(scale_field, before, idle=IDLE_STEPS, step=step)
+        changed.append(after.particles is not half.particles)
+        assert after.annealed == half.annealed * PARAMETERS.annealing
+        assert after.idle in (0, IDLE_STEPS + 1)
+    assert changed == [True, False]
+
+
+def test_no_second_half_is_any_the_worse_without_particles(scale_field):
+    before = state_of(cloud(SHAPE, 5, 5))
+    empty = replace(before, particles=before.particles.where(np.zeros(5, bool)))
+    _, after = second_half(scale_field, empty)
+    assert (after.count, after.born, after.deleted) == (0, 0, 0)
+    assert np.isnan(after.displacement)
