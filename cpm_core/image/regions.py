@@ -80,8 +80,8 @@ class Regions:
     def allows(self, points: Array) -> NDArray[np.bool_]:
         """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""
         lines = np.concatenate([self.rims(), self.lines()])
-        off_lines = nearest_distances(points, lines[:, :2], lines[:, 2:] - lines[:, :2]) >= _OFF
-        return np.asarray(self.contains(points) & off_lines)
+        away = nearest_distances(np.ascontiguousarray(points, dtype=float), lines)
+        return np.asarray(self.contains(points) & (away >= _OFF))
 
     def pixels(self, shape: tuple[int, ...]) -> NDArray[np.bool_]:
         """Which pixels of an image of this shape have their center in a region of interest."""

@@ -72,7 +72,8 @@ def distances(path: Array | Sequence[Position], positions: Array) -> Array:
     corners = np.asarray(path, dtype=float)
     if len(corners) == 1:
         corners = corners[[0, 0]]
-    return nearest_distances(np.asarray(positions, dtype=float), corners[:-1], np.diff(corners, axis=0))
+    sides = np.concatenate([corners[:-1], corners[1:]], axis=1)
+    return nearest_distances(np.ascontiguousarray(positions, dtype=float), sides)
 
 
 def inside(path: Array | Sequence[Position], positions: Array) -> Mask:

@@ -6,6 +6,9 @@ compiled loops: a step of a run asks for thousands of them.
 
 from __future__ import annotations
 
+from itertools import pairwise
+from typing import Any
+
 import numpy as np
 import scipy
 
@@ -45,18 +48,22 @@ def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
     return np.asarray(np.hypot(away[..., 0], away[..., 1]))
 
 
-def nearest_distances(points: Array, begin: Array, along: Array) -> Array:
-    """Distance of each of points, shape (N, 2), from the nearest of segments, shapes (S, 2), shape (N,) [px].
+@compiled
+def nearest_distances(points: Array, segments: Array) -> Array:
+    """Distance of each of points, shape (N, 2), from the nearest of segments, shape (S, 4), shape (N,) [px].
 
-    `SegmentTree` is faster where there are many of both.
+    The loop over all pairs of what `distances_to_segments` does for given ones; `SegmentTree` is faster where there are
+    many of both.
     """
     nearest = np.full(len(points), np.inf)
-    if len(points) < len(begin):
-        for index, point in enumerate(points):
-            nearest[index] = distances_to_segments(point, begin, along).min()
-        return nearest
-    for one, vector in zip(begin, along, strict=True):
-        np.minimum(nearest, distances_to_segments(points, one, vector), out=nearest)
+    for i in range(len(points)):
+        for s in range(len(segments)):
+            down, right = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
+            row, col = points[i, 0] - segments[s, 0], points[i, 1] - segments[s, 1]
+            square = down * down + right * right
+            share = min(max((row * down + col * right) / square, 0.0), 1.0) if square > 0.0 else 0.0
+            nearest[i] = min(nearest[i], (row - share * down) ** 2 + (col - share * right) ** 2)
+        nearest[i] = np.sqrt(nearest[i])
     return nearest
 
 
@@ -130,11 +137,13 @@ def cut(segment: Array, others: Array, tolerance: float) -> Array:
     return segments_of(places)
 
 
-@compiled
-def side(p: Array, q: Array, a: Array) -> float:
-    """On which side of the line through p and q a place lies: twice the signed area of the triangle p, q, a [px²]."""
-    turn: float = (q[0] - p[0]) * (a[1] - p[1]) - (q[1] - p[1]) * (a[0] - p[0])
-    return turn
+def _signed_area(p: Array, q: Array, a: Array) -> Any:
+    """Twice the signed area of the triangle p, q, a [px²]: by its sign, the side of the line through p and q."""
+    return (q[0] - p[0]) * (a[1] - p[1]) - (q[1] - p[1]) * (a[0] - p[0])
+
+
+side = compiled(_signed_area)
+"""On which side of the line through p and q a place a lies, by the sign."""
 
 
 @compiled
@@ -148,16 +157,25 @@ def meet(segment: Array, a: Array, b: Array) -> bool:
     ):
         return False
     p, q = segment[:2], segment[2:]
-    return side(p, q, a) * side(p, q, b) <= 0.0 and side(a, b, p) * side(a, b, q) <= 0.0
+    meeting: bool = side(p, q, a) * side(p, q, b) <= 0.0 and side(a, b, p) * side(a, b, q) <= 0.0
+    return meeting
 
 
-@compiled
-def first_meeting(path: Array, segments: Array) -> tuple[int, int]:
-    """First segment of a path, shape (K, 2), that meets one of others, shape (S, 4), and which; -1 for none."""
-    for n in range(len(path) - 1):
-        for s in range(len(segments)):
-            if meet(segments[s], path[n], path[n + 1]):
-                return n, s
+def first_crossing(path: Array, segments: Array) -> tuple[int, int]:
+    """First segment of a path, shape (K, 2), that crosses or touches one of others, shape (S, 4), and which; or -1.
+
+    By the formula of `side` as well, but in NumPy: compiled, a product and a sum may be rounded as one, so that a path
+    which ends on a vertex of the others is not always seen to touch them.
+    """
+    p, q = segments[:, :2].T, segments[:, 2:].T
+    low, high = path.min(axis=0)[:, None], path.max(axis=0)[:, None]
+    near = np.flatnonzero((np.maximum(p, q) >= low).all(axis=0) & (np.minimum(p, q) <= high).all(axis=0))
+    p, q = p[:, near], q[:, near]
+    for n, (a, b) in enumerate(pairwise(path)):
+        apart = _signed_area(p, q, a) * _signed_area(p, q, b), _signed_area(a, b, p) * _signed_area(a, b, q)
+        crossing = np.flatnonzero((apart[0] <= 0.0) & (apart[1] <= 0.0))
+        if len(crossing):
+            return n, int(near[crossing[0]])
     return -1, -1
 
 
@@ -172,11 +190,13 @@ def winds_around(corners: Array, points: Array) -> Mask:
         turns = 0
         before = len(corners) - 1
         for k in range(len(corners)):
-            a, b = corners[before], corners[k]
-            if a[0] <= points[i, 0] < b[0] and side(a, b, points[i]) > 0.0:
-                turns += 1
-            elif b[0] <= points[i, 0] < a[0] and side(a, b, points[i]) < 0.0:
-                turns -= 1
+            below, above = corners[before, 0] <= points[i, 0], corners[k, 0] <= points[i, 0]
+            if below != above:  # hardly any side does, and only they are worth the call
+                left = side(corners[before], corners[k], points[i])
+                if below and left > 0.0:
+                    turns += 1
+                elif above and left < 0.0:
+                    turns -= 1
             before = k
         inside[i] = turns != 0
     return inside

@@ -19,7 +19,7 @@ from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.polyline import length, resampled
-from cpm_core.numerics.segments import first_meeting
+from cpm_core.numerics.segments import first_crossing
 from cpm_core.numerics.types import Array
 
 _EASE = 20.0
@@ -151,7 +151,7 @@ class _CostGrid:
     def crossing(self, path: Array, spared: tuple[int, ...]) -> tuple[int, tuple[int, int]] | None:
         """First segment of a path that crosses an edge of the graph, and that edge; edges at `spared` do not count."""
         edges = self._edges[~np.isin(self._edges, spared).any(axis=1)]
-        at, crossed = first_meeting(path, self.graph.points[edges].reshape(-1, 4))
+        at, crossed = first_crossing(path, self.graph.points[edges].reshape(-1, 4))
         if crossed < 0:
             return None
         one, other = edges[crossed].tolist()

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.numerics import polyline
@@ -17,6 +17,7 @@ positions = st.tuples(coordinates, coordinates)
 lines = st.lists(positions, min_size=2, max_size=6)
 
 
+@settings(deadline=None)  # the first call may compile
 @given(lines, positions)
 def test_the_distance_is_that_of_the_nearest_place_on_the_path(line, position) -> None:
     share = np.linspace(0.0, 1.0, 2001)[:, None]
@@ -25,6 +26,7 @@ def test_the_distance_is_that_of_the_nearest_place_on_the_path(line, position) -
     assert polyline.distance(line, position) == pytest.approx(nearest, abs=0.05)
 
 
+@settings(deadline=None)  # the first call may compile
 @given(lines)
 def test_a_thinned_path_has_the_same_ends_and_stays_within_a_quarter_of_a_pixel(line) -> None:
     thin = polyline.thinned(line)
@@ -43,6 +45,7 @@ def test_length_and_area_of_a_rectangle() -> None:
     assert polyline.area(corners) == 12.0
 
 
+@settings(deadline=None)  # the first call may compile
 @given(lines, positions)
 def test_a_moved_path_keeps_its_shape(line, by) -> None:
     moved = polyline.moved(line, by)
@@ -50,6 +53,7 @@ def test_a_moved_path_keeps_its_shape(line, by) -> None:
     assert math.dist(moved[0], line[0]) == pytest.approx(math.hypot(*by))
 
 
+@settings(deadline=None)  # the first call may compile
 @given(st.lists(st.lists(positions, min_size=1, max_size=40), max_size=5), st.sampled_from([0.01, 0.4, 3.0]))
 def test_coarser_paths_have_the_same_ends_and_stay_near(lines, off) -> None:
     coarse = polyline.coarser([np.array(line) for line in lines], off)
@@ -77,6 +81,7 @@ def crossings(corners, place):
     return turns
 
 
+@settings(deadline=None)  # the first call may compile
 @given(st.lists(positions, min_size=3, max_size=8), positions)
 def test_a_polygon_holds_what_it_winds_around(corners, shift) -> None:
     place = (shift[0] + 0.337, shift[1] + 0.219)  # on no side, whose corners are integers
@@ -84,6 +89,7 @@ def test_a_polygon_holds_what_it_winds_around(corners, shift) -> None:
         assert polyline.inside(corners, np.array([place]))[0] == (crossings(corners, place) != 0)
 
 
+@settings(deadline=None)  # the first call may compile
 @given(lines, st.floats(0.2, 5.0))
 def test_samples_are_the_middles_of_equal_parts(line, spacing) -> None:
     path = np.array(line)
@@ -96,6 +102,7 @@ def test_samples_are_the_middles_of_equal_parts(line, spacing) -> None:
     assert polyline.distances(line, points).max() < 1e-9
 
 
+@settings(deadline=None)  # the first call may compile
 @given(lines, st.floats(0.2, 5.0))
 def test_a_resampled_path_keeps_its_ends_and_has_one_vertex_between_at_least(line, spacing) -> None:
     path = polyline.resampled(np.array(line), spacing)
@@ -105,6 +112,7 @@ def test_a_resampled_path_keeps_its_ends_and_has_one_vertex_between_at_least(lin
     assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= spacing + 1e-9
 
 
+@settings(deadline=None)  # the first call may compile
 @given(st.lists(positions, min_size=1, max_size=6), st.lists(positions, min_size=1, max_size=9))
 def test_distances_of_many_places_are_those_of_each(line, places) -> None:
     many = polyline.distances(line, np.array(places))

@@ -5,22 +5,27 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from cpm_core.numerics.segments import SegmentTree, cut, first_meeting, meet, nearest_distances
+from cpm_core.numerics.segments import SegmentTree, cut, first_crossing, meet, nearest_distances
 
 places = st.tuples(st.integers(-9, 9), st.integers(-9, 9))
 segments = st.tuples(places, places).filter(lambda ends: ends[0] != ends[1])
+
+
+def turn(one, other):
+    """Zero for parallel segments."""
+    (p, q), (a, b) = one, other
+    return (q[0] - p[0]) * (b[1] - a[1]) - (q[1] - p[1]) * (b[0] - a[0])
 
 
 def common(one, other):
     """Whether two segments have a place in common, by fractions: the equations of both are solved."""
     (p, q), (a, b) = one, other
     d, e, f = (q[0] - p[0], q[1] - p[1]), (b[0] - a[0], b[1] - a[1]), (a[0] - p[0], a[1] - p[1])
-    turn = d[0] * e[1] - d[1] * e[0]
-    if turn:
-        t, u = Fraction(f[0] * e[1] - f[1] * e[0], turn), Fraction(f[0] * d[1] - f[1] * d[0], turn)
+    if turned := turn(one, other):
+        t, u = Fraction(f[0] * e[1] - f[1] * e[0], turned), Fraction(f[0] * d[1] - f[1] * d[0], turned)
         return 0 <= t <= 1 and 0 <= u <= 1
     if f[0] * d[1] - f[1] * d[0]:
         return False
@@ -28,23 +33,30 @@ def common(one, other):
     return max(min(p[axis], q[axis]), min(a[axis], b[axis])) <= min(max(p[axis], q[axis]), max(a[axis], b[axis]))
 
 
+@settings(deadline=None)  # the first call compiles
 @given(segments, segments)
 def test_segments_meet_where_they_have_a_place_in_common(one, other):
     flat = np.array(one, dtype=float).ravel()
     assert meet(flat, *np.array(other, dtype=float)) == common(one, other)
 
 
-@given(st.lists(places, min_size=2, max_size=5), st.lists(segments, max_size=5))
-def test_the_first_meeting_of_a_path_is_found(path, others):
-    flat = np.array(others, dtype=float).reshape(-1, 4)
+@given(st.lists(places, min_size=2, max_size=5, unique=True), st.lists(segments, max_size=5))
+def test_the_first_crossing_of_a_path_is_found(path, others):
+    """Where the two are not parallel, which needs no more care."""
     steps = list(pairwise(path))
-    found = [
-        (n, s)
-        for n, step in enumerate(steps)
-        for s, other in enumerate(others)
-        if meet(flat[s], *np.array(step, dtype=float))
-    ]
-    assert first_meeting(np.array(path, dtype=float), flat) == (found[0] if found else (-1, -1))
+    assume(all(turn(step, other) for step in steps for other in others))
+    found = [(n, s) for n, step in enumerate(steps) for s, other in enumerate(others) if common(step, other)]
+    flat = np.array(others, dtype=float).reshape(-1, 4)
+    assert first_crossing(np.array(path, dtype=float), flat) == (found[0] if found else (-1, -1))
+
+
+@given(st.lists(places, min_size=3, max_size=3, unique=True), st.floats(0.1, 3.0))
+def test_a_path_that_ends_on_a_vertex_touches_both_segments_there(corners, scale):
+    begin, middle, end = scale * np.array(corners, dtype=float) / 7.0
+    flat = np.array([[*begin, *middle], [*middle, *end]])
+    for start in (begin + 0.3, end - 0.7):
+        for number in range(2):
+            assert first_crossing(np.array([start, middle]), flat[[number]]) == (0, 0)
 
 
 @given(segments, st.lists(segments, min_size=1, max_size=5))
@@ -72,14 +84,19 @@ def test_the_tree_and_the_search_of_all_give_the_same_distances(count):
     share = np.linspace(0.0, 1.0, 2001)[:, None, None]
     every = begin + share * (end - begin)
     brute = np.array([np.hypot(*(every - point).reshape(-1, 2).T).min() for point in points])
-    for seen in (SegmentTree(begin, end).distances(points), nearest_distances(points, begin, end - begin)):
+    for seen in (
+        SegmentTree(begin, end).distances(points),
+        nearest_distances(points, np.concatenate([begin, end], axis=1)),
+    ):
         np.testing.assert_allclose(seen, brute, atol=0.03)
     np.testing.assert_allclose(
-        SegmentTree(begin, end).distances(points), nearest_distances(points, begin, end - begin), atol=1e-12
+        SegmentTree(begin, end).distances(points),
+        nearest_distances(points, np.concatenate([begin, end], axis=1)),
+        atol=1e-12,
     )
 
 
 def test_nothing_is_near_no_segment():
     none = np.empty((0, 2))
     assert np.isinf(SegmentTree(none, none).distances(np.zeros((3, 2)))).all()
-    assert np.isinf(nearest_distances(np.zeros((3, 2)), none, none)).all()
+    assert np.isinf(nearest_distances(np.zeros((3, 2)), np.empty((0, 4)))).all()
