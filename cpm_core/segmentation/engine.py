@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.bridge import Bridge
+from cpm_core.contours.contour import Bridge
 from cpm_core.contours.result import Result
 from cpm_core.dynamics.energies import Energies, energies
 from cpm_core.dynamics.equations import FADED
@@ -24,7 +24,7 @@ from cpm_core.field.placed_charge_cache import PlacedChargeCache, charged_force,
 from cpm_core.field.placed_charges import PlacedCharge, at_scale, in_order
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.scale_space import ScaleSpace
-from cpm_core.image.image import Image
+from cpm_core.image.image import Image, as_plane
 from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
@@ -60,7 +60,7 @@ class Engine:
         self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
     ) -> None:
         parameters = parameters or Parameters()
-        self.image = values if isinstance(values, Image) else Image(np.asarray(values, dtype=float))
+        self.image = as_plane(values)
         array = self.image.values
         if array.min() == array.max():
             raise ValueError(
@@ -124,7 +124,7 @@ class Engine:
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
         """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
-        return self.scale_field(parameters, scale).charges
+        return self.scale_field(parameters, scale).fixed_charges
 
     def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.

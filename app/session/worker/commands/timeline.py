@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from app.model.display.difference import Difference, difference
 from app.session.exchange.messages import Report
 from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
+from cpm_core.contours.agreement import Agreement, agreement
 from cpm_core.contours.result import Result
 from cpm_core.numerics.types import Array
 from cpm_core.particles.state import State
@@ -116,7 +116,11 @@ class Compare(Command):
         if state is None:
             return
         result = run.result_of(state) if self.against is not None and state.step > 0 else None
-        apart = difference(self.against, result) if self.against is not None and result is not None else None
+        apart = (
+            agreement(self.against.contours, result.contours)
+            if self.against is not None and result is not None
+            else None
+        )
         context.report(Compared(self.generation, self.branch, state, state.position, result, apart))
 
 
@@ -136,7 +140,7 @@ class Compared(Report):
         Its particles (row, col) [px of the image].
     result : Result or None
         Its contours, where they were asked for.
-    apart : Difference or None
+    apart : Agreement or None
         How far they lie from those that are shown.
     """
 
@@ -145,4 +149,4 @@ class Compared(Report):
     state: State | None = None
     position: Array | None = None
     result: Result | None = None
-    apart: Difference | None = None
+    apart: Agreement | None = None
