@@ -5,18 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Protocol
+from typing import Any
 
 from app.model.state.status import Phase, RunStatus
 from app.model.text.language import tr
 from app.session.exchange.messages import (
     CommandFailed,
     Exported,
-    NotOpened,
     Opened,
-    Overlays,
-    Reconstruction,
     Report,
     RunFailed,
     SeedsFound,
@@ -24,50 +20,15 @@ from app.session.exchange.messages import (
     WarmedUp,
     WentOn,
 )
+from app.session.scene import NO_CONTOURS, ReviewedContours
+from app.session.signals import SessionSignals
+from app.session.worker.commands.forces import Probed
+from app.session.worker.commands.intensity_window import Shaded, WindowFound
+from app.session.worker.commands.timeline import Compared
 from app.session.worker.worker_thread import WorkerThread
-from cpm_core.shapes.image_starts import ImageSeeds
 
 _FIGURES_EVERY = 0.1
 """Time between two updates of figures that a person reads [s]."""
-
-
-class Audience(Protocol):
-    """Who is told of what arrived."""
-
-    @property
-    def generation(self) -> int:
-        """Number of the run that is shown."""
-
-    @property
-    def image_generation(self) -> int:
-        """Number under which the image shown was opened."""
-
-    def open(self, path: Path) -> None:
-        """Open an image."""
-
-    def accept(self, opened: Opened) -> None:
-        """Take over an image."""
-
-    def show_snapshot(self, snapshot: Snapshot | None) -> None:
-        """Show particles."""
-
-    def show_contours(self, reconstruction: Reconstruction | None) -> None:
-        """Show contours."""
-
-    def show_overlays(self, overlays: Overlays) -> None:
-        """Show edge map and field."""
-
-    def show_image_seeds(self, image_seeds: ImageSeeds) -> None:
-        """Show where particles start all over the image."""
-
-    def show_status(self) -> None:
-        """Show how the run stands."""
-
-    def say(self, sentence: str, trouble: bool) -> None:
-        """Tell the user."""
-
-    def pass_on(self, report: Report) -> None:
-        """Tell everybody whom a report concerns."""
 
 
 class Progress:
@@ -75,8 +36,8 @@ class Progress:
 
     Parameters
     ----------
-    audience : Audience
-        Who is told.
+    session : SessionSignals
+        Whose scene shows it.
     worker_thread : WorkerThread
         Where it comes from.
     clock : callable
@@ -84,9 +45,9 @@ class Progress:
     """
 
     def __init__(
-        self, audience: Audience, worker_thread: WorkerThread, clock: Callable[[], float] = time.perf_counter
+        self, session: SessionSignals, worker_thread: WorkerThread, clock: Callable[[], float] = time.perf_counter
     ) -> None:
-        self._audience = audience
+        self._session = session
         self._worker_thread = worker_thread
         self._clock = clock
         self._busy: dict[str, str] = {}
@@ -101,29 +62,28 @@ class Progress:
     def busy(self, what: str, text: str) -> None:
         """Say that something is being prepared; `text` is shown meanwhile."""
         self._busy = {what: text} | {key: value for key, value in self._busy.items() if key != what}
-        self._audience.show_status()
+        self._session.show_status()
 
     def phase(self, phase: Phase) -> None:
         """The user has set the run going or stopped it."""
         self._known = replace(self._known, phase=phase)
-        self._audience.show_status()
+        self._session.show_status()
 
     def forget(self) -> None:
         """The run before is over and nothing of it is to be seen."""
         self._known = RunStatus(phase="ready")
-        self._audience.show_snapshot(None)
-        self._audience.show_contours(None)
-        self._audience.show_status()
+        self._show(snapshot=None, contours=NO_CONTOURS, probed=None, compared=None)
+        self._session.show_status()
 
     def look(self) -> None:
         """Take what has arrived; what belongs to another run or image is dropped."""
         for report in self._worker_thread.reports():
             self._take_report(report)
         snapshot = self._worker_thread.snapshots.take()
-        if snapshot is not None and snapshot.generation == self._audience.generation:
+        if snapshot is not None and snapshot.generation == self._session.generation:
             self._take_snapshot(snapshot)
         contours = self._worker_thread.reconstructor.results.take()
-        if contours is not None and contours.generation == self._audience.generation:
+        if contours is not None and contours.generation == self._session.generation:
             result = contours.result
             closed = sum(contour.closed for contour in result.contours)
             self._known = replace(
@@ -133,11 +93,15 @@ class Progress:
                 bridges=len(result.bridges),
                 longest_bridge=max((bridge.length for bridge in result.bridges), default=0.0),
             )
-            self._audience.show_contours(contours)
-            self._audience.show_status()
+            self._show(contours=ReviewedContours.of(contours.tracked, self._session.scene.document.marks))
+            self._session.show_status()
         overlays = self._worker_thread.overlays.take()
-        if overlays is not None and overlays.generation == self._audience.image_generation:
-            self._audience.show_overlays(overlays)
+        if overlays is not None and overlays.generation == self._session.image_generation:
+            self._show(overlays=overlays.arrays)
+
+    def _show(self, **parts: Any) -> None:
+        """Show the scene with other parts."""
+        self._session.show(replace(self._session.scene, **parts))
 
     def _take_snapshot(self, snapshot: Snapshot) -> None:
         before, state = self._known.phase, snapshot.state
@@ -154,41 +118,48 @@ class Progress:
             steering=state.steering,
             steps_per_second=snapshot.steps_per_second,
         )
-        self._audience.show_snapshot(snapshot)
+        self._show(snapshot=snapshot)
         now = self._clock()
         if self._known.phase != "running" or before != "running" or now - self._told_at >= _FIGURES_EVERY:
             self._told_at = now
-            self._audience.show_status()
+            self._session.show_status()
 
     def _take_report(self, report: Report) -> None:
         match report:
             case Opened():
                 self._busy.pop("sowing", None)
-                self._audience.accept(report)
-                if report.notes:
-                    self._audience.say(" ".join(report.notes), False)
-            case NotOpened(sentence, otherwise):
-                self._audience.say(sentence, True)
-                if otherwise is not None:
-                    self._audience.open(otherwise)
             case RunFailed(generation, sentence):
-                if generation == self._audience.generation:
+                if generation == self._session.generation:
                     self._known = replace(self._known, phase="paused" if self._known.count else "ready")
-                    self._audience.say(sentence, True)
+                    self._session.say(sentence, True)
             case WentOn(generation):
-                if generation == self._audience.generation:
+                if generation == self._session.generation:
                     self._known = replace(self._known, phase="running")
             case SeedsFound(generation, image_seeds, sentence):
                 self._busy.pop("sowing", None)
                 if sentence:
-                    self._audience.say(sentence, True)
-                if generation == self._audience.image_generation:
-                    self._audience.show_image_seeds(image_seeds)
+                    self._session.say(sentence, True)
+                if generation == self._session.image_generation:
+                    self._show(image_seeds=image_seeds)
             case Exported(path):
-                self._audience.say(tr("Written: {path}").format(path=path), False)
+                self._session.say(tr("Written: {path}").format(path=path))
             case CommandFailed(sentence):
-                self._audience.say(sentence, True)
+                self._session.say(sentence, True)
             case WarmedUp():
                 self._busy.pop("preparing", None)
-        self._audience.pass_on(report)
-        self._audience.show_status()
+        self._show_answer(report)
+        self._session.pass_on(report)
+        self._session.show_status()
+
+    def _show_answer(self, report: Report) -> None:
+        """Show what a layer has asked for."""
+        match report:
+            case Probed():
+                self._show(probed=report)
+            case Compared(generation):
+                if generation == self._session.generation:
+                    self._show(compared=report)
+            case WindowFound():
+                self._show(window_found=report)
+            case Shaded():
+                self._show(shaded=report)

@@ -22,7 +22,7 @@ class Copied(Report):
 
 def copy_contours(session: Session, suffix: str) -> None:
     """Begin to make the contours found so far ready, without those that have been rejected."""
-    result, marks = session.review.result, session.document.marks
+    result, marks = session.scene.contours.result, session.document.marks
     if result is None:
         session.say(tr("There are no contours to copy yet: let the particles run first."), True)
         return

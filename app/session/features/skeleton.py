@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject
 
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
+from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core.formats import export
-from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton, skeleton
 from cpm_core.parameters import Parameters
-
-if TYPE_CHECKING:
-    from app.session.session import Session
 
 _DEPENDS_ON = ("smoothing", "edge_floor", "min_strength", "min_length")
 """Parameters that a skeleton depends on."""
@@ -42,24 +38,23 @@ class Skeletons(QObject):
         Whose image it is of.
     """
 
-    changed = Signal(object)
-    """Another skeleton, or None when there is none any more: Skeleton or None."""
-
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self._image: Image | None = None
         self._asked: tuple[object, ...] = ()
         self._loud = False
         self._task: Task | None = None
-        self.found: Skeleton | None = None
-        session.image_changed.connect(self._use_image)
         session.document_changed.connect(self._follow)
-        session.reported.connect(self._take)
+        session.listen(SkeletonFound, self._take)
+
+    @property
+    def found(self) -> Skeleton | None:
+        """The skeleton that is shown."""
+        return self._session.scene.skeleton
 
     def find(self) -> None:
         """Find the skeleton of the image by the parameters of the document."""
-        if self._image is None:
+        if self._session.image is None:
             self._session.say(tr("There is no image to run on: open one first."), True)
             return
         self._loud = True
@@ -79,12 +74,13 @@ class Skeletons(QObject):
         self._session.tasks.start(tr("Writing {file}…").format(file=path.name), work, activity, cancellable=False)
 
     def _ask(self, document: Document) -> None:
-        if self._image is None:
+        image = self._session.image
+        if image is None:
             return
         if self._task is not None:
             self._task.cancel()
         self._asked = _asked(document.parameters)
-        image, number, parameters = self._image, self._session.image_generation, document.parameters
+        number, parameters = self._session.image_generation, document.parameters
 
         def work(task: Task) -> Report:
             return SkeletonFound(number, skeleton(image, parameters))
@@ -96,18 +92,14 @@ class Skeletons(QObject):
             tr("Finding the skeleton…"), work, tr("finding the skeleton"), failure_report
         )
 
-    def _use_image(self, image: Image, _: object) -> None:
-        self._image = image
-        self._show(None)
-
     def _follow(self, document: Document) -> None:
         if document.mode != "skeleton":
             self._show(None)
         elif self.found is not None and _asked(document.parameters) != self._asked:
             self._ask(document)
 
-    def _take(self, report: Report) -> None:
-        if not isinstance(report, SkeletonFound) or report.image_generation != self._session.image_generation:
+    def _take(self, report: SkeletonFound) -> None:
+        if report.image_generation != self._session.image_generation:
             return
         if report.sentence:
             self._session.say(report.sentence, True)
@@ -119,9 +111,8 @@ class Skeletons(QObject):
 
     def _show(self, found: Skeleton | None) -> None:
         if found is not self.found:
-            self.found = found
-            self.changed.emit(found)
-            self._session.status_changed.emit()
+            self._session.show(replace(self._session.scene, skeleton=found))
+            self._session.show_status()
 
 
 def _asked(parameters: Parameters) -> tuple[object, ...]:

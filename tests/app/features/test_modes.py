@@ -97,8 +97,8 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     assert not window.actions_by_name["export_skeleton"].isEnabled()
     assert not window.actions_by_name["step"].isEnabled()
     hand.key(Qt.Key.Key_Space)
-    hand.wait(lambda: session.skeletons.found is not None and session.idle)
-    first = session.skeletons.found
+    hand.wait(lambda: session.scene.skeleton is not None and session.idle)
+    first = session.scene.skeleton
     assert session.status.phase == "ready"
     assert "Skeleton:" in window.canvas_area.messages.text
     # The middle line of a disc of radius 18 is its centre.
@@ -111,9 +111,9 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     window.actions_by_name["export_skeleton"].trigger()
     hand.wait(path.exists)
     session.edit("change of smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
-    hand.wait(lambda: session.skeletons.found is not first and session.idle)
+    hand.wait(lambda: session.scene.skeleton is not first and session.idle)
     hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
-    assert session.skeletons.found is None
+    assert session.scene.skeleton is None
     assert layer.counts == (0, 0)
 
 
@@ -124,7 +124,7 @@ def test_a_skeleton_of_an_image_that_has_gone_is_not_shown(window, hand, image_f
     hand.key(Qt.Key.Key_Space)
     window.open_image(str(image_file))
     hand.wait(lambda: session.image_generation != generation and session.idle)
-    assert session.skeletons.found is None
+    assert session.scene.skeleton is None
 
 
 def test_a_branch_is_cut_where_its_thickness_changes_and_nothing_is_left_out() -> None:

@@ -56,14 +56,14 @@ class ModesFeature(Feature):
             name = tr("mode “{mode}”").format(mode=MODES[mode].title.replace("&", ""))
             session.edit(name, lambda document: use_mode(document, mode))
         # Whether or not the document has changed, the action shows what is.
-        session.status_changed.emit()
+        self.context.refresh()
 
     def _export(self) -> None:
         image = self.context.session.document.image
         stem = Path(image.name).stem if image else "image"
         chosen = ask_for_export(self.context.window, f"{stem}_skeleton.svg")
         if chosen:
-            self.context.session.skeletons.export(chosen)
+            self.context.workspace.skeletons.export(chosen)
 
 
 def _is(mode: Mode) -> Condition:
