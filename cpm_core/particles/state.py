@@ -12,7 +12,7 @@ from cpm_core.field.placed_charges import Charges
 from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
-from cpm_core.particles.coulomb.mesh_force import FAR_EVERY, FarForce
+from cpm_core.particles.coulomb.mesh_force import FarForce
 from cpm_core.particles.coverage import Coverage
 
 MEMORY = 4
@@ -114,11 +114,6 @@ def _mean(history: Array, one: NDArray[np.int64], other: NDArray[np.int64]) -> A
     return np.asarray(0.5 * (history[one] + history[other]))
 
 
-def _owner(array: NDArray[Any]) -> NDArray[Any]:
-    """The array whose memory an array is a view of, or itself."""
-    return array.base if isinstance(array.base, np.ndarray) else array
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class State:
     """A moment of a run: all that the next step depends on besides image and parameters.
@@ -211,30 +206,13 @@ class State:
         """Number of particles."""
         return len(self.particles)
 
-    @property
-    def nbytes(self) -> int:
-        """Memory that keeping this state costs [bytes]: its arrays, each counted once.
-
-        States that follow one another share some of them, the start above all, so that several cost less than the sum.
-        """
-        whole = {id(array): array for array in map(_owner, self._arrays())}
-        return sum(array.nbytes for array in whole.values())
-
-    def light(self) -> State:
-        """Return this state without what the next step makes anew: the far force, when its time is over.
-
-        It is made every `FAR_EVERY` steps of a scale, from where the particles are then. States whose `step_of_scale`
-        is a multiple of that do without it; others keep it, for between times it could not be made again. A step from
-        a light state thus gives the same bits.
-        """
-        return self if self.step_of_scale % FAR_EVERY else replace(self, far=None)
-
-    def _arrays(self) -> list[NDArray[Any]]:
+    def arrays(self) -> list[NDArray[Any]]:
+        """The arrays that keeping this state costs, without the start, which the states of a run have in common."""
         particles, far = self.particles, self.far
         return [
             *(particles.position, particles.velocity, particles.force, particles.distance, particles.identity),
-            *(self.start, self.coverage.found, self.coverage.latest),
-            *(() if far is None else (far.force, far.bend)),
+            *self.coverage,
+            *(() if far is None else (far.force,)),
         ]
 
     def resumed(self) -> State:

@@ -7,7 +7,7 @@ from typing import Any
 
 from app.model.text.language import tr
 from app.model.text.wording import WORDS, Wording, rich
-from cpm_core.parameters import PARAMETERS, ParameterInfo, Parameters
+from cpm_core.parameters import PARAMETERS, Parameters
 
 RATIO = "ratio"
 HIGHEST_RATIO = 0.99

@@ -15,7 +15,7 @@ from app.model.text.language import tr
 from app.session.timeline.branches import Branch, BranchNode, Lineage, RunAction
 from app.session.timeline.state_cache import KeptStates, Place
 from cpm_core.parameters import Parameters
-from cpm_core.particles.state import State
+from cpm_core.segmentation.method import MethodState
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,7 +55,7 @@ class Timeline(Generic[RunAction]):
         Most bytes that states may take; the first of the run and the one where it stands are kept in any case.
     """
 
-    def __init__(self, again: Callable[[State, RunAction], State], budget: int) -> None:
+    def __init__(self, again: Callable[[MethodState, RunAction], MethodState], budget: int) -> None:
         self._apply = again
         self._kept = KeptStates(budget)
         self._tree: Lineage[RunAction] = Lineage()
@@ -126,7 +126,7 @@ class Timeline(Generic[RunAction]):
         self._kept.clear()
         self._node, self._step = None, 0
 
-    def begin(self, state: State) -> None:
+    def begin(self, state: MethodState) -> None:
         """Forget everything and begin with the first state of a run."""
         self.clear()
         node = self._tree.open(None, state.step, ())
@@ -135,7 +135,7 @@ class Timeline(Generic[RunAction]):
         self._kept.fix("first", (node.identity, state.step))
         self._kept.put((node.identity, state.step), state)
 
-    def record(self, action: RunAction, state: State) -> None:
+    def record(self, action: RunAction, state: MethodState) -> None:
         """Add the step that a deed has led to from where the run stands.
 
         Where it differs from what was recorded a new branch begins; where it does not the run goes on along the branch.
@@ -159,7 +159,7 @@ class Timeline(Generic[RunAction]):
         self._stand(node, state.step)
         self._kept.put((node.identity, state.step), state)
 
-    def amend(self, action: RunAction, state: State) -> None:
+    def amend(self, action: RunAction, state: MethodState) -> None:
         """Change the state where the run stands, without a step.
 
         What other steps have followed from stays as it is: the change then begins a new branch.
@@ -174,7 +174,7 @@ class Timeline(Generic[RunAction]):
 
     # Going
 
-    def go(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> State | None:
+    def go(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """Stand at another step, as near to it as the branch has one.
 
         Parameters
@@ -186,7 +186,7 @@ class Timeline(Generic[RunAction]):
 
         Returns
         -------
-        State or None
+        MethodState or None
             The state of that step, exactly as it was; None when it was no longer wanted.
 
         Raises
@@ -203,7 +203,7 @@ class Timeline(Generic[RunAction]):
             self._kept.put(self._place(node, step), state)
         return state
 
-    def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> State | None:
+    def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """Give the state of another step as `go` does, without going there."""
         node = self._tree.known(branch)
         return self._recover(node, min(max(step, self._tree.root.first), node.last), wanted)
@@ -255,7 +255,7 @@ class Timeline(Generic[RunAction]):
     def _place(self, node: BranchNode[RunAction], step: int) -> Place:
         return (self._tree.owner(node, step).identity, step)
 
-    def _recover(self, node: BranchNode[RunAction], step: int, wanted: Callable[[], bool]) -> State | None:
+    def _recover(self, node: BranchNode[RunAction], step: int, wanted: Callable[[], bool]) -> MethodState | None:
         owner = self._tree.owner(node, step)
         missing: list[tuple[BranchNode[RunAction], int]] = []
         while (nearest := self._kept.get((owner.identity, step))) is None:
