@@ -32,6 +32,7 @@ from app.session.updates import Progress
 from app.session.worker.commands.run import (
     Adopt,
     Command,
+    Copy,
     Discard,
     Export,
     Go,
@@ -214,10 +215,15 @@ class Session(SessionSignals):
         self._opener.open(wanted)
 
     def export(self, path: str | Path) -> None:
-        """Write the contours found so far; the suffix tells the format."""
+        """Write the contours that are shown; the suffix tells the format."""
         path = Path(path)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
-        self.post(Export(path, task, self.document.marks))
+        self.post(Export(task, self._progress.contours, self.document.marks, path))
+
+    def copy_contours(self, suffix: str) -> None:
+        """Make the contours that are shown ready for the clipboard, as a file of this suffix would hold them."""
+        task = self.tasks.begin(tr("Copying contours…"))
+        self.post(Copy(task, self._progress.contours, self.document.marks, suffix))
 
     # Running
 

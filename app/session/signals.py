@@ -23,6 +23,8 @@ class SessionSignals(QObject):
     """Newer contours: Result, or None when there are none."""
     surveyed = Signal(object)
     """What is known about newer contours: Survey, or None when there are none."""
+    reconstructed = Signal(object)
+    """Newer contours of whatever method: Reconstruction, or None when there are none."""
     overlays_changed = Signal(object)
     """Newer edge map and field: Overlays."""
     image_seeds_changed = Signal(object)
@@ -38,8 +40,10 @@ class SessionSignals(QObject):
 
     def show_contours(self, reconstruction: Reconstruction | None) -> None:
         """Pass contours on."""
-        self.surveyed.emit(reconstruction.tracked if reconstruction else None)
-        self.contours_changed.emit(reconstruction.result if reconstruction else None)
+        tracked = reconstruction.tracked if reconstruction else None
+        self.surveyed.emit(tracked)
+        self.contours_changed.emit(tracked.result if tracked else None)
+        self.reconstructed.emit(reconstruction)
 
     def show_overlays(self, overlays: Overlays) -> None:
         """Pass edge map and field on."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -25,6 +26,7 @@ from app.session.exchange.messages import (
     WentOn,
 )
 from app.session.worker.worker_thread import WorkerThread
+from cpm_core.contours.result import Result
 from cpm_core.shapes.image_starts import ImageSeeds
 
 _FIGURES_EVERY = 0.1
@@ -92,6 +94,8 @@ class Progress:
         self._busy: dict[str, str] = {}
         self._told_at = 0.0
         self._known = RunStatus()
+        self.contours: Reconstruction | None = None
+        """The contours that are shown."""
 
     @property
     def status(self) -> RunStatus:
@@ -108,9 +112,10 @@ class Progress:
         self._known = replace(self._known, phase=phase)
         self._audience.show_status()
 
-    def forget(self) -> None:
-        """The run before is over and nothing of it is to be seen."""
-        self._known = RunStatus(phase="ready")
+    def forget(self, method: str = "cpm") -> None:
+        """The run before is over and nothing of it is to be seen; the next one is of a method of this name."""
+        self._known = RunStatus(phase="ready", method=method)
+        self.contours = None
         self._audience.show_snapshot(None)
         self._audience.show_contours(None)
         self._audience.show_status()
@@ -126,12 +131,14 @@ class Progress:
         if contours is not None and contours.generation == self._audience.generation:
             result = contours.result
             closed = sum(contour.closed for contour in result.contours)
+            bridges = result.bridges if isinstance(result, Result) else ()
+            self.contours = contours
             self._known = replace(
                 self._known,
                 closed=closed,
                 open=len(result.contours) - closed,
-                bridges=len(result.bridges),
-                longest_bridge=max((bridge.length for bridge in result.bridges), default=0.0),
+                bridges=len(bridges),
+                longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
             )
             self._audience.show_contours(contours)
             self._audience.show_status()
@@ -140,15 +147,16 @@ class Progress:
             self._audience.show_overlays(overlays)
 
     def _take_snapshot(self, snapshot: Snapshot) -> None:
-        before, state = self._known.phase, snapshot.state
+        before, state, metrics = self._known.phase, snapshot.state, snapshot.metrics
         held: Phase = "paused" if before == "finished" else before  # gone back from the end of a run
         self._known = replace(
             self._known,
+            method=snapshot.method,
             phase="finished" if state.stop_reason else held,
             step=state.step,
             count=len(snapshot.position),
             scale=state.scale,
-            epsilon=state.epsilon,
+            epsilon=float(metrics.epsilon[-1]) if len(metrics.epsilon) else math.nan,
             stop_reason=state.stop_reason,
             converged=state.converged,
             steering=state.steering,

@@ -245,7 +245,9 @@ class Engine(ImageFields):
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
         """Figures of a state by name, the potential energy only if `thorough`; see `Method.measures`."""
-        figures = {name: float(getattr(state, name)) for name in _FIGURES} | {"kinetic": kinetic_energy(state)}
+        figures = {name: float(getattr(state, of)) for name, of in _FIGURES.items()} | {
+            "kinetic": kinetic_energy(state)
+        }
         return (
             figures | {"potential": self.energies(state, parameters, state.charges).potential} if thorough else figures
         )
@@ -261,8 +263,8 @@ class Engine(ImageFields):
         return populated(state, moved, repulsion_gone, scale_field, parameters)
 
 
-_FIGURES = ("epsilon", "count", "born", "deleted", "scale", "next_identity")
-"""Numbers of a state that are worth plotting."""
+_FIGURES = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {"numbered": "next_identity"}
+"""Figures by name, and what of a state they are."""
 
 
 def _places(before: Index, after: Index) -> Index:

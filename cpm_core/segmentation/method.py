@@ -136,18 +136,18 @@ class Method(Protocol[S]):
 
 
 @runtime_checkable
-class Steerable(Protocol):
-    """What a method has besides if points of a run can be added, erased and probed."""
+class Steerable(Method[S], Protocol[S]):
+    """A method in whose runs points can be added, erased and probed."""
 
-    def joined(self, state: Any, seeds: ArrayLike) -> Any:
+    def joined(self, state: S, seeds: ArrayLike) -> S:
         """Put more points into a run."""
 
-    def erased(self, state: Any, inside: Chosen) -> Any:
+    def erased(self, state: S, inside: Chosen) -> S:
         """Take points out of a run."""
 
     def forces(
         self,
-        state: Any,
+        state: S,
         parameters: Parameters,
         charges: Sequence[PlacedCharge] = (),
         index: ArrayLike | None = None,

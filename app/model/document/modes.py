@@ -25,6 +25,8 @@ class ModeInfo:
         What it is for, in a sentence.
     preset : str
         Name among the core's `PRESETS`.
+    method : str
+        Name among the core's `METHODS`.
     hint : str
         What to do next when everything is ready for a run; empty for what is said anyway.
     """
@@ -33,6 +35,7 @@ class ModeInfo:
     short: str
     about: str
     preset: str
+    method: str
     hint: str = ""
 
 
@@ -43,12 +46,14 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
             tr("Shape"),
             tr("Draw where to start; the particles find the whole outline."),
             "shape",
+            "cpm",
         ),
         "automatic": ModeInfo(
             tr("&Automatic segmentation"),
             tr("Automatic"),
             tr("Start everywhere and find all objects; nothing need be drawn."),
             "automatic",
+            "cpm",
             tr("Press Space to let the particles go from everywhere."),
         ),
         "skeleton": ModeInfo(
@@ -56,6 +61,7 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
             tr("Skeleton"),
             tr("Find the middle lines of objects and how thick they are; nothing need be drawn."),
             "noisy",
+            "skeleton",
             tr("Press Space to find the skeleton of what is in the image."),
         ),
     }

@@ -44,25 +44,21 @@ class Outline:
     parameters: Parameters | None = None
 
 
-class Timeline(Generic[RunAction]):
-    """The steps of a run and its branches, and the place among them where the run stands.
+class RecordedSteps(Generic[RunAction]):
+    """The steps of a run and its branches, any of which can be had again.
 
     Parameters
     ----------
-    again : callable
-        State and deed to the next state, always the same one.
+    apply : callable
+        State and action to the next state, always the same one.
     budget : int
         Most bytes that states may take; the first of the run and the one where it stands are kept in any case.
     """
 
-    def __init__(self, again: Callable[[MethodState, RunAction], MethodState], budget: int) -> None:
-        self._apply = again
+    def __init__(self, apply: Callable[[MethodState, RunAction], MethodState], budget: int) -> None:
+        self._apply = apply
         self._kept = KeptStates(budget)
         self._tree: Lineage[RunAction] = Lineage()
-        self._node: BranchNode[RunAction] | None = None
-        self._step = 0
-
-    # Looking
 
     @property
     def used(self) -> int:
@@ -91,6 +87,49 @@ class Timeline(Generic[RunAction]):
         """
         return self._tree.outline
 
+    def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
+        """Give the state of another step as `go` does, without going there."""
+        node = self._tree.known(branch)
+        return self._recover(node, min(max(step, self._tree.root.first), node.last), wanted)
+
+    def rename(self, branch: int, name: str) -> None:
+        """Give a branch another name; an empty one changes nothing."""
+        node = self._tree.known(branch)
+        if name.strip():
+            node.name = name.strip()
+            self._tree.touch()
+
+    def _place(self, node: BranchNode[RunAction], step: int) -> Place:
+        return (self._tree.owner(node, step).identity, step)
+
+    def _recover(self, node: BranchNode[RunAction], step: int, wanted: Callable[[], bool]) -> MethodState | None:
+        owner = self._tree.owner(node, step)
+        missing: list[tuple[BranchNode[RunAction], int]] = []
+        while (nearest := self._kept.get((owner.identity, step))) is None:
+            missing.append((owner, step))
+            if step > owner.first:
+                owner = self._tree.owner(owner, step - 1)
+                step -= 1
+            else:
+                owner = self._tree.owner(self._tree.parent(owner), step)
+        state = nearest
+        for its, at in reversed(missing):
+            if not wanted():
+                return None
+            for action in its.actions[at - its.first]:
+                state = self._apply(state, action)
+            self._kept.put((its.identity, at), state)
+        return state
+
+
+class Timeline(RecordedSteps[RunAction]):
+    """The steps of a run and its branches, and the place among them where the run stands."""
+
+    def __init__(self, apply: Callable[[MethodState, RunAction], MethodState], budget: int) -> None:
+        super().__init__(apply, budget)
+        self._node: BranchNode[RunAction] | None = None
+        self._step = 0
+
     @property
     def here(self) -> tuple[int, int] | None:
         """Branch and step where the run stands; None before it has begun."""
@@ -103,20 +142,6 @@ class Timeline(Generic[RunAction]):
             return ()
         owner = self._tree.owner(self._node, self._step)
         return owner.actions[self._step - owner.first]
-
-    def reach(self, branch: int) -> int:
-        """The last step of a branch.
-
-        Raises
-        ------
-        ValueError
-            When there is no such branch.
-        """
-        return self._tree.known(branch).last
-
-    def follows(self, action: RunAction) -> bool:
-        """Whether taking this step from here would only repeat what is recorded."""
-        return self._tree.repeated(self._here(), self._step, action) is not None
 
     # Recording
 
@@ -203,18 +228,6 @@ class Timeline(Generic[RunAction]):
             self._kept.put(self._place(node, step), state)
         return state
 
-    def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
-        """Give the state of another step as `go` does, without going there."""
-        node = self._tree.known(branch)
-        return self._recover(node, min(max(step, self._tree.root.first), node.last), wanted)
-
-    def rename(self, branch: int, name: str) -> None:
-        """Give a branch another name; an empty one changes nothing."""
-        node = self._tree.known(branch)
-        if name.strip():
-            node.name = name.strip()
-            self._tree.touch()
-
     def drop(self, branch: int) -> None:
         """Forget a branch; what others have in common with it stays with them.
 
@@ -251,28 +264,6 @@ class Timeline(Generic[RunAction]):
             self._tree.touch()
         self._node, self._step = node, step
         self._kept.fix("here", self._place(node, step))
-
-    def _place(self, node: BranchNode[RunAction], step: int) -> Place:
-        return (self._tree.owner(node, step).identity, step)
-
-    def _recover(self, node: BranchNode[RunAction], step: int, wanted: Callable[[], bool]) -> MethodState | None:
-        owner = self._tree.owner(node, step)
-        missing: list[tuple[BranchNode[RunAction], int]] = []
-        while (nearest := self._kept.get((owner.identity, step))) is None:
-            missing.append((owner, step))
-            if step > owner.first:
-                owner = self._tree.owner(owner, step - 1)
-                step -= 1
-            else:
-                owner = self._tree.owner(self._tree.parent(owner), step)
-        state = nearest
-        for its, at in reversed(missing):
-            if not wanted():
-                return None
-            for action in its.actions[at - its.first]:
-                state = self._apply(state, action)
-            self._kept.put((its.identity, at), state)
-        return state
 
     def _inherit(self, node: BranchNode[RunAction], descendant: BranchNode[RunAction]) -> None:
         """Let a branch that leaves another one take its beginning over."""

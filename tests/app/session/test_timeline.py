@@ -124,7 +124,8 @@ class TimelineMachine(RuleBasedStateMachine):
         branches = {branch.identity: branch for branch in self.timeline.branches}
         assert branches.keys() == self.book.keys()
         for branch in branches.values():
-            assert self.timeline.reach(branch.identity) == len(self.book[branch.identity]) - 1
+            last = self.timeline.state(branch.identity, 10**6)
+            assert last is not None and last.step == len(self.book[branch.identity]) - 1
             assert branch.parent is None or branches[branch.parent].first <= branch.first
         assert sum(branch.parent is None for branch in branches.values()) == 1
 
@@ -271,7 +272,7 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
         action = features[step // 10]
         engine = engines[action.regions]
         states.append(engine.step(states[-1], action.parameters, action.charges))
-        record.record(states[-1])
+        record.record(states[-1].step, engine.measures(states[-1], action.parameters))
         recorded.record(action, states[-1], record)
     assert recorded.outline.kept <= 2
     for step in (49, 12, 31, 5):
@@ -290,7 +291,7 @@ def test_records_for_plots_follow_their_branches() -> None:
         nonlocal state
         for _ in range(count):
             state = toy_step(state, ("step", value))
-            record.record(replace(state, epsilon=float(value)))
+            record.record(state.step, {"epsilon": float(value)})
             recorded.record(("step", value), state, record)
 
     go_on(1, 20)

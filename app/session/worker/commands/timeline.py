@@ -10,8 +10,9 @@ from app.session.exchange.messages import Report
 from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from cpm_core.contours.result import Result
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
-from cpm_core.particles.state import State
+from cpm_core.segmentation.method import MethodState
 
 
 def _always() -> bool:
@@ -116,7 +117,9 @@ class Compare(Command):
         if state is None:
             return
         result = run.result_of(state) if self.against is not None and state.step > 0 else None
-        apart = difference(self.against, result) if self.against is not None and result is not None else None
+        apart = None
+        if self.against is not None and isinstance(result, Result):
+            apart = difference(self.against, result)
         context.report(Compared(self.generation, self.branch, state, state.position, result, apart))
 
 
@@ -130,11 +133,11 @@ class Compared(Report):
         The run.
     branch : int or None
         The branch; None for nothing.
-    state : State or None
+    state : MethodState or None
         Its state.
     position : ndarray, shape (N, 2), or None
         Its particles (row, col) [px of the image].
-    result : Result or None
+    result : Result or Skeleton or None
         Its contours, where they were asked for.
     apart : Difference or None
         How far they lie from those that are shown.
@@ -142,7 +145,7 @@ class Compared(Report):
 
     generation: int
     branch: int | None = None
-    state: State | None = None
+    state: MethodState | None = None
     position: Array | None = None
-    result: Result | None = None
+    result: Result | Skeleton | None = None
     apart: Difference | None = None
