@@ -1,65 +1,69 @@
-"""What is told to the views: one signal for each kind of news."""
+"""What a session says to those who follow it: signals that something has changed, and reports by their kind."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, TypeVar
+
 from PySide6.QtCore import QObject, Signal
 
-from app.session.exchange.messages import Overlays, Reconstruction, Report, Snapshot
-from cpm_core.shapes.image_starts import ImageSeeds
+from app.session.exchange.messages import Report
+from app.session.scene import Scene
+from cpm_core.image.image import Image
+
+R = TypeVar("R", bound=Report)
 
 
 class SessionSignals(QObject):
-    """The signals that views follow, and the methods by which they are given."""
+    """The scene, the signals that views follow, and the reports that concern single features."""
 
+    scene_changed = Signal()
+    """`scene` is another one."""
+    image_changed = Signal()
+    """`image` is another one."""
     document_changed = Signal(object)
     """The document is another one: Document."""
-    image_changed = Signal(object, object)
-    """Another image is shown: Image, and its Shades."""
     status_changed = Signal()
     """What `resolved` says may have changed."""
-    snapshot_changed = Signal(object)
-    """Newer particles: Snapshot, or None when there are none."""
-    contours_changed = Signal(object)
-    """Newer contours: Result, or None when there are none."""
-    surveyed = Signal(object)
-    """What is known about newer contours: Survey, or None when there are none."""
-    reconstructed = Signal(object)
-    """Newer contours of whatever method: Reconstruction, or None when there are none."""
-    overlays_changed = Signal(object)
-    """Newer edge map and field: Overlays."""
-    image_seeds_changed = Signal(object)
-    """Other places from which particles start all over the image: Sown."""
-    reported = Signal(object)
-    """The worker has reported something: Report. Whoever is concerned looks at its kind."""
     said = Signal(str, bool)
     """A sentence for the user, and whether it tells of trouble."""
 
-    def show_snapshot(self, snapshot: Snapshot | None) -> None:
-        """Pass particles on."""
-        self.snapshot_changed.emit(snapshot)
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._scene = Scene()
+        self._listeners: dict[type[Report], list[Callable[[Any], None]]] = {}
 
-    def show_contours(self, reconstruction: Reconstruction | None) -> None:
-        """Pass contours on."""
-        tracked = reconstruction.tracked if reconstruction else None
-        self.surveyed.emit(tracked)
-        self.contours_changed.emit(tracked.result if tracked else None)
-        self.reconstructed.emit(reconstruction)
+    @property
+    def scene(self) -> Scene:
+        """What is shown."""
+        return self._scene
 
-    def show_overlays(self, overlays: Overlays) -> None:
-        """Pass edge map and field on."""
-        self.overlays_changed.emit(overlays)
+    @property
+    def image(self) -> Image | None:
+        """The image that is open."""
+        return self._scene.image
 
-    def show_image_seeds(self, image_seeds: ImageSeeds) -> None:
-        """Pass places to start from on."""
-        self.image_seeds_changed.emit(image_seeds)
+    def show(self, scene: Scene) -> None:
+        """Show another scene."""
+        self._scene = scene
+        self.scene_changed.emit()
 
     def show_status(self) -> None:
         """Say that what is resolved may have changed."""
         self.status_changed.emit()
 
+    def listen(self, kind: type[R], take: Callable[[R], None]) -> None:
+        """Pass all reports of one kind to `take` from now on."""
+        self._listeners.setdefault(kind, []).append(take)
+
+    def stop_listening(self, kind: type[R], take: Callable[[R], None]) -> None:
+        """Pass them on no longer."""
+        self._listeners[kind].remove(take)
+
     def pass_on(self, report: Report) -> None:
-        """Tell whoever listens what the worker has reported."""
-        self.reported.emit(report)
+        """Pass a report to those who listen to its kind."""
+        for take in tuple(self._listeners.get(type(report), ())):
+            take(report)
 
     def say(self, sentence: str, trouble: bool = False) -> None:
         """Tell the user one sentence."""

@@ -6,18 +6,14 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from app.model.state.status import Phase, RunStatus
 from app.model.text.language import tr
 from app.session.exchange.messages import (
     CommandFailed,
     Exported,
-    NotOpened,
     Opened,
-    Overlays,
-    Reconstruction,
     Report,
     RunFailed,
     SeedsFound,
@@ -25,9 +21,12 @@ from app.session.exchange.messages import (
     WarmedUp,
     WentOn,
 )
+from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
+from app.session.worker.commands.forces import Probed
+from app.session.worker.commands.intensity_window import Shaded, WindowFound
+from app.session.worker.commands.timeline import Compared
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
-from cpm_core.shapes.image_starts import ImageSeeds
 
 _FIGURES_EVERY = 0.1
 """Time between two updates of figures that a person reads [s]."""
@@ -44,23 +43,12 @@ class Audience(Protocol):
     def image_generation(self) -> int:
         """Number under which the image shown was opened."""
 
-    def open(self, path: Path) -> None:
-        """Open an image."""
+    @property
+    def scene(self) -> Scene:
+        """What is shown."""
 
-    def accept(self, opened: Opened) -> None:
-        """Take over an image."""
-
-    def show_snapshot(self, snapshot: Snapshot | None) -> None:
-        """Show particles."""
-
-    def show_contours(self, reconstruction: Reconstruction | None) -> None:
-        """Show contours."""
-
-    def show_overlays(self, overlays: Overlays) -> None:
-        """Show edge map and field."""
-
-    def show_image_seeds(self, image_seeds: ImageSeeds) -> None:
-        """Show where particles start all over the image."""
+    def show(self, scene: Scene) -> None:
+        """Show another scene."""
 
     def show_status(self) -> None:
         """Show how the run stands."""
@@ -69,7 +57,7 @@ class Audience(Protocol):
         """Tell the user."""
 
     def pass_on(self, report: Report) -> None:
-        """Tell everybody whom a report concerns."""
+        """Pass a report to those whom it concerns."""
 
 
 class Progress:
@@ -94,8 +82,6 @@ class Progress:
         self._busy: dict[str, str] = {}
         self._told_at = 0.0
         self._known = RunStatus()
-        self.contours: Reconstruction | None = None
-        """The contours that are shown."""
 
     @property
     def status(self) -> RunStatus:
@@ -115,9 +101,7 @@ class Progress:
     def forget(self, method: str = "cpm") -> None:
         """The run before is over and nothing of it is to be seen; the next one is of a method of this name."""
         self._known = RunStatus(phase="ready", method=method)
-        self.contours = None
-        self._audience.show_snapshot(None)
-        self._audience.show_contours(None)
+        self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None, compared=None)
         self._audience.show_status()
 
     def look(self) -> None:
@@ -132,7 +116,6 @@ class Progress:
             result = contours.result
             closed = sum(contour.closed for contour in result.contours)
             bridges = result.bridges if isinstance(result, Result) else ()
-            self.contours = contours
             self._known = replace(
                 self._known,
                 closed=closed,
@@ -140,11 +123,16 @@ class Progress:
                 bridges=len(bridges),
                 longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
             )
-            self._audience.show_contours(contours)
+            reviewed = ReviewedContours.of(contours.tracked, self._audience.scene.document.marks)
+            self._show(reconstruction=contours, contours=reviewed)
             self._audience.show_status()
         overlays = self._worker_thread.overlays.take()
         if overlays is not None and overlays.generation == self._audience.image_generation:
-            self._audience.show_overlays(overlays)
+            self._show(overlays=overlays.arrays)
+
+    def _show(self, **parts: Any) -> None:
+        """Show the scene with other parts."""
+        self._audience.show(replace(self._audience.scene, **parts))
 
     def _take_snapshot(self, snapshot: Snapshot) -> None:
         before, state, metrics = self._known.phase, snapshot.state, snapshot.metrics
@@ -162,7 +150,7 @@ class Progress:
             steering=state.steering,
             steps_per_second=snapshot.steps_per_second,
         )
-        self._audience.show_snapshot(snapshot)
+        self._show(snapshot=snapshot)
         now = self._clock()
         if self._known.phase != "running" or before != "running" or now - self._told_at >= _FIGURES_EVERY:
             self._told_at = now
@@ -172,13 +160,6 @@ class Progress:
         match report:
             case Opened():
                 self._busy.pop("sowing", None)
-                self._audience.accept(report)
-                if report.notes:
-                    self._audience.say(" ".join(report.notes), False)
-            case NotOpened(sentence, otherwise):
-                self._audience.say(sentence, True)
-                if otherwise is not None:
-                    self._audience.open(otherwise)
             case RunFailed(generation, sentence):
                 if generation == self._audience.generation:
                     self._known = replace(self._known, phase="paused" if self._known.count else "ready")
@@ -191,12 +172,26 @@ class Progress:
                 if sentence:
                     self._audience.say(sentence, True)
                 if generation == self._audience.image_generation:
-                    self._audience.show_image_seeds(image_seeds)
+                    self._show(image_seeds=image_seeds)
             case Exported(path):
                 self._audience.say(tr("Written: {path}").format(path=path), False)
             case CommandFailed(sentence):
                 self._audience.say(sentence, True)
             case WarmedUp():
                 self._busy.pop("preparing", None)
+        self._show_answer(report)
         self._audience.pass_on(report)
         self._audience.show_status()
+
+    def _show_answer(self, report: Report) -> None:
+        """Show what a layer has asked for."""
+        match report:
+            case Probed():
+                self._show(probed=report)
+            case Compared(generation):
+                if generation == self._audience.generation:
+                    self._show(compared=report)
+            case WindowFound():
+                self._show(window_found=report)
+            case Shaded():
+                self._show(shaded=report)

@@ -11,7 +11,7 @@ from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
 
 from app.model.document.samples import samples
-from app.session.session import Session
+from app.session.workspace import Workspace
 from app.views.features.file.recovery import RecoveryFeature
 from app.views.features.help.helping import HelpingFeature
 from app.views.main_window import MainWindow
@@ -41,8 +41,8 @@ def make_application() -> QApplication:
 
 def open_window(path: str | None = None) -> MainWindow:
     """Open a window with an image, on the first sample when none is named or the one named cannot be used."""
-    session = Session()
-    window = MainWindow(session)
+    workspace = Workspace()
+    window, session = MainWindow(workspace), workspace.session
     sample = samples()[0].path
     session.open(path or sample, otherwise=sample if path else None)
     session.warm_up()

@@ -10,8 +10,8 @@ from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKe
 from PySide6.QtWidgets import QAbstractButton, QMainWindow
 
 from app.model.text.language import tr
-from app.session.session import Session
 from app.session.storage.preferences import Preferences
+from app.session.workspace import Workspace
 from app.views.canvas.canvas_area import CanvasArea
 from app.views.canvas.pointer_readout import PointerReadout
 from app.views.features import FEATURES
@@ -44,31 +44,33 @@ class MainWindow(QMainWindow):
 
     Parameters
     ----------
-    session : Session
+    workspace : Workspace
         What it shows and drives; closed together with the window.
     preferences : Preferences, optional
         What is kept from one start to the next.
     """
 
-    def __init__(self, session: Session, preferences: Preferences | None = None) -> None:
+    def __init__(self, workspace: Workspace, preferences: Preferences | None = None) -> None:
         super().__init__()
-        self.session = session
+        self.workspace = workspace
+        self.session = session = workspace.session
         self.preferences = preferences or Preferences(self)
         self._garbage = GarbageCollector(self)
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
-        self.canvas_area = CanvasArea(session)
+        self.canvas_area = CanvasArea(session, workspace.review)
         self.setCentralWidget(self.canvas_area)
         context = FeatureContext(
             window=self,
-            session=session,
+            workspace=workspace,
             canvas_area=self.canvas_area,
             preferences=self.preferences,
             entries=lambda: self.actions_by_name.entries,
             preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
             reveal=self._reveal,
             use_theme=self.use_theme,
+            refresh=self.refresh,
         )
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
         entries = [entry for feature in self.features.values() for entry in feature.entries()]
@@ -101,6 +103,11 @@ class MainWindow(QMainWindow):
         feature = self.features[kind]
         assert isinstance(feature, kind)
         return feature
+
+    def refresh(self) -> None:
+        """Show the situation anew."""
+        self._show()
+        self.canvas_area.refresh()
 
     def open_image(self, path: str) -> None:
         """Open an image or a session; what was said about an earlier one is over."""
@@ -140,7 +147,7 @@ class MainWindow(QMainWindow):
         self.preferences.put(_PLACES, self.saveState(self.docks.version))
         self.docks.leave()
         self.hide()
-        self.session.close()
+        self.workspace.close()
         self._garbage.stop()
         super().closeEvent(event)
 

@@ -249,7 +249,9 @@ class SkeletonMethod(ImageFields):
         branches = _branches(axis, state.boundary, scale_field.smoothing)
         branches.sort(key=lambda branch: -branch[0].length)
         contours, radii = tuple(contour for contour, _ in branches), tuple(radii for _, radii in branches)
-        reason = "the skeleton is found" if contours else "no edge encloses anything"
+        reason = (
+            "the skeleton is found" if contours else "no edge encloses anything; smooth less or lower the edge floor"
+        )
         return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
 
     def result(self, state: SkeletonState, parameters: Parameters) -> Skeleton:

@@ -7,6 +7,7 @@ import itertools
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from pytestqt.qtbot import QtBot
 
 from app.model.document import edits
 from app.session.session import Session
+from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.main_window import MainWindow
 from app.views.window import unsaved
@@ -146,24 +148,30 @@ def image_file(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def session(qapp: QApplication, compiled_loops: None) -> Iterator[Session]:
-    """A session without an image."""
-    made = Session()
-    made.set_pace(None)
+def workspace(qapp: QApplication, compiled_loops: None) -> Iterator[Workspace]:
+    """A session without an image, with its features."""
+    made = Workspace()
+    made.session.set_pace(None)
     yield made
     made.close()
     # Its signals hold on to the window, to the layers and to all that they have shown.
-    made.deleteLater()
+    made.session.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
     if next(_sessions) % _COLLECTED_EVERY == 0:
         gc.collect()
 
 
 @pytest.fixture
-def window(qtbot: QtBot, session: Session, image_file: Path) -> Iterator[MainWindow]:
+def session(workspace: Workspace) -> Session:
+    """A session without an image."""
+    return workspace.session
+
+
+@pytest.fixture
+def window(qtbot: QtBot, workspace: Workspace, image_file: Path) -> Iterator[MainWindow]:
     """A window on the disc, with nothing drawn."""
     make_application()
-    made = MainWindow(session)
+    made, session = MainWindow(workspace), workspace.session
     made.resize(1000, 700)
     made.show()
     qtbot.waitExposed(made)
@@ -181,6 +189,26 @@ def ready(window: MainWindow) -> MainWindow:
     """A window with a circle drawn over the rim of the disc."""
     window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
     return window
+
+
+@pytest.fixture
+def record(window: MainWindow) -> Callable[[str], list[Any]]:
+    """Records each value that a part of the scene takes on from now on, by the name of the part."""
+    session = window.session
+
+    def recorded(part: str) -> list[Any]:
+        known, values = [getattr(session.scene, part)], []
+
+        def look() -> None:
+            value = getattr(session.scene, part)
+            if value is not known[0]:
+                known[0] = value
+                values.append(value)
+
+        session.scene_changed.connect(look)
+        return values
+
+    return recorded
 
 
 @pytest.fixture

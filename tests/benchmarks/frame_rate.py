@@ -28,7 +28,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from app.model.document import edits
 from app.session.core_functions import Core
 from app.session.exchange.messages import Snapshot
-from app.session.session import FRAME, Session
+from app.session.run_control import FRAME
+from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.file.files import FilesFeature
 from app.views.main_window import MainWindow
@@ -147,8 +148,8 @@ def measure(seconds: float, count: int | None = None, colour: str = "state") -> 
     The particles are coloured by whether they rest, or by another quantity.
     """
     application = make_application()
-    session = Session(trembling(count) if count else None)
-    window = MainWindow(session)
+    workspace = Workspace(trembling(count) if count else None)
+    window, session = MainWindow(workspace), workspace.session
     window.canvas_area.canvas.layers["particles"].choose("colour", colour)
     window.showMaximized()
     with tempfile.TemporaryDirectory() as folder:
@@ -169,9 +170,7 @@ def measure(seconds: float, count: int | None = None, colour: str = "state") -> 
     wait(application, lambda: session.status.step > 0, 60)
     window.canvas_area.canvas.viewport().installEventFilter(clock)
     session.document_changed.connect(lambda _: times.executed.append(time.perf_counter()))
-    session.snapshot_changed.connect(
-        lambda s: s and (times.counts.append(len(s.position)), times.steps.append(s.state.step))
-    )
+    session.scene_changed.connect(lambda: times.note(session.scene.snapshot))
     end = threading.Event()
     keys = threading.Thread(target=press_keys, args=(window.panels["parameters"].rows["beta"].slider, times, end))
     keys.start()

@@ -34,7 +34,7 @@ def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbo
     session = window.session
     assert session.document.image.name == "u_shape.png"
     assert window.panels["run"].status.state == "Ready"
-    values = window.pointer_readout._image.values
+    values = window.session.image.values
     qtbot.keyClick(window.canvas_area.canvas, Qt.Key.Key_Space)
     qtbot.waitUntil(lambda: session.status.phase == "finished", timeout=PATIENCE)
     qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
@@ -63,15 +63,15 @@ def test_what_is_seen_changes_as_the_particles_move(window, qtbot) -> None:
     point = canvas.point((row, col)).toPoint()
     ratio = canvas.devicePixelRatioF()
     shown = canvas.grab().toImage().pixelColor(QPoint(point) * ratio)
-    value = window.pointer_readout._image.values[round(row), round(col)]
-    low, high = window.pointer_readout._image.values.min(), window.pointer_readout._image.values.max()
+    value = window.session.image.values[round(row), round(col)]
+    low, high = window.session.image.values.min(), window.session.image.values.max()
     assert shown.value() == pytest.approx(255 * (value - low) / (high - low), abs=2)
 
 
 def test_no_particle_crosses_a_barrier_drawn_by_hand(window, qtbot) -> None:
     session, canvas = window.session, window.canvas_area.canvas
     rows: list[np.ndarray] = []
-    session.snapshot_changed.connect(lambda snapshot: snapshot and rows.append(snapshot.position[:, 0]))
+    session.scene_changed.connect(lambda: session.scene.snapshot and rows.append(session.scene.snapshot.position[:, 0]))
     across = 160.0
     left, right = (canvas.point((across, col)).toPoint() for col in (-4.0, 260.0))
     qtbot.keyClick(canvas, Qt.Key.Key_B)

@@ -10,6 +10,7 @@ from typing import cast
 from app.model.document.document import Document, Mode
 from app.model.text.language import tr
 from cpm_core.parameters import PRESETS
+from cpm_core.segmentation.method import METHODS
 from cpm_core.shapes import Everywhere, Limit, Shape
 
 
@@ -66,6 +67,11 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
         ),
     }
 )
+
+
+def needs_start(mode: Mode) -> bool:
+    """Whether a run in a mode begins from what is drawn."""
+    return METHODS[MODES[mode].method].seeded
 
 
 def mode_called(name: object) -> Mode:

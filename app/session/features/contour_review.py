@@ -1,10 +1,9 @@
-"""Curation in the window: the contours there are, what has been said about them, and which are selected."""
+"""Review of contours in the window: what has been said about them, and which are selected."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 from PySide6.QtCore import QObject, Signal
 
@@ -12,69 +11,27 @@ from app.model.document import marking
 from app.model.document.document import Document
 from app.model.document.marking import Target
 from app.model.text.language import tr
-from app.session.exchange.contour_tracking import TrackedContours
-from app.session.features.truth_comparison import GroundTruth
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import Measures
+from app.session.scene import NO_CONTOURS, Item, ReviewedContours
+from app.session.session import Session
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Mark, Neighbourhood, ReviewedContour, Verdict, anchor, reviewed
+from cpm_core.contours.review import Neighbourhood, Verdict, anchor
 from cpm_core.numerics.types import Position
-
-if TYPE_CHECKING:
-    from app.session.session import Session
 
 _Edit = Callable[[Document, list[Target]], Document]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Item:
-    """A contour as table and canvas show it.
-
-    Attributes
-    ----------
-    key : int
-        Its own number through all reconstructions.
-    reviewed : ReviewedContour
-        The contour and what has been said about it.
-    measures : Measures
-        What is known about it.
-    """
-
-    key: int
-    reviewed: ReviewedContour
-    measures: Measures
-
-    @property
-    def contour(self) -> Contour:
-        """The contour, with name and colour."""
-        return self.reviewed.contour
-
-    @property
-    def title(self) -> str:
-        """Its name, or its number."""
-        return self.contour.name or tr("contour {number}").format(number=self.measures.number)
-
-
 class ContourReview(QObject):
-    """Holds together contours, marks and selection; all that is said about contours goes through it.
+    """All that is said about the contours of a scene goes through it, and their selection.
 
     Parameters
     ----------
     session : Session
-        Where contours come from and marks are kept.
+        Whose scene holds the contours and whose document keeps the marks.
 
     Attributes
     ----------
-    items : tuple of Item
-        The contours, longest first.
-    selected : frozenset of int
-        Keys of those selected.
-    hovered : int or None
-        Key of the one that the pointer is over.
     rejected_seen : bool
         Whether those rejected are shown, and can be picked.
-    truth : GroundTruth
-        What they are compared with.
     """
 
     changed = Signal()
@@ -86,19 +43,13 @@ class ContourReview(QObject):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self.items: tuple[Item, ...] = ()
-        self.selected: frozenset[int] = frozenset()
-        self.hovered: int | None = None
         self.rejected_seen = True
         self._session = session
-        self._tracked: TrackedContours | None = None
-        self._marks: tuple[Mark, ...] = ()
+        self._contours: ReviewedContours = NO_CONTOURS
         self._by_key: dict[int, Item] = {}
         self._around: Neighbourhood | None = None
-        self.truth = GroundTruth(session, self)
-        session.surveyed.connect(self._use_tracked)
-        session.document_changed.connect(self._use_document)
-        session.image_changed.connect(lambda *_: self.select(()))
+        session.scene_changed.connect(self._follow)
+        session.image_changed.connect(lambda: self.select(()))
 
     # Looking
 
@@ -109,9 +60,24 @@ class ContourReview(QObject):
         return key in self._by_key
 
     @property
+    def items(self) -> tuple[Item, ...]:
+        """The contours, longest first."""
+        return self._session.scene.contours.items
+
+    @property
     def result(self) -> Result | None:
         """The reconstruction, with all that has been found."""
-        return self._tracked.result if self._tracked else None
+        return self._session.scene.contours.result
+
+    @property
+    def selected(self) -> frozenset[int]:
+        """Keys of those selected."""
+        return self._session.scene.selected_contours
+
+    @property
+    def hovered(self) -> int | None:
+        """Key of the one that the pointer is over."""
+        return self._session.scene.hovered_contour
 
     @property
     def chosen(self) -> tuple[Item, ...]:
@@ -131,13 +97,13 @@ class ContourReview(QObject):
         """Select these and no others."""
         selected = frozenset(keys)
         if selected != self.selected:
-            self.selected = selected
+            self._session.show(replace(self._session.scene, selected_contours=selected))
             self.selection_changed.emit()
 
     def hover(self, key: int | None) -> None:
         """Tell that the pointer is over a contour, or over none."""
         if key != self.hovered:
-            self.hovered = key
+            self._session.show(replace(self._session.scene, hovered_contour=key))
             self.hover_changed.emit()
 
     # Saying
@@ -173,29 +139,17 @@ class ContourReview(QObject):
         self._session.edit(words.format(what=what), lambda document: edit(document, targets))
 
     def _target(self, item: Item) -> Target:
-        assert self._tracked is not None
+        assert self.result is not None
         mark = item.reviewed.mark
-        contours = self._tracked.result.contours
-        return Target(mark, mark.anchor if mark else anchor(contours, item.reviewed.index))
+        return Target(mark, mark.anchor if mark else anchor(self.result.contours, item.reviewed.index))
 
-    def _use_tracked(self, tracked: TrackedContours | None) -> None:
-        self._tracked = tracked
-        self._attach()
-
-    def _use_document(self, document: Document) -> None:
-        if document.marks != self._marks:
-            self._marks = document.marks
-            self._attach()
-
-    def _attach(self) -> None:
-        tracked = self._tracked
-        if tracked is None:
-            self.items = ()
-        else:
-            each = zip(tracked.keys, reviewed(tracked.result.contours, self._marks), tracked.measures, strict=True)
-            self.items = tuple(Item(*one) for one in each)
+    def _follow(self) -> None:
+        contours = self._session.scene.contours
+        if contours is self._contours:
+            return
+        self._contours = contours
         self._around = None
-        self._by_key = {item.key: item for item in self.items}
+        self._by_key = {item.key: item for item in contours.items}
         self.changed.emit()
         self.select(self.selected & self._by_key.keys())
         if self.hovered is not None and self.hovered not in self:

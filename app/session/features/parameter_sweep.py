@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
@@ -14,7 +14,10 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Report
+from app.session.features.truth_comparison import GroundTruth
+from app.session.session import Session
 from app.session.tasks.tasks import Task
+from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.image.image import Image
@@ -22,8 +25,7 @@ from cpm_core.numerics.parallel import cores
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes.image_starts import SeedCache
 
-if TYPE_CHECKING:
-    from app.session.session import Session
+_Dice = Callable[[Sequence[Contour]], float | None]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -59,7 +61,9 @@ class Sweep(QObject):
     Parameters
     ----------
     session : Session
-        Whose image, drawing and truth it uses; its run is left alone.
+        Whose image and drawing it uses; its run is left alone.
+    truth : GroundTruth
+        What the contours are compared with.
     """
 
     began = Signal(object)
@@ -69,12 +73,12 @@ class Sweep(QObject):
     ended = Signal()
     """Nothing is being run any more: all is done, or it has been given up."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, truth: GroundTruth) -> None:
         super().__init__(session)
-        self.image: Image | None = None
         self.task: Task | None = None
         self._session = session
-        session.image_changed.connect(self._use_image)
+        self._truth = truth
+        session.image_changed.connect(self.cancel)
         session.tasks.changed.connect(self._look)
 
     @property
@@ -84,11 +88,10 @@ class Sweep(QObject):
 
     def start(self, plan: Plan, document: Document) -> None:
         """Run the tiles of a plan, one on each core but the one that the window needs."""
-        image = self.image
+        image, truth = self._session.image, self._truth
         if image is None:
             return
         self.cancel()
-        truth = self._session.review.truth
         tiles = len(plan.tiles)
         self.task = self._session.tasks.start(
             tr("Running a mosaic of {count} tiles…").format(count=tiles),
@@ -125,10 +128,6 @@ class Sweep(QObject):
                 future.result()
         task.go_on()
         return Swept()
-
-    def _use_image(self, image: Image, _: object) -> None:
-        self.cancel()
-        self.image = image
 
     def _look(self) -> None:
         if self.task is not None and self.task.over:
@@ -169,11 +168,3 @@ class _Runs:
                 return None
             state = engine.step(state, parameters, document.charges)
         return apply(engine.result(state, parameters), document.marks)
-
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from cpm_core.contours.contour import Contour
-
-    _Dice = Callable[[Sequence[Contour]], float | None]

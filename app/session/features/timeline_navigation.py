@@ -7,21 +7,17 @@ from dataclasses import replace
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.text.language import tr
-from app.session.exchange.messages import CommandFailed, Report, Snapshot
+from app.session.exchange.messages import CommandFailed, Snapshot
+from app.session.features.branch_comparison import BranchComparison
 from app.session.session import Session
 from app.session.timeline.branches import Branch
 from app.session.timeline.timeline import Outline
 from app.session.worker.commands.run import Halt
-from app.session.worker.commands.timeline import Compare, Compared, DropBranch, RenameBranch, Seek
-from cpm_core.contours.result import Result
+from app.session.worker.commands.timeline import DropBranch, RenameBranch, Seek
 from cpm_core.parameters import Parameters
 
 _PLAY_EVERY = 50
 """Time between two steps of what is played again [ms]."""
-
-_COMPARE_EVERY, _SELDOM, _QUIET = 100, 500, 200
-"""Time between two comparisons while steps are gone through and while the run goes on, and time without any after which
-contours are compared [ms]."""
 
 _STAYING = 250
 """Time at a step after which its contours are looked at closely [ms]."""
@@ -36,13 +32,15 @@ class TimelineNavigation(QObject):
     ----------
     session : Session
         Whose run.
+
+    Attributes
+    ----------
+    comparison : BranchComparison
+        Another branch that is shown beside the one that the run is on.
     """
 
     changed = Signal()
     """It stands elsewhere, or a branch has come, gone or changed."""
-
-    compared = Signal(object)
-    """What the branch compared with is at this step: Compared, or None."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -51,21 +49,17 @@ class TimelineNavigation(QObject):
         self._here = (0, 0)
         self._count = 0
         self._asked: tuple[int, int] | None = None
-        self._compared: int | None = None
-        self._contours: Result | None = None
+        self._snapshot: Snapshot | None = None
+        self.comparison = BranchComparison(session)
+        self.comparison.changed.connect(self.changed)
         self._play = QTimer(self)
         self._play.setInterval(_PLAY_EVERY)
         self._play.timeout.connect(self._play_on)
-        self._look = QTimer(self, singleShot=True)
-        self._look.timeout.connect(lambda: self._compare(None))
-        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
-        self._quiet.timeout.connect(self._compare_contours)
         self._stay = QTimer(self, singleShot=True, interval=_STAYING)
         self._stay.timeout.connect(self._look_closely)
-        session.snapshot_changed.connect(self._follow)
-        session.contours_changed.connect(self._keep_contours)
+        session.scene_changed.connect(self._follow)
         session.status_changed.connect(self._follow_phase)
-        session.reported.connect(self._hear)
+        session.listen(CommandFailed, self._give_up_going)
 
     # Looking
 
@@ -93,11 +87,6 @@ class TimelineNavigation(QObject):
     def playing(self) -> bool:
         """Whether recorded steps are played again."""
         return self._play.isActive()
-
-    @property
-    def comparing(self) -> int | None:
-        """The branch compared with."""
-        return self._compared
 
     def branch(self, identity: int) -> Branch | None:
         """A branch by its number."""
@@ -159,13 +148,6 @@ class TimelineNavigation(QObject):
         else:
             self._session.post(command)
 
-    def compare(self, branch: int | None) -> None:
-        """Show another branch beside the one that the run is on; None for none."""
-        self._compared = branch
-        self._compare(None)
-        self._quiet.start()
-        self.changed.emit()
-
     @property
     def other_parameters(self) -> Parameters | None:
         """Those with which the step that is shown was taken, as far as they act now; None where they are set anyway."""
@@ -205,23 +187,19 @@ class TimelineNavigation(QObject):
         elif self._asked is None:  # as fast as steps can be had, and none left out
             self._go(branch, step + 1)
 
-    def _follow(self, snapshot: Snapshot | None) -> None:
+    def _follow(self) -> None:
+        snapshot = self._session.scene.snapshot
+        if snapshot is self._snapshot:
+            return
+        self._snapshot = snapshot
         if snapshot is None:
             self._play.stop()
             self._outline, self._here, self._asked = NOTHING, (0, 0), None
-            self._contours = None
-            self._end_comparison()
         else:
             self._outline, self._here = snapshot.timeline, (snapshot.timeline.branch, snapshot.state.step)
             self._count = snapshot.state.count
             if self._here == self._asked:
                 self._asked = None
-            if self._compared is not None and (self.branch(self._compared) is None or self._compared == self._here[0]):
-                self._end_comparison()
-            if self._compared is not None and not self._look.isActive():
-                running = self._session.status.phase == "running"
-                self._look.start(_SELDOM if running else _COMPARE_EVERY)
-                self._quiet.start()
         self.changed.emit()
 
     def _follow_phase(self) -> None:
@@ -234,34 +212,6 @@ class TimelineNavigation(QObject):
         if self._session.status.started and self._session.status.phase != "running":
             self._session.post(Halt())
 
-    def _keep_contours(self, result: Result | None) -> None:
-        self._contours = result
-        if self._compared is not None:
-            self._quiet.start()
-
-    def _end_comparison(self) -> None:
-        self._look.stop()
-        self._quiet.stop()
-        if self._compared is not None:
-            self._compared = None
-            self._compare(None)
-        self.compared.emit(None)
-
-    def _compare(self, against: Result | None) -> None:
-        self._session.post(Compare(self._session.generation, self._compared, self._here[1], against))
-
-    def _compare_contours(self) -> None:
-        if self._compared is not None and self._contours is not None and self._session.status.phase != "running":
-            self._compare(self._contours)
-
-    def _hear(self, report: Report) -> None:
-        if isinstance(report, CommandFailed):  # it may have been the way there that was barred
-            self._asked = None
-        if isinstance(report, Compared) and report.generation == self._session.generation:
-            self.compared.emit(report if report.branch is not None else None)
-
-
-def navigation_of(session: Session) -> TimelineNavigation:
-    """The one way through the timeline of a session, for all parts of its window."""
-    found = session.findChild(TimelineNavigation)
-    return found if isinstance(found, TimelineNavigation) else TimelineNavigation(session)
+    def _give_up_going(self, _: CommandFailed) -> None:
+        """It may have been the way there that was barred."""
+        self._asked = None

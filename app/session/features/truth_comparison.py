@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
@@ -13,13 +12,11 @@ from app.model.display.differences import Difference, differences
 from app.model.text.language import tr
 from app.session.exchange.latest_only import Latest
 from app.session.exchange.messages import Report
+from app.session.features.contour_review import ContourReview
+from app.session.session import Session
 from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth, load_truth
-
-if TYPE_CHECKING:
-    from app.session.features.contour_review import ContourReview
-    from app.session.session import Session
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,7 +54,6 @@ class GroundTruth(QObject):
 
     def __init__(self, session: Session, review: ContourReview) -> None:
         super().__init__(review)
-        self.truth: Truth | None = None
         self.verified: Verified | None = None
         self.tolerance = TOLERANCE
         self.holes = True
@@ -66,9 +62,14 @@ class GroundTruth(QObject):
         self._review = review
         self._latest = Latest("cpm-comparison", self)
         self._latest.done.connect(self._take)
-        session.reported.connect(self._hear)
-        session.image_changed.connect(lambda *_: self.forget())
+        session.listen(TruthRead, self._take_truth)
+        session.image_changed.connect(self.forget)
         review.changed.connect(self._compare)
+
+    @property
+    def truth(self) -> Truth | None:
+        """What the contours are compared with."""
+        return self._session.scene.truth
 
     @property
     def idle(self) -> bool:
@@ -91,11 +92,11 @@ class GroundTruth(QObject):
 
     def forget(self) -> None:
         """Compare with nothing any more."""
-        if self.truth is not None:
-            self.truth = self.verified = self._path = None
-            self._latest.forget()
-            self.changed.emit()
-            self.compared.emit()
+        self._latest.forget()
+        if self._path is not None:
+            self._path = None
+            self._use(None)
+            self._show(None)
 
     def set_tolerance(self, tolerance: float) -> None:
         """Take boundaries for the same up to this distance [px]."""
@@ -119,11 +120,15 @@ class GroundTruth(QObject):
         """End the thread."""
         self._latest.close()
 
-    def _hear(self, report: Report) -> None:
-        if isinstance(report, TruthRead) and report.generation == self._session.image_generation:
-            self.truth, self.verified = report.truth, None
-            self.changed.emit()
+    def _take_truth(self, report: TruthRead) -> None:
+        if report.generation == self._session.image_generation:
+            self._use(report.truth)
             self._compare()
+
+    def _use(self, truth: Truth | None) -> None:
+        self.verified = None
+        self._session.show(replace(self._session.scene, truth=truth, differences=()))
+        self.changed.emit()
 
     def _compare(self) -> None:
         truth, result, tolerance, holes = self.truth, self._review.result, self.tolerance, self.holes
@@ -147,4 +152,6 @@ class GroundTruth(QObject):
 
     def _show(self, verified: Verified | None) -> None:
         self.verified = verified
+        differences = verified.differences if verified is not None else ()
+        self._session.show(replace(self._session.scene, differences=differences))
         self.compared.emit()

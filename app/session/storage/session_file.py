@@ -55,7 +55,8 @@ class DocumentFile(QObject):
         self._told: tuple[Path | None, bool] = (None, False)
         self.path: Path | None = None
         session.document_changed.connect(lambda _: self._tell())
-        session.reported.connect(self._hear)
+        session.listen(Opened, self._use_opened)
+        session.listen(Written, self._use_written)
         session.tasks.changed.connect(self._save_again)
 
     @property
@@ -98,7 +99,7 @@ class DocumentFile(QObject):
         except ValueError as error:
             self._session.say(str(error), True)
             return False
-        self._hear(Written(path, file, document))
+        self._use_written(Written(path, file, document))
         return True
 
     def forget(self) -> None:
@@ -111,18 +112,17 @@ class DocumentFile(QObject):
             path, self._next = self._next, None
             self.save(path)
 
-    def _hear(self, report: Report) -> None:
-        if isinstance(report, Opened):
-            saved = report.saved
-            self.path, self._file = (saved.path, saved.file) if saved else (None, None)
-            self._known = None if saved is not None and saved.recovered else self._session.document
-            if saved is not None:
-                self.restored.emit(saved.file.view)
-        elif isinstance(report, Written):
-            self.path, self._file, self._known = report.path, report.file, report.document
-            self._session.say(tr("Saved: {path}").format(path=report.path))
-        else:
-            return
+    def _use_opened(self, opened: Opened) -> None:
+        saved = opened.saved
+        self.path, self._file = (saved.path, saved.file) if saved else (None, None)
+        self._known = None if saved is not None and saved.recovered else self._session.document
+        if saved is not None:
+            self.restored.emit(saved.file.view)
+        self._tell()
+
+    def _use_written(self, written: Written) -> None:
+        self.path, self._file, self._known = written.path, written.file, written.document
+        self._session.say(tr("Saved: {path}").format(path=written.path))
         self._tell()
 
     def _tell(self) -> None:

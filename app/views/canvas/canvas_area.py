@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 from app.model.document import edits
 from app.model.document.naming import describe
 from app.model.text.language import tr
+from app.session.features.contour_review import ContourReview
 from app.session.session import Session
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
@@ -35,11 +36,20 @@ _BESIDE_HINT = 16
 
 
 class CanvasArea(QWidget):
-    """Shows the canvas and lets the tools work on it."""
+    """Shows the canvas and lets the tools work on it.
 
-    def __init__(self, session: Session) -> None:
+    Parameters
+    ----------
+    session : Session
+        Whose scene is shown, and whose document the tools edit.
+    review : ContourReview
+        By which contours are picked.
+    """
+
+    def __init__(self, session: Session, review: ContourReview) -> None:
         super().__init__()
         self._session = session
+        self._review = review
         self.canvas = Canvas(session)
         self.messages = MessageBar(self.canvas)
         self.hint = QLabel(self.canvas)
@@ -54,13 +64,16 @@ class CanvasArea(QWidget):
         self._hint = ""
         drawing = self.canvas.layers.drawing
         self._tools: dict[str, Tool] = {
-            entry.name: entry.make(session, drawing, lambda: self.show_hint(self._hint)) for entry in TOOLS
+            entry.name: entry.make(session, review, drawing, lambda: self.show_hint(self._hint)) for entry in TOOLS
         }
         self.canvas.grip = SelectTool(session)
         self.canvas.installEventFilter(self)
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
-        session.status_changed.connect(lambda: self.show_hint(session.resolved.hint))
+        session.status_changed.connect(self.refresh)
+        session.scene_changed.connect(self._draw)
+        self.canvas.layers.contours.changed.connect(self._follow_contours)
+        self._draw()
 
     def use_tool(self, name: str) -> None:
         """Change the tool; who is about to draw is done with what was selected, whose handles would be in the way."""
@@ -79,7 +92,11 @@ class CanvasArea(QWidget):
         else:
             self.messages.hide()
             self._session.select(None)
-            self._session.review.select(())
+            self._review.select(())
+
+    def refresh(self) -> None:
+        """Say anew what to do next."""
+        self.show_hint(self._session.resolved.hint)
 
     def show_hint(self, text: str) -> None:
         """Say what to do next, at the foot of the canvas; a tool that wants to say something comes first."""
@@ -116,6 +133,13 @@ class CanvasArea(QWidget):
         if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and self._take_key(event):
             return True
         return super().eventFilter(watched, event)
+
+    def _draw(self) -> None:
+        self.canvas.draw(self._session.scene)
+
+    def _follow_contours(self) -> None:
+        """What is not seen cannot be picked."""
+        self._review.rejected_seen = bool(self.canvas.layers.contours.chosen["rejected"])
 
     def _wants(self, event: QKeyEvent) -> bool:
         """Whether a key that is a shortcut of the window belongs to what is being drawn, or to a size."""

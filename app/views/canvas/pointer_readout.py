@@ -25,20 +25,16 @@ class PointerReadout(QLabel):
 
     def __init__(self, session: Session, canvas: Canvas) -> None:
         super().__init__()
-        self._image: Image | None = None
-        session.image_changed.connect(self._use_image)
+        self._session = session
         canvas.pointed.connect(self._show)
 
-    def _use_image(self, image: Image, _: object) -> None:
-        self._image = image
-
     def _show(self, position: Position | None) -> None:
-        text = ""
-        if position is not None and self._image is not None:
+        text, image = "", self._session.image
+        if position is not None and image is not None:
             row, col = round(position[0]), round(position[1])
-            rows, cols = self._image.shape
+            rows, cols = image.shape
             if 0 <= row < rows and 0 <= col < cols:
-                text = self._text(self._image, row, col)
+                text = self._text(image, row, col)
         self.setText(text)
 
     @staticmethod

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from PySide6.QtCore import QObject, QTimer
 
 from app.model.text.language import tr
-from app.session.exchange.messages import Report
 from app.session.session import Session
 from app.session.tasks.tasks import Task
 from app.session.worker.commands.frames import FrameTaken, TakeFrame
@@ -76,7 +75,7 @@ class Filming(QObject):
         self._timer.setInterval(_PATIENCE)
         self._timer.timeout.connect(self._go_on)
         self._timer.start()
-        session.reported.connect(self._hear)
+        session.listen(FrameTaken, self._take_frame)
         self._go_on()
 
     @property
@@ -89,7 +88,7 @@ class Filming(QObject):
         if not self._over:
             self._over = True
             self._timer.stop()
-            self._session.reported.disconnect(self._hear)
+            self._session.stop_listening(FrameTaken, self._take_frame)
             self._renderer.close()
             self.deleteLater()
 
@@ -102,8 +101,8 @@ class Filming(QObject):
             command = TakeFrame(self._task, self._generation, branch, step, self._contours, self._compared)
             self._session.post(command)
 
-    def _hear(self, report: Report) -> None:
-        if not isinstance(report, FrameTaken) or report.task is not self._task or self._over or self._task.over:
+    def _take_frame(self, report: FrameTaken) -> None:
+        if report.task is not self._task or self._over or self._task.over:
             return
         self._due = False
         if report.moment is None:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import cast
+from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QImage, QPainter
 
-from app.session.session import Session
+from app.session.scene import ReviewedContours, Scene
 from app.session.worker.commands.frames import FrameTaken
+from app.session.worker.commands.run import Command
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.coordinates import image_rectangle
-from app.views.film.understudy import Told, Understudy
+from app.views.canvas.image_view import ImageView
 from cpm_core.numerics.types import Pixels
 
 NARROWEST, WIDEST = 64, 3840
@@ -32,55 +33,62 @@ def frame_size(part: QRectF, width: int) -> tuple[int, int]:
     return max(2 * round(width / 2), 2), min(max(2 * round(height / 2), 2), 2 * WIDEST)
 
 
+class NoRequests:
+    """Asks for nothing: what the layers of a film show has been asked for by those of the window."""
+
+    def post(self, command: Command) -> None:
+        """The worker is left alone."""
+
+    def want_overlay(self, name: str, wanted: bool) -> None:
+        """Overlays are those of the window."""
+
+
 class FrameRenderer:
-    """A second canvas that nobody sees, with the layers of the first as they are when it is made.
+    """A second view that is never on the screen, with the layers of the canvas as they are when it is made.
 
     Parameters
     ----------
-    session : Session
-        What it belongs to.
+    scene : Scene
+        What is shown besides the moments of the run.
     canvas : Canvas
         The canvas that it looks like.
-    told : Told
-        What the layers must know.
     part : QRectF
         What of the image is seen.
     size : tuple of int
         Width and height [px].
     """
 
-    def __init__(self, session: Session, canvas: Canvas, told: Told, part: QRectF, size: tuple[int, int]) -> None:
+    def __init__(self, scene: Scene, canvas: Canvas, part: QRectF, size: tuple[int, int]) -> None:
         self._size = size
-        self._understudy = Understudy(session)
-        self._canvas = Canvas(cast(Session, self._understudy))
-        self._canvas.setAttribute(Qt.WidgetAttribute.WA_DontShowOnScreen)
-        self._canvas.setMinimumSize(1, 1)
-        self._canvas.setFrameStyle(0)
-        self._canvas.resize(*size)
-        self._canvas.show()
-        told.tell(self._understudy)
+        self._scene = replace(scene, selected_contours=frozenset(), hovered_contour=None)
+        self._view = ImageView(NoRequests())
+        self._view.setAttribute(Qt.WidgetAttribute.WA_DontShowOnScreen)
+        self._view.setMinimumSize(1, 1)
+        self._view.setFrameStyle(0)
+        self._view.resize(*size)
+        self._view.show()
+        # a new image resets what is chosen about its layer, and the moments are those that are drawn later
+        self._view.draw(Scene(scene.image, scene.display, document=scene.document, selected=scene.selected))
         for layer in canvas.layers:
-            self._canvas.layers[layer.name].use_view_state(layer.view_state())
-        told.tell_what_lies_over(self._understudy)
-        self._canvas.view.setRange(part, padding=0.0)
+            self._view.layers[layer.name].use_view_state(layer.view_state())
+        self._view.view.setRange(part, padding=0.0)
 
     def draw(self, taken: FrameTaken) -> Pixels:
         """Draw a moment: red, green and blue, shape (H, W, 3)."""
-        self._understudy.show_snapshot(taken.moment)
-        self._understudy.show_contours(taken.contours)
-        if taken.compared is not None:
-            self._understudy.reported.emit(taken.compared)
+        tracked = taken.contours.tracked if taken.contours is not None else None
+        contours = ReviewedContours.of(tracked, self._scene.document.marks)
+        scene = replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours)
+        self._view.draw(replace(scene, compared=taken.compared))
         picture = QImage(*self._size, QImage.Format.Format_RGB32)
         painter = QPainter(picture)
-        self._canvas.render(painter)
+        self._view.render(painter)
         painter.end()
         return to_array(picture)
 
     def close(self) -> None:
         """Take it down."""
-        self._canvas.hide()  # its own close() takes the scene from under items that still live
-        self._canvas.deleteLater()
-        self._understudy.deleteLater()
+        self._view.hide()  # its own close() takes the scene from under items that still live
+        self._view.deleteLater()
 
 
 def to_array(picture: QImage) -> Pixels:

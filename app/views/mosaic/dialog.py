@@ -159,7 +159,7 @@ class MosaicDialog(QDialog):
             return
         self._plan = laid
         self._clear()
-        lines = 2 if self._session.review.truth.truth is None else 3
+        lines = 2 if self._session.scene.truth is None else 3
         for tile in laid.tiles:
             view = self.tiles[tile.row, tile.col] = TileView(tile, laid.caption(tile), self._picture, lines)
             view.picked.connect(self._pick)

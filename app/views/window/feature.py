@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QMainWindow, QWidget
 
 from app.session.session import Session
 from app.session.storage.preferences import Preferences
+from app.session.workspace import Workspace
 from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
 from app.views.widgets.entry import ActionSpec, Submenu
@@ -29,8 +30,8 @@ class FeatureContext:
     ----------
     window : QMainWindow
         The window, as the parent of dialogs.
-    session : Session
-        The one door to document and run.
+    workspace : Workspace
+        The session with its features.
     canvas_area : CanvasArea
         Canvas, layers and tools.
     preferences : Preferences
@@ -43,16 +44,24 @@ class FeatureContext:
         Opens a panel by its name and brings it to the front.
     use_theme : callable
         Gives the window another theme.
+    refresh : callable
+        Shows the situation anew, where something has changed that the session does not know.
     """
 
     window: QMainWindow
-    session: Session
+    workspace: Workspace
     canvas_area: CanvasArea
     preferences: Preferences
     entries: Callable[[], Iterable[ActionSpec]]
     preference_rows: Callable[[], Iterable[PreferenceRow]]
     reveal: Callable[[str], None]
     use_theme: Callable[[Theme], None]
+    refresh: Callable[[], None]
+
+    @property
+    def session(self) -> Session:
+        """Document, history and run."""
+        return self.workspace.session
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -50,7 +52,7 @@ def show(window, unit: str | None) -> None:
     session = window.session
     values = np.random.default_rng(0).uniform(size=(64, 64))
     image = Image(values, spacing=(0.25, 0.5), unit=unit)
-    session.image_changed.emit(image, np.zeros((64, 64), np.uint8))
+    session.show(replace(session.scene, image=image, display=np.zeros((64, 64), np.uint8)))
 
 
 def test_the_bar_follows_the_zoom_and_is_only_there_with_a_unit(window, hand):

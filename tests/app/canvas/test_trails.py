@@ -50,16 +50,19 @@ def test_going_back_in_time_begins_anew():
 def test_the_trails_on_the_canvas_are_where_the_particles_came_from(ready, hand):
     session, layer = ready.session, hand.canvas.layers["trails"]
     ready.actions_by_name["layer_trails"].trigger()
-    places: list[dict[int, tuple[float, float]]] = []
-    session.snapshot_changed.connect(
-        lambda s: (
-            s and places.append(dict(zip(s.state.particles.identity.tolist(), map(tuple, s.position), strict=True)))
-        )
-    )
+    places: dict[int, dict[int, tuple[float, float]]] = {}
+
+    def note() -> None:
+        shown = session.scene.snapshot
+        if shown is not None:
+            identity = shown.state.particles.identity.tolist()
+            places[shown.state.step] = dict(zip(identity, map(tuple, shown.position), strict=True))
+
+    session.scene_changed.connect(note)
     for step in range(1, 6):
         session.step()
         hand.wait(lambda step=step: session.status.step == step)
-    before, after = places[-2:]
+    before, after = places[4], places[5]
     newest = next(iter(layer.trails))
     assert len(newest) > 5
     who = {place: identity for identity, place in after.items()}

@@ -231,13 +231,12 @@ def test_a_strip_shows_the_steps_that_are_written_and_is_saved(rested, hand, tmp
     hand.wait(lambda: not rested.findChildren(StripDialog))
 
 
-def test_the_window_stays_as_it_is_while_frames_are_drawn(rested, hand, tmp_path) -> None:
+def test_the_window_stays_as_it_is_while_frames_are_drawn(rested, hand, record, tmp_path) -> None:
     navigation = rested.feature(TimelineFeature).navigation
     navigation.go(1, 20)
     hand.wait(lambda: rested.session.status.step == 20 and rested.session.idle)
     shapes, canvas = rested.session.document, rested.canvas_area.canvas
-    seen: list[int] = []
-    rested.session.snapshot_changed.connect(lambda snapshot: seen.append(snapshot.state.step))
+    seen = record("snapshot")
     looks = {layer.name: layer.view_state() for layer in canvas.layers}
     write(rested, hand, tmp_path / "run.gif", every(0, 40, 8))
     assert seen == []

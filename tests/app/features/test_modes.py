@@ -16,6 +16,7 @@ from app.model.state.situation import Situation, can_step
 from app.model.state.status import RunStatus
 from app.views.canvas.layers.contours.skeleton import by_thickness, disks
 from app.views.features.edit import modes as modes_part
+from cpm_core.formats import encoded
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Barrier, Circle, Everywhere
 
@@ -50,9 +51,9 @@ def test_what_is_said_and_enabled_follows_the_mode() -> None:
     assert "everywhere" in resolve(Situation(use_mode(drawn, "automatic"), ready)).hint
     skeleton = Situation(use_mode(drawn, "skeleton"), ready)
     assert "skeleton" in resolve(skeleton).hint
-    assert resolve(skeleton).run_text == "Skeleton"
-    assert not can_step(skeleton)
-    found = Situation(skeleton.document, ready, has_skeleton=True)
+    assert (resolve(skeleton).run_text, resolve(skeleton).state) == ("Run", "Ready")
+    assert can_step(skeleton)
+    found = Situation(Document(IMAGE, (), mode="skeleton"), RunStatus("finished", method="skeleton"))
     assert resolve(found).hint == ""
 
 
@@ -95,11 +96,10 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     session, layer = window.session, window.canvas_area.canvas.layers["skeleton"]
     hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
     assert not window.actions_by_name["export_skeleton"].isEnabled()
-    assert not window.actions_by_name["step"].isEnabled()
     hand.key(Qt.Key.Key_Space)
-    hand.wait(lambda: session.skeletons.found is not None and session.idle)
-    first = session.skeletons.found
-    assert session.status.phase == "ready"
+    hand.wait(lambda: session.scene.skeleton is not None and session.idle)
+    first = session.scene.skeleton
+    assert (session.status.phase, session.status.method, session.status.step) == ("finished", "skeleton", 3)
     assert "Skeleton:" in window.canvas_area.messages.text
     # The middle line of a disc of radius 18 is its centre.
     middle, radius = first.contours[0].points, first.radii[0]
@@ -110,10 +110,14 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     monkeypatch.setattr(modes_part, "ask_for_export", lambda parent, suggestion: str(path))
     window.actions_by_name["export_skeleton"].trigger()
     hand.wait(path.exists)
+    assert path.read_bytes() == encoded(first, ".csv")
     session.edit("change of smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
-    hand.wait(lambda: session.skeletons.found is not first and session.idle)
+    hand.wait(lambda: session.scene.skeleton is not first and session.idle)
+    assert session.status.step == 6
+    session.edit("sure edge", lambda document: edits.set_parameter(document, "sure_edge", 0.5))
+    hand.wait(lambda: session.status.step == 9 and session.idle)
     hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
-    assert session.skeletons.found is None
+    assert session.scene.skeleton is None
     assert layer.counts == (0, 0)
 
 
@@ -124,7 +128,7 @@ def test_a_skeleton_of_an_image_that_has_gone_is_not_shown(window, hand, image_f
     hand.key(Qt.Key.Key_Space)
     window.open_image(str(image_file))
     hand.wait(lambda: session.image_generation != generation and session.idle)
-    assert session.skeletons.found is None
+    assert session.scene.skeleton is None
 
 
 def test_a_branch_is_cut_where_its_thickness_changes_and_nothing_is_left_out() -> None:

@@ -183,7 +183,7 @@ def test_another_number_of_values_and_another_parameter_offer_values_anew(dialog
 def test_with_a_truth_each_tile_tells_its_overlap(ready, dialog, hand, tmp_path) -> None:
     path = tmp_path / "mask.npy"
     np.save(path, (disc() > 100).astype(np.uint8))
-    truth = ready.session.review.truth
+    truth = ready.workspace.truth
     truth.load(path)
     hand.wait(lambda: truth.truth is not None)
     run(hand, dialog)

@@ -81,22 +81,22 @@ def test_single_steps_are_counted_one_by_one_and_none_is_lost(ready, hand) -> No
     hand.wait(lambda: ready.session.idle)
     assert ready.session.status.step == 7
     assert ready.session.status.phase == "paused"
-    assert len(ready.feature(RunningFeature)._snapshot.metrics.step) == 7
+    assert len(ready.session.scene.snapshot.metrics.step) == 7
 
 
 def test_single_steps_are_the_engines_own(ready, hand) -> None:
-    values = ready.pointer_readout._image
+    values = ready.session.image
     engine, state = Engine(values, Parameters()), None
     state = engine.start(circle((32.0, 32.0), 10.0))
     for _ in range(5):
         hand.key(KEY.Key_Period)
         state = engine.step(state, Parameters())
     hand.wait(lambda: ready.session.idle)
-    np.testing.assert_array_equal(ready.feature(RunningFeature)._snapshot.position, state.position)
+    np.testing.assert_array_equal(ready.session.scene.snapshot.position, state.position)
 
 
 def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -> None:
-    engine = Engine(ready.pointer_readout._image, Parameters())
+    engine = Engine(ready.session.image, Parameters())
     state = engine.start(circle((32.0, 32.0), 10.0))
     hand.key(KEY.Key_Period)
     hand.wait(lambda: ready.session.idle)
@@ -111,7 +111,7 @@ def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -
     state = engine.step(state, changed)
     hand.wait(lambda: ready.session.idle)
     assert ready.session.generation == generation
-    np.testing.assert_array_equal(ready.feature(RunningFeature)._snapshot.position, state.position)
+    np.testing.assert_array_equal(ready.session.scene.snapshot.position, state.position)
 
 
 def test_reset_leaves_the_drawing_and_nothing_of_the_run(ready, hand) -> None:
@@ -194,7 +194,7 @@ def test_a_wider_gap_bridges_at_rest_and_is_shown_and_told(window, hand, tmp_pat
     step = session.status.step
     assert (canvas.layers.contours.counts, canvas.layers.contours.bridged) == ((0, 1), 0)
     assert window.panels["run"].status.value("Bridged") == "no gap"
-    (contour,) = session.review.result.contours
+    (contour,) = session.scene.contours.result.contours
     gap = float(np.linalg.norm(contour.points[0] - contour.points[-1]))
     assert gap > 5.0
     slider = window.panels["parameters"].rows["max_gap"].slider
@@ -242,12 +242,11 @@ def test_more_scales_act_from_the_next_start_on(ready, hand) -> None:
     assert ready.session.status.scale == 0
 
 
-def test_opening_another_image_while_running_lets_nothing_late_land_on_it(ready, hand, tmp_path) -> None:
+def test_opening_another_image_while_running_lets_nothing_late_land_on_it(ready, hand, record, tmp_path) -> None:
     other = tmp_path / "other.npy"
     np.save(other, np.indices((40, 50)).sum(axis=0) % 17 * 1.0)
-    seen = []
-    ready.session.image_changed.connect(lambda image: seen.clear())
-    ready.session.snapshot_changed.connect(seen.append)
+    seen = record("snapshot")
+    ready.session.image_changed.connect(seen.clear)
     hand.key(KEY.Key_Space)
     hand.wait(lambda: ready.session.status.step > 0)
     ready.session.open(other)
@@ -268,22 +267,19 @@ def test_closing_while_running_ends_both_threads(ready, hand) -> None:
     assert not names & {thread.name for thread in threading.enumerate()}
 
 
-def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand) -> None:
-    seen = []
-    window.session.overlays_changed.connect(seen.append)
+def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand, record) -> None:
+    seen = record("overlays")
     hand.key(KEY.Key_4, CONTROL)
     hand.wait(lambda: len(seen) == 1)
-    engine = Engine(window.pointer_readout._image, Parameters())
-    np.testing.assert_array_equal(seen[0].arrays.get("edge_map"), of_edge_map(engine.edge_map(Parameters())))
-    assert seen[0].arrays.get("field") is None
+    engine = Engine(window.session.image, Parameters())
+    np.testing.assert_array_equal(seen[0].get("edge_map"), of_edge_map(engine.edge_map(Parameters())))
+    assert seen[0].get("field") is None
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
     hand.wait(lambda: len(seen) == 2)
-    np.testing.assert_array_equal(
-        seen[1].arrays.get("edge_map"), of_edge_map(engine.edge_map(Parameters(smoothing=2.0)))
-    )
+    np.testing.assert_array_equal(seen[1].get("edge_map"), of_edge_map(engine.edge_map(Parameters(smoothing=2.0))))
     window.panels["layers"].boxes["field"].click()
     hand.wait(lambda: len(seen) == 3)
-    np.testing.assert_array_equal(seen[2].arrays.get("field"), engine.field(Parameters(smoothing=2.0)))
+    np.testing.assert_array_equal(seen[2].get("field"), engine.field(Parameters(smoothing=2.0)))
     window.session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.0))
     hand.wait(lambda: window.session.idle)
     assert len(seen) == 3
@@ -314,12 +310,11 @@ def test_a_slider_drag_is_one_step_of_undo(window, hand, name) -> None:
 
 
 @pytest.mark.parametrize("key", [KEY.Key_4, KEY.Key_5], ids=["edge map", "field"])
-def test_an_overlay_that_is_switched_off_again_leaves_nothing_on_the_canvas(window, hand, key) -> None:
+def test_an_overlay_that_is_switched_off_again_leaves_nothing_on_the_canvas(window, hand, record, key) -> None:
     def seen() -> QImage:
         return hand.canvas.viewport().grab().toImage()
 
-    arrived = []
-    window.session.overlays_changed.connect(arrived.append)
+    arrived = record("overlays")
     hand.wait(lambda: window.session.idle)
     without = seen()
     hand.key(key, CONTROL)

@@ -10,7 +10,6 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.session.worker.commands.timeline import SetTimelineBudget
-from app.views.features.run.running import RunningFeature
 from app.views.features.run.timeline import TimelineFeature
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
@@ -22,7 +21,7 @@ CONTROL = Qt.KeyboardModifier.ControlModifier
 @pytest.fixture
 def shown(ready):
     """The newest snapshot."""
-    return lambda: ready.feature(RunningFeature)._snapshot
+    return lambda: ready.session.scene.snapshot
 
 
 @pytest.fixture
@@ -112,9 +111,8 @@ def test_a_paused_run_waits_and_feels_the_charge_at_its_next_step(begun, hand, s
     assert len(begun.session.document.charges) == 1
 
 
-def test_the_field_is_shown_with_the_charge_that_is_dragged(begun, hand) -> None:
-    fields: list = []
-    begun.session.overlays_changed.connect(lambda overlays: fields.append(overlays.arrays["field"]))
+def test_the_field_is_shown_with_the_charge_that_is_dragged(begun, hand, record) -> None:
+    fields = record("overlays")
     hand.key(KEY.Key_5, CONTROL)
     hand.wait(lambda: len(fields) == 1)
     hand.key(KEY.Key_A)
@@ -123,7 +121,7 @@ def test_the_field_is_shown_with_the_charge_that_is_dragged(begun, hand) -> None
     hand.move(32, 14)
     hand.wait(lambda: len(fields) >= 3)
     hand.release(32, 14)
-    plain, first, moved = fields[0], fields[1], fields[-1]
+    plain, first, moved = (overlays["field"] for overlays in (fields[0], fields[1], fields[-1]))
     off = np.argwhere(np.abs(first - plain).sum(axis=0) > 0)
     assert len(off)
     assert np.hypot(*(off - (32, 10)).T).max() < 5 * RADIUS

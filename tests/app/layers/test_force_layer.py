@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.session.worker.commands.forces import NAMES, Probe
+from app.session.worker.commands.forces import NAMES, Probe, Probed
 from app.views.canvas.layers.particles.forces import KINDS
 
 
@@ -105,7 +105,7 @@ def test_the_forces_follow_a_run_and_vanish_with_it(held, ready, hand):
 
 def test_a_probe_that_comes_too_late_finds_nothing(held, ready, hand):
     heard = []
-    ready.session.reported.connect(heard.append)
+    ready.session.listen(Probed, heard.append)
     ready.session.post(Probe(ready.session.generation - 1, (1.0, 1.0), 1e9))
     hand.wait(lambda: bool(heard))
     assert heard[0].identity == -1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import Qt
 
-from app.session.session import Session
+from app.session.workspace import Workspace
 from app.views.canvas.layers.options import Amount, Choice, Switch
 from app.views.main_window import MainWindow
 
@@ -107,8 +107,7 @@ def test_settings_are_kept_for_the_next_start_but_not_what_is_shown(window):
     layer.set_shown(False)
     window.canvas_area.canvas.layers["image"].choose("range", "1")
     window.close()
-    session = Session()
-    other = MainWindow(session)
+    other = MainWindow(Workspace())
     again = other.canvas_area.canvas.layers["particles"]
     assert again.word("colour") == "force"
     assert again.shown

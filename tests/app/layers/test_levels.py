@@ -88,7 +88,7 @@ def test_handles_and_fields_choose_the_window_at_once_or_on_the_worker(deep, han
     hand.wait(lambda: np.array_equal(layer.shades, windowed(values, Window(low, 3199.0))))
 
 
-def test_a_window_chosen_by_hand_is_kept_in_a_session_file_and_not_for_another_image(deep, hand, image_file):
+def test_a_window_chosen_by_hand_is_kept_in_a_session_file_and_not_for_another_image(window, deep, hand, image_file):
     layer, _, _ = deep
     layer.choose_window(3050.0, 3090.0)
     layer.choose("gamma", 0.5)
@@ -100,7 +100,7 @@ def test_a_window_chosen_by_hand_is_kept_in_a_session_file_and_not_for_another_i
     layer.use_view_state(state)
     assert layer.window == (3050.0, 3090.0)
     assert layer.view_state() == state
-    layer.session.open(image_file)
-    hand.wait(lambda: layer.session.document.image.name == image_file.name)
+    window.session.open(image_file)
+    hand.wait(lambda: window.session.document.image.name == image_file.name)
     assert layer.window == (20.0, 200.0)
     assert layer.word("range") == "0"

@@ -124,12 +124,12 @@ import app.model.text.language as language
 language.tr = lambda said: f"⟦{said}⟧"
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QTabBar, QWidget
-from app.session.session import Session
+from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.main_window import MainWindow
 
 application = make_application()
-window = MainWindow(Session())
+window = MainWindow(Workspace())
 for dock in window.docks:
     dock.show()
 window.show()

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QLineEdit, QMenu
 
 from app.model.document import edits
 from app.session.exchange.contour_tracking import ContourTracker
+from app.session.scene import ReviewedContours
 from app.views.features.contours.contours import ContoursFeature
 from app.views.main_window import MainWindow
 from app.views.panels.contour_table.columns import COLUMNS, NAME
@@ -52,7 +53,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     hand.wait(lambda: session.idle)
     window.docks["contours"].show()
     window.docks["contours"].raise_()
-    assert len(session.review.items) == 4
+    assert len(window.workspace.review.items) == 4
     return window
 
 
@@ -116,7 +117,7 @@ def test_a_click_on_a_heading_sorts_by_it_and_another_the_other_way_round(found,
 
 
 def test_what_is_selected_in_the_table_is_selected_on_the_canvas_and_the_other_way_round(found, table, hand) -> None:
-    review, layer = found.session.review, hand.canvas.layers.contours
+    review, layer = found.workspace.review, hand.canvas.layers.contours
     click_row(hand, table, 0)
     assert [item.measures.number for item in review.chosen] == [1]
     assert layer._chosen.count == 1
@@ -138,7 +139,7 @@ def test_the_contour_under_the_pointer_is_highlighted(found, hand) -> None:
     hand.key(KEY.Key_V)
     hand.move(40.0, 80.0)
     hand.move(*SINGLE)
-    assert found.session.review[found.session.review.hovered].measures.number == 2
+    assert found.workspace.review[found.workspace.review.hovered].measures.number == 2
     assert hand.canvas.layers.contours._hovered.count == 1
     assert hand.canvas.viewport().cursor().shape() == Qt.CursorShape.PointingHandCursor
     hand.move(5.0, 5.0)
@@ -239,11 +240,11 @@ def test_rejected_contours_are_hidden_by_the_menu_and_then_out_of_reach(found, h
     layer = hand.canvas.layers.contours
     assert (layer.rejected, layer.view_state()["rejected"]) == (0, False)
     pick(hand, SINGLE)
-    assert not found.session.review.selected
+    assert not found.workspace.review.selected
     found.actions_by_name["show_rejected"].trigger()
     assert layer.rejected == 1
     pick(hand, SINGLE)
-    assert len(found.session.review.selected) == 1
+    assert len(found.workspace.review.selected) == 1
 
 
 @pytest.mark.parametrize("name", ["min_strength", "min_length"])
@@ -276,7 +277,7 @@ def test_selection_order_and_a_name_being_written_outlast_a_reconstruction(found
     assert editor is not None
     hand.qtbot.keyClicks(editor, "half a na")
     counted = []
-    found.session.review.changed.connect(lambda: counted.append(1))
+    found.workspace.review.changed.connect(lambda: counted.append(1))
     found.session.edit("x", lambda document: edits.set_parameter(document, "min_length", 65.0))
     hand.wait(lambda: bool(counted) and found.session.idle)
     assert len(table.column("number")) == 3, "the smallest is gone"
@@ -284,9 +285,9 @@ def test_selection_order_and_a_name_being_written_outlast_a_reconstruction(found
     assert editor.isVisible()
     strengths = list(map(float, table.column("strength")))
     assert strengths == sorted(strengths)
-    assert [item.measures.number for item in found.session.review.chosen] == [int(chosen)]
+    assert [item.measures.number for item in found.workspace.review.chosen] == [int(chosen)]
     hand.qtbot.keyClick(editor, KEY.Key_Return)
-    hand.wait(lambda: found.session.review.chosen[0].contour.name == "half a na")
+    hand.wait(lambda: found.workspace.review.chosen[0].contour.name == "half a na")
 
 
 def test_marks_stay_with_their_contours_in_a_run_from_another_start(found, table, hand) -> None:
@@ -297,7 +298,7 @@ def test_marks_stay_with_their_contours_in_a_run_from_another_start(found, table
     hand.key(KEY.Key_Space)
     hand.wait(lambda: found.session.status.phase == "finished" and not found.session.status.stale)
     hand.wait(lambda: found.session.idle)
-    rejected = [item for item in found.session.review.items if item.reviewed.rejected]
+    rejected = [item for item in found.workspace.review.items if item.reviewed.rejected]
     assert len(rejected) == 1
     assert np.hypot(*(rejected[0].contour.points.mean(axis=0) - (28, 100))) < 1.0
 
@@ -306,7 +307,7 @@ def test_shift_n_goes_through_the_contours_longest_first(found, hand) -> None:
     numbers = []
     for _ in range(5):
         hand.key(KEY.Key_N, SHIFT)
-        numbers.append(found.session.review.chosen[0].measures.number)
+        numbers.append(found.workspace.review.chosen[0].measures.number)
     assert numbers == [1, 2, 3, 4, 1]
 
 
@@ -326,9 +327,9 @@ def test_a_table_that_is_opened_later_shows_what_is_selected_and_said_by_then(fo
 
 def test_escape_selects_nothing(found, table, hand) -> None:
     hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
-    assert len(found.session.review.selected) == 4
+    assert len(found.workspace.review.selected) == 4
     hand.key(KEY.Key_Escape)
-    assert not found.session.review.selected
+    assert not found.workspace.review.selected
     assert not table.selectionModel().hasSelection()
 
 
@@ -340,8 +341,9 @@ def test_nothing_is_offered_for_contours_where_none_is_selected(window, hand) ->
 
 
 def test_lengths_are_told_in_the_unit_of_the_image(found, table) -> None:
-    result = replace(found.session.review.result, spacing=(0.5, 0.5), unit="mm")
-    found.session.review._use_tracked(ContourTracker().track(result, thorough=False))
+    result = replace(found.workspace.review.result, spacing=(0.5, 0.5), unit="mm")
+    tracked = ContourTracker().track(result, thorough=False)
+    found.session.show(replace(found.session.scene, contours=ReviewedContours.of(tracked, ())))
     header: Callable[[int], str] = lambda index: table.model().headerData(index, Qt.Orientation.Horizontal)  # noqa: E731
     assert [header(index) for index in range(NAME + 3, NAME + 5)] == ["Length [mm]", "Area [mm²]"]
     assert float(table.column("length")[0]) == pytest.approx(np.pi * 28.0, rel=0.05)

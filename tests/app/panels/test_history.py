@@ -8,7 +8,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.session.document.editor import Editor
+from app.session.document.editing import Editing
 from cpm_core.shapes import Circle
 
 
@@ -17,7 +17,7 @@ class EditingMachine(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.editor = Editor()
+        self.editor = Editing()
         self.past: list[Document] = []
         self.future: list[Document] = []
         self.now = Document()
@@ -37,7 +37,7 @@ class EditingMachine(RuleBasedStateMachine):
     @precondition(lambda self: self.now.shapes)
     @rule()
     def delete(self) -> None:
-        self.editor.selected = 0
+        self.editor.select(0)
         self.editor.edit("delete", lambda document: edits.delete_shape(document, 0), "")
         self._edited(edits.delete_shape(self.now, 0))
 

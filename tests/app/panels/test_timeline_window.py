@@ -14,7 +14,6 @@ from app.session.worker.commands.run import Command
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.features.file.preferring import PreferringFeature
-from app.views.features.run.running import RunningFeature
 from app.views.features.run.timeline import BUDGET, TimelineFeature
 from app.views.window.preferences_dialog import PreferencesDialog
 from cpm_core import Engine, Parameters
@@ -29,7 +28,7 @@ LEFT = Qt.MouseButton.LeftButton
 @pytest.fixture
 def fresh(ready) -> list[State]:
     """The states of the same run, taken without a window."""
-    engine = Engine(ready.pointer_readout._image, Parameters())
+    engine = Engine(ready.session.image, Parameters())
     states = [engine.start(circle((32.0, 32.0), 10.0))]
     while not states[-1].stop_reason:
         states.append(engine.step(states[-1], Parameters()))
@@ -93,7 +92,7 @@ def test_scrubbing_back_shows_the_very_particles_of_that_step(rested, hand, fres
     assert rested.session.status.phase == "paused"
     np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
     assert rested.panels["run"].status.value("Step") == str(step)
-    assert len(rested.feature(RunningFeature)._snapshot.metrics.step) == step
+    assert len(rested.session.scene.snapshot.metrics.step) == step
 
 
 def test_going_on_otherwise_from_an_earlier_step_keeps_both_branches(rested, hand, fresh) -> None:
@@ -107,7 +106,7 @@ def test_going_on_otherwise_from_an_earlier_step_keeps_both_branches(rested, han
     go_on_otherwise(rested, hand)
     kept, new = navigation(rested).outline.branches
     assert (kept.last, new.parent, new.first) == (fresh[-1].step, kept.identity, 40)
-    engine, state = Engine(rested.pointer_readout._image, Parameters()), fresh[40]
+    engine, state = Engine(rested.session.image, Parameters()), fresh[40]
     for _ in range(20):
         state = engine.step(state, rested.session.document.parameters)
     scrub(rested, hand, new.identity, 45)
@@ -222,17 +221,16 @@ def test_of_many_places_on_the_way_only_the_last_is_gone_to(rested, hand, monkey
     assert gone == [step]
 
 
-def test_recorded_steps_are_played_to_the_end(rested, hand, fresh) -> None:
+def test_recorded_steps_are_played_to_the_end(rested, hand, record, fresh) -> None:
     scrub(rested, hand, 1, fresh[-1].step - 6)
     begun = navigation(rested).place[1]
     settle(rested, hand, begun)
-    seen: list[int] = []
-    rested.session.snapshot_changed.connect(lambda snapshot: seen.append(snapshot.state.step))
+    seen = record("snapshot")
     hand.qtbot.mouseClick(rested.panels["timeline"].buttons["play"], LEFT)
     assert navigation(rested).playing
     settle(rested, hand, fresh[-1].step)
     hand.wait(lambda: not navigation(rested).playing)
-    assert seen == list(range(begun + 1, fresh[-1].step + 1))
+    assert [snapshot.state.step for snapshot in seen] == list(range(begun + 1, fresh[-1].step + 1))
 
 
 def test_branches_are_named_and_deleted(rested, hand, fresh) -> None:
@@ -342,7 +340,7 @@ def test_every_part_of_the_window_has_the_rows_that_it_brings(rested) -> None:
 def test_the_state_gone_back_to_is_the_whole_state(rested, hand, fresh) -> None:
     navigation(rested).go(1, 33)
     settle(rested, hand, 33)
-    state = rested.feature(RunningFeature)._snapshot.state
+    state = rested.session.scene.snapshot.state
     for name in ("position", "velocity", "force", "distance", "identity"):
         np.testing.assert_array_equal(getattr(state.particles, name), getattr(fresh[33].particles, name))
     assert replace(state, particles=fresh[33].particles).annealed == fresh[33].annealed

@@ -49,7 +49,7 @@ def compared(ready: MainWindow, hand: Hand, mask_file: Path, monkeypatch: pytest
     hand.wait(lambda: ready.session.idle)
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(mask_file), ""))
     hand.key(KEY.Key_T, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
-    hand.wait(lambda: ready.session.review.truth.verified is not None)
+    hand.wait(lambda: ready.workspace.truth.verified is not None)
     return ready
 
 
@@ -84,7 +84,7 @@ def test_where_they_differ_is_drawn_and_a_larger_tolerance_leaves_nothing(compar
 
 def test_the_worst_place_is_brought_into_sight(compared, hand) -> None:
     hand.qtbot.mouseClick(compared.panels["truth"].worst_button, LEFT)
-    worst = compared.session.review.truth.verified.differences[0]
+    worst = compared.workspace.truth.verified.differences[0]
     assert worst.farthest == pytest.approx(SHIFT, abs=0.8)
     seen = hand.canvas.view.viewRect()
     low, high = worst.points.min(axis=0), worst.points.max(axis=0)
@@ -121,7 +121,7 @@ def test_a_mask_of_another_size_is_refused_in_a_sentence_and_the_truth_stays(com
     np.save(path, np.eye(20))
     compared.feature(TruthFeature).truth.load(path)
     hand.wait(lambda: "64 x 64" in compared.canvas_area.messages.text)
-    assert compared.session.review.truth.truth.source == "mask.npy"
+    assert compared.workspace.truth.truth.source == "mask.npy"
 
 
 def test_another_image_has_no_truth_yet(compared, hand, tmp_path) -> None:
@@ -129,7 +129,7 @@ def test_another_image_has_no_truth_yet(compared, hand, tmp_path) -> None:
     np.save(other, disc(10.0))
     compared.session.open(other)
     hand.wait(lambda: compared.session.document.image.name == "other.npy")
-    assert compared.session.review.truth.truth is None
+    assert compared.workspace.truth.truth is None
     assert hand.canvas.layers["truth"].counts == (0, 0, 0)
     assert compared.panels["truth"].figures["dice"].text() == "–"
 

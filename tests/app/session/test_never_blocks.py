@@ -23,7 +23,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QDockWidget
 
 from app.model.document import edits
-from app.session.session import Session
+from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.canvas.layers.layer import Layer
 from app.views.features.file.files import FilesFeature
@@ -135,10 +135,10 @@ def image_file(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def window(qtbot, session: Session) -> Iterator[MainWindow]:
+def window(qtbot, workspace: Workspace) -> Iterator[MainWindow]:
     """A window without an image, as warm as after the start."""
     make_application()
-    made = MainWindow(session)
+    made, session = MainWindow(workspace), workspace.session
     made.resize(1280, 800)
     made.show()
     qtbot.waitExposed(made)

@@ -24,7 +24,7 @@ from PySide6.QtCore import QCoreApplication
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.session.features.timeline_navigation import navigation_of
+from app.session.features.timeline_navigation import TimelineNavigation
 from app.session.session import Session
 from app.session.storage.autosave import Journal
 from app.session.storage.recovery import left_behind
@@ -64,7 +64,7 @@ class SessionMachine(RuleBasedStateMachine):
         self.session.said.connect(lambda sentence, trouble: self.said.append(sentence) if trouble else None)
         self.document_file = DocumentFile(self.session, lambda: {"place": {}})
         self.journal = Journal(self.document_file, self.folder / "journals")
-        self.navigation = navigation_of(self.session)
+        self.navigation = TimelineNavigation(self.session)
         self.past: list[Document] = []
         self.future: list[Document] = []
         self.saved: dict[Path, Document] = {}

@@ -16,10 +16,10 @@ from PySide6.QtCore import QObject, Qt
 from app.model.state.time_left import SURE_AFTER, in_words, seconds_left
 from app.session.core_functions import Core
 from app.session.exchange.messages import CommandFailed, Report
-from app.session.session import Session
 from app.session.tasks.tasks import Cancelled, Task, Tasks
 from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
+from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.run.tasks import TasksFeature
 from app.views.main_window import MainWindow
@@ -184,9 +184,9 @@ def reader() -> Gated:
 
 
 @pytest.fixture
-def session(qapp: QObject, compiled_loops: None, reader: Gated) -> Iterator[Session]:
-    made = Session(Core(load_image=reader))
-    made.set_pace(None)
+def workspace(qapp: QObject, compiled_loops: None, reader: Gated) -> Iterator[Workspace]:
+    made = Workspace(Core(load_image=reader))
+    made.session.set_pace(None)
     yield made
     reader.gate.set()
     made.close()
@@ -261,10 +261,10 @@ def test_an_export_that_was_given_up_writes_nothing(ready, hand, tmp_path) -> No
 
 
 def test_closing_while_an_image_is_being_opened_ends_at_once_and_well(
-    qtbot, session: Session, slow_file: Path, reader: Gated
+    qtbot, workspace: Workspace, slow_file: Path, reader: Gated
 ) -> None:
     make_application()
-    window = MainWindow(session)
+    window, session = MainWindow(workspace), workspace.session
     window.show()
     session.open(slow_file)
     reader.gate.set()

@@ -30,11 +30,9 @@ def expected(kind: str, values: np.ndarray) -> np.ndarray:
 
 
 @pytest.fixture
-def seen(window) -> list:
+def seen(record) -> list:
     """The places that the session has told of."""
-    told: list = []
-    window.session.image_seeds_changed.connect(told.append)
-    return told
+    return record("image_seeds")
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -44,7 +42,7 @@ def test_a_key_starts_everywhere_and_the_same_key_ends_it_each_a_step_of_undo(wi
     assert window.session.document.shapes == (Everywhere(kind),)
     assert action.isChecked()
     hand.wait(lambda: bool(seen))
-    np.testing.assert_array_equal(seen[-1][Everywhere(kind)], expected(kind, window.pointer_readout._image.values))
+    np.testing.assert_array_equal(seen[-1][Everywhere(kind)], expected(kind, window.session.image.values))
     assert hand.canvas.layers.drawing.everywhere == len(seen[-1][Everywhere(kind)])
     hand.key(*KEYS[kind])
     assert window.session.document.shapes == ()
@@ -62,13 +60,14 @@ def test_a_run_begins_with_the_particles_that_were_shown(window, hand, seen, kin
     hand.key(*KEYS[kind])
     window.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))
     hand.wait(lambda: bool(seen) and window.session.idle)
-    first: list = []
-    window.session.snapshot_changed.connect(lambda snapshot: first.append(snapshot.position) if snapshot else None)
-    window.session._start_if_needed()
-    hand.wait(lambda: bool(first))
+    window.session.step()
+    hand.wait(lambda: window.session.idle and window.session.status.step == 1)
+    window.workspace.navigation.to_first()
+    hand.wait(lambda: window.session.idle and window.session.status.step == 0)
+    first = window.session.scene.snapshot.position
     shown = seen[-1][Everywhere(kind)]
     assert len(shown) > 0
-    np.testing.assert_array_equal(np.unique(first[0], axis=0), np.unique(shown, axis=0))
+    np.testing.assert_array_equal(np.unique(first, axis=0), np.unique(shown, axis=0))
 
 
 def test_it_is_selected_in_turn_and_deleted_like_any_shape(ready, hand) -> None:
@@ -94,7 +93,7 @@ def test_a_region_of_interest_keeps_them_and_the_smoothing_moves_them(window, ha
     np.testing.assert_array_equal(seen[-1][Everywhere("edges")], everywhere[everywhere[:, 0] < 31.5])
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 3.0))
     hand.wait(lambda: len(seen) == 3)
-    wider = gradient_threshold(window.pointer_readout._image.values, smoothing=3.0)
+    wider = gradient_threshold(window.session.image.values, smoothing=3.0)
     np.testing.assert_array_equal(seen[-1][Everywhere("edges")], wider[wider[:, 0] < 31.5])
     window.session.edit("damping", lambda document: edits.set_parameter(document, "beta", 1.0))
     hand.wait(lambda: window.session.idle)

@@ -110,7 +110,7 @@ def test_a_closed_line_is_drawn_corner_by_corner_and_its_particles_are_shown(win
     assert max(math.dist(a, b) for a, b in zip(shape.points, CORNERS, strict=True)) <= PIXEL
     hand.wait(lambda: window.session.idle)
     layer = hand.canvas.layers.drawing
-    values = window.pointer_readout._image.values
+    values = window.session.image.values
     shown = {Polygon: layer._seeds.count, Grid: layer._points.count, Threshold: layer.everywhere}[kind]
     if kind is Threshold:
         strength = edge_map(values, 1.0)
@@ -192,7 +192,7 @@ def test_less_and_greater_change_the_ring_which_is_seen_and_leaves_with_the_poin
 @pytest.mark.parametrize("key", [KEY.Key_Y, KEY.Key_E, KEY.Key_L, KEY.Key_A])
 def test_escape_during_a_drag_leaves_the_drawing_as_it_was_and_nothing_to_undo(window, hand, key) -> None:
     hand.key(key)
-    window.session._editor.begin(edits.add_shape(window.session.document, Circle((30.0, 30.0), 8.0)))
+    window.session.begin_document(edits.add_shape(window.session.document, Circle((30.0, 30.0), 8.0)))
     before = window.session.document
     hand.press(20, 20)
     hand.move(24, 30)

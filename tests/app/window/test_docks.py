@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from app.views.window.feature import Panel
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QMainWindow, QTabBar, QToolButton
 
 from app.session.storage.preferences import Preferences
 from app.views.main_window import MainWindow
 from app.views.window.docks import Docks
+from app.views.window.feature import Panel
 
 SIX = ("Parameters", "Layers", "Contours", "History", "Truth", "Mosaic")
 
@@ -53,10 +53,10 @@ def test_panels_are_put_back_where_they_were(window, hand) -> None:
     assert window.docks["layers"] in window.tabifiedDockWidgets(window.docks["parameters"])
 
 
-def test_panels_are_found_where_they_were_left(qtbot, session, window, hand) -> None:
+def test_panels_are_found_where_they_were_left(qtbot, workspace, window, hand) -> None:
     window.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, window.docks["run"])
     window.close()
-    again = MainWindow(session, Preferences())
+    again = MainWindow(workspace, Preferences())
     qtbot.addWidget(again)
     assert again.dockWidgetArea(again.docks["run"]) == Qt.DockWidgetArea.LeftDockWidgetArea
     again.close()

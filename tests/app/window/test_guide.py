@@ -89,8 +89,8 @@ def test_the_narrow_place_of_the_artery_stands_out_in_its_skeleton(window, hand)
     hand.wait(lambda: session.document.image.name == "artery.png" and session.idle)
     window.actions_by_name["mode_skeleton"].trigger()
     hand.key(Qt.Key.Key_Space)
-    hand.wait(lambda: session.skeletons.found is not None)
-    found = session.skeletons.found
+    hand.wait(lambda: session.scene.skeleton is not None)
+    found = session.scene.skeleton
     places = np.concatenate([contour.path[: len(radii)] for contour, radii in zip(found.contours, found.radii,
                                                                                   strict=True)])  # fmt: skip
     radii = np.concatenate(found.radii)

@@ -11,8 +11,8 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.views.canvas.coordinates import image_rectangle, to_xy
-from app.views.canvas.items.pens import cached, line_pen
+from app.views.canvas.coordinates import to_xy
+from app.views.canvas.items.item import OverImage, cached, line_pen
 from app.views.theme import theme
 from cpm_core.numerics.polyline import coarser
 from cpm_core.numerics.types import Array
@@ -34,7 +34,7 @@ _MANY = 100
 _DASHES = (2.5, 1.8)
 
 
-class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+class Curves(OverImage):
     """Curves of one colour with a dark halo.
 
     Each is drawn in pieces of its own: the time that Qt takes for a wide line grows much faster than its length.
@@ -52,27 +52,20 @@ class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type 
     """
 
     def __init__(self, colour: str, z: float, width: float = 2.0, halo: float = 3.6, dashed: bool = False) -> None:
-        super().__init__()
+        super().__init__(z, _RIM)
         pen = line_pen(colour, width)
         if dashed:
             pen.setDashPattern(_DASHES)
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)
         self._pens = (line_pen(theme.HALO, halo), pen) if halo else (pen,)
-        self._room = QRectF()
         self._paths: Sequence[Array] = ()
         self._pieces: list[QPainterPath] = []
         self._boxes = boxes([])
         self._made_for = 0.0
         self._wanted = True
         self.count = 0
-        self.setZValue(z)
         self.setVisible(False)
         cached(self)
-
-    def use_shape(self, shape: tuple[int, ...], rim: float = _RIM) -> None:
-        """Make room for an image of this shape and, all around, for a rim of so many px of the image."""
-        self.prepareGeometryChange()
-        self._room = image_rectangle(shape).adjusted(-rim, -rim, rim, rim)
 
     def show(self, paths: Sequence[Array]) -> None:
         """Show curves, each of shape (K, 2)."""
@@ -86,10 +79,6 @@ class Curves(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type 
         """Say whether the curves are to be seen; where there are none, nothing is drawn in any frame."""
         self._wanted = wanted
         self.setVisible(wanted and self.count > 0)
-
-    def boundingRect(self) -> QRectF:
-        """Room that may be drawn on."""
-        return self._room
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the halos, then the curves."""

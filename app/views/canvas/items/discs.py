@@ -6,14 +6,14 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import pyqtgraph as pg
 from numpy.typing import NDArray
 from pyqtgraph.Qt import internals
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.views.canvas.coordinates import image_rectangle, to_xy
+from app.views.canvas.coordinates import to_xy
+from app.views.canvas.items.item import OverImage
 from cpm_core.numerics.types import Array
 
 _SMALLEST = 2.4
@@ -30,7 +30,7 @@ _RIM = 16.0
 """Room around the image for particles on its border [px of the image]."""
 
 
-class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+class Discs(OverImage):
     """Discs of one colour or of a palette, as large as the image is enlarged, within bounds: they hide next to nothing.
 
     All are stamps of one picture, in which the colours stand side by side, in a single call of the painter. A scatter
@@ -47,27 +47,20 @@ class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
     """
 
     def __init__(self, colour: str, diameter: float, z: float) -> None:
-        super().__init__()
+        super().__init__(z, _RIM)
         self._own = (colour,)
         self._colours: Sequence[str] = self._own
         self._diameter = diameter
-        self._room = QRectF()
         self._position = np.empty((0, 2))
         self._marks: Marks | None = None
         self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)
         self._stamp = QPixmap()
         self._stamped: tuple[object, ...] = ()
-        self.setZValue(z)
 
     @property
     def count(self) -> int:
         """Number of discs."""
         return len(self._position)
-
-    def use_shape(self, shape: tuple[int, ...], rim: float = _RIM) -> None:
-        """Make room for an image of this shape and, all around, for a rim of so many px of the image."""
-        self.prepareGeometryChange()
-        self._room = image_rectangle(shape).adjusted(-rim, -rim, rim, rim)
 
     def use_palette(self, colours: Sequence[str] = ()) -> None:
         """Draw in these colours, by default in the one of its own; the discs are to be shown anew."""
@@ -78,10 +71,6 @@ class Discs(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
         if len(position) or len(self._position):
             self._position, self._marks = position, colour
             self.update()
-
-    def boundingRect(self) -> QRectF:
-        """Room that may be drawn on."""
-        return self._room
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Stamp them all."""

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.views.canvas.coordinates import image_rectangle
+from app.views.canvas.items.item import OverImage
 from app.views.theme import theme
 from cpm_core.numerics.types import Position
 
@@ -18,7 +17,7 @@ _RIM = 300.0
 """Room around the image for what is written beyond its border [px of the image]."""
 
 
-class Names(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+class Names(OverImage):
     """Texts of one size at positions of the image, whatever the zoom.
 
     Parameters
@@ -28,17 +27,10 @@ class Names(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
     """
 
     def __init__(self, z: float) -> None:
-        super().__init__()
-        self._room = QRectF()
+        super().__init__(z, _RIM)
         self._wanted = True
         self.texts: tuple[tuple[Position, str, str], ...] = ()
-        self.setZValue(z)
         self.setVisible(False)
-
-    def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Make room for an image of this shape."""
-        self.prepareGeometryChange()
-        self._room = image_rectangle(shape).adjusted(-_RIM, -_RIM, _RIM, _RIM)
 
     def show(self, texts: Sequence[tuple[Position, str, str]]) -> None:
         """Show texts: where (row, col), what, and in which colour."""
@@ -51,10 +43,6 @@ class Names(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type h
         """Say whether they are to be seen."""
         self._wanted = wanted
         self.setVisible(wanted and bool(self.texts))
-
-    def boundingRect(self) -> QRectF:
-        """Room that may be drawn on."""
-        return self._room
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Write each on a dark ground, above its place."""

@@ -7,7 +7,7 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter
 from PySide6.QtWidgets import QApplication, QStyleOptionGraphicsItem, QWidget
 
-from app.views.canvas.items.pens import cached
+from app.views.canvas.items.item import cached
 
 MARGIN = 12.0
 """Distance from the rim of the canvas [px of the screen]."""

@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pyqtgraph as pg
+from PySide6.QtWidgets import QWidget
 
-from app.session.session import Session
+from app.session.scene import Scene
 from app.views.canvas.layers.contours.contours import ContourLayer
 from app.views.canvas.layers.contours.skeleton import SkeletonLayer
 from app.views.canvas.layers.contours.truth import TruthLayer
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
-from app.views.canvas.layers.fields.edge_map import EdgeMapLayer
 from app.views.canvas.layers.fields.field import FieldLayer
-from app.views.canvas.layers.fields.potential import PotentialLayer
+from app.views.canvas.layers.fields.scalar import EdgeMapLayer, PotentialLayer
 from app.views.canvas.layers.image.image import ImageLayer
+from app.views.canvas.layers.image.image_form import ImageForm
 from app.views.canvas.layers.image.scale_bar import ScaleBarLayer
-from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.layer import Layer, Requests
+from app.views.canvas.layers.layer_form import LayerForm
 from app.views.canvas.layers.particles.forces import ForceLayer
 from app.views.canvas.layers.particles.ghost import GhostLayer
 from app.views.canvas.layers.particles.particles import ParticleLayer
@@ -47,18 +49,23 @@ class Layers:
     ----------
     view : pg.ViewBox
         Where they lie.
-    session : Session
-        What they follow.
+    requests : Requests
+        Where they ask for what the worker makes.
     """
 
-    def __init__(self, view: pg.ViewBox, session: Session) -> None:
-        self._layers = {kind.name: kind(view, session) for kind in LAYERS}
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        self._layers = {kind.name: kind(view, requests) for kind in LAYERS}
 
     def __getitem__(self, name: str) -> Layer:
         return self._layers[name]
 
     def __iter__(self) -> Iterator[Layer]:
         return iter(self._layers.values())
+
+    def draw(self, scene: Scene) -> None:
+        """Draw a scene."""
+        for layer in self:
+            layer.draw(scene)
 
     @property
     def particles(self) -> ParticleLayer:
@@ -87,3 +94,8 @@ class Layers:
         layer = self._layers["drawing"]
         assert isinstance(layer, DrawingLayer)
         return layer
+
+
+def form_of(layer: Layer) -> QWidget:
+    """A form for what can be chosen about a layer, made anew at each call."""
+    return ImageForm(layer) if isinstance(layer, ImageLayer) else LayerForm(layer)

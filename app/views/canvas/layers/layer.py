@@ -1,29 +1,45 @@
-"""A layer of the canvas: something that is seen or not, follows the session by itself and redraws only what changed."""
+"""A layer of the canvas: something that is seen or not, and draws of a scene what has changed."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import pyqtgraph as pg
 from PySide6.QtCore import QObject, Signal
-from PySide6.QtWidgets import QGraphicsItem, QWidget
+from PySide6.QtWidgets import QGraphicsItem
 
-from app.session.session import Session
-from app.views.canvas.layers.layer_form import LayerForm
+from app.session.scene import Scene
+from app.session.worker.commands.run import Command
+from app.views.canvas.items.item import OverImage
 from app.views.canvas.layers.options import Option, Value
+
+
+class Requests(Protocol):
+    """What layers ask of the worker; the answers come as parts of a scene."""
+
+    def post(self, command: Command) -> None:
+        """Send a command to the worker."""
+
+    def want_overlay(self, name: str, wanted: bool) -> None:
+        """Say whether an overlay is to be kept up to date; see `app.session.worker.overlays`."""
 
 
 class Layer(QObject):
     """What layers have in common.
 
-    Subclasses set the class variables, add their items with `add`, and connect to the session.
+    Subclasses set the class variables, add their items with `add`, and draw in `follow`.
 
     Parameters
     ----------
     view : pg.ViewBox
         Where its items lie.
-    session : Session
-        What it follows.
+    requests : Requests
+        Where it asks for what the worker makes.
+
+    Attributes
+    ----------
+    scene : Scene
+        What has been drawn last.
     """
 
     name: ClassVar[str]
@@ -44,10 +60,11 @@ class Layer(QObject):
     changed = Signal()
     """It is shown, hidden, of another opacity, or something else has been chosen now."""
 
-    def __init__(self, view: pg.ViewBox, session: Session) -> None:
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__()
         self.view = view
-        self.session = session
+        self.requests = requests
+        self.scene = Scene()
         self.shown = self.initially
         self.opacity = 1.0
         self.chosen: dict[str, Value] = {option.name: option.first for option in self.options}
@@ -64,6 +81,22 @@ class Layer(QObject):
         for item in items:
             self._items.append(item)
             item.setParentItem(self.view)
+
+    def draw(self, scene: Scene) -> None:
+        """Draw what of a scene is not what has been drawn last."""
+        before, self.scene = self.scene, scene
+        if scene.image is not None and scene.image is not before.image:
+            self.use_shape(scene.image.shape)
+        self.follow(before)
+
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Make room for an image of this shape."""
+        for item in self._items:
+            if isinstance(item, OverImage):
+                item.use_shape(shape)
+
+    def follow(self, before: Scene) -> None:
+        """Draw those parts of `scene` that are others than in the one before."""
 
     def set_shown(self, shown: bool) -> None:
         """Show or hide it."""
@@ -112,11 +145,7 @@ class Layer(QObject):
     @property
     def settable(self) -> bool:
         """Whether there is something to be chosen about it."""
-        return bool(self.options) or type(self).settings is not Layer.settings
-
-    def settings(self) -> QWidget | None:
-        """A widget for what can be chosen about it, made anew at each call; None when there is nothing."""
-        return LayerForm(self) if self.options else None
+        return bool(self.options)
 
     def view_state(self) -> dict[str, object]:
         """What a session file keeps of it."""

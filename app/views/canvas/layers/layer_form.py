@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QHBoxLayout, QLabel, QSizePolicy, QWidget
 
+from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.options import Amount, Choice, Option
 from app.views.theme import colour_maps
 from app.views.widgets.marked_slider import MarkedSlider
 from app.views.widgets.space_key import own_space
-
-if TYPE_CHECKING:
-    from app.views.canvas.layers.layer import Layer
 
 
 class LayerForm(QWidget):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from app.model.text.language import tr
+from app.session.features.contour_review import ContourReview
 from app.session.session import Session
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
 from app.views.canvas.tools.charge import STRENGTH, ChargeTool
@@ -20,7 +21,7 @@ from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.spray import SprayTool
 from app.views.canvas.tools.tool import Tool
 
-Maker = Callable[[Session, DrawingLayer, Callable[[], None]], Tool]
+Maker = Callable[[Session, ContourReview, DrawingLayer, Callable[[], None]], Tool]
 
 SELECT, START, LIMIT, CHARGE, CONTOUR = tr("Select"), tr("Start"), tr("Limit"), tr("Charge"), tr("Contour")
 """What tools are for."""
@@ -43,7 +44,8 @@ class ToolEntry:
     group : str
         What it is for; tools of one group stand together.
     make : callable
-        Makes it, of the session, the layer that shows drafts, and what is to be told when its advice has changed.
+        Makes it, of session and review of contours, the layer that shows drafts, and what is to be called when its
+        advice has changed.
     """
 
     name: str
@@ -55,15 +57,15 @@ class ToolEntry:
 
 
 def _plain(kind: Callable[[Session], Tool]) -> Maker:
-    return lambda session, drawing, advised: kind(session)
+    return lambda session, review, drawing, advised: kind(session)
 
 
 def _ringed(kind: Callable[[Session, DrawingLayer], Tool]) -> Maker:
-    return lambda session, drawing, advised: kind(session, drawing)
+    return lambda session, review, drawing, advised: kind(session, drawing)
 
 
 def _path(kind: PathKind) -> Maker:
-    return lambda session, drawing, advised: PathTool(session, kind, drawing, advised)
+    return lambda session, review, drawing, advised: PathTool(session, kind, drawing, advised)
 
 
 def _charge(name: str, strength: float) -> Maker:
@@ -189,7 +191,7 @@ TOOLS: tuple[ToolEntry, ...] = (
         "V",
         tr("Click a contour to select it; X rejects, K keeps, Enter names it."),
         CONTOUR,
-        _plain(ContourTool),
+        lambda session, review, drawing, advised: ContourTool(review),
     ),
 )
 """All tools, in the order shown: what selects, what starts, what limits and what acts on particles stand together."""

@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 
 from app.model.text.language import tr
-from app.session.session import Session
+from app.session.features.contour_review import ContourReview
 from app.views.canvas.tools.tool import Cursor, Momentary
 from cpm_core.numerics.types import Position
 
@@ -18,9 +18,9 @@ class ContourTool(Momentary):
     clicks = True
     by_keys = tr("Enter selects the contour under it.")
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, review: ContourReview) -> None:
         super().__init__()
-        self._review = session.review
+        self._review = review
 
     @property
     def advice(self) -> str:

@@ -27,14 +27,14 @@ class ContoursFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         session, canvas = context.session, context.canvas_area.canvas
-        self._review = session.review
+        self._review = context.workspace.review
         self._layer = canvas.layers.contours
-        self.panel = ContourPanel(session, self._fill_colours)
+        self.panel = ContourPanel(session, self._review, self._fill_colours)
         self.name_field = NameField(canvas, self._review)
         self._keys = _CanvasKeys(self)
         canvas.installEventFilter(self._keys)
         canvas.pointed.connect(lambda at: self._review.hover(None) if at is None else None)
-        self._review.selection_changed.connect(session.status_changed)
+        self._review.selection_changed.connect(context.refresh)
         self.panel.buttons["keep"].clicked.connect(lambda: self._review.judge("kept"))
         self.panel.buttons["reject"].clicked.connect(lambda: self._review.judge("rejected"))
         self.panel.buttons["name"].clicked.connect(self.panel.table.name_selected)
@@ -110,12 +110,12 @@ class ContoursFeature(Feature):
                 name="show_rejected",
                 menu="Contours",
                 text=tr("&Show rejected contours"),
-                do=lambda: self._layer.set_show_rejected(not self._layer.show_rejected),
+                do=lambda: self._layer.choose("rejected", not self._layer.chosen["rejected"]),
                 tip=tr("Show rejected contours faint and dashed, or hide them."),
                 group=STATE,
                 checked=True,
                 gap=True,
-                holds=lambda situation: self._layer.show_rejected,
+                holds=lambda situation: bool(self._layer.chosen["rejected"]),
             ),
         )
 

@@ -25,13 +25,13 @@ class TruthFeature(Feature):
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        self.truth = context.session.review.truth
+        self.truth = context.workspace.truth
         self.panel = TruthPanel(self.truth)
         self._folder = ""
         self.panel.load_wanted.connect(self._load)
         self.panel.jump_wanted.connect(self._jump)
-        self.truth.changed.connect(context.session.status_changed)
-        self.truth.compared.connect(context.session.status_changed)
+        self.truth.changed.connect(context.refresh)
+        self.truth.compared.connect(context.refresh)
 
     def entries(self) -> Sequence[ActionSpec]:
         """Load, forget, look at the worst."""

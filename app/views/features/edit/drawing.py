@@ -91,7 +91,7 @@ class DrawingFeature(Feature):
             name = tr("end {start}").format(start=name)
         session.edit(name, lambda document: edits.toggle_everywhere(document, start.kind))
         # Whether or not the document has changed, the action shows what is.
-        session.status_changed.emit()
+        self.context.refresh()
 
 
 def _starts_with(start: Everywhere) -> Condition:

@@ -10,7 +10,6 @@ from PySide6.QtWidgets import QApplication
 
 from app.model.state.situation import has_contours, has_image
 from app.model.text.language import tr
-from app.session.exchange.messages import Report
 from app.session.worker.commands.run import Copied
 from app.views.widgets.entry import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
@@ -29,7 +28,7 @@ class ClipboardFeature(Feature):
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        context.session.reported.connect(self._hear)
+        context.session.listen(Copied, self._put_contours)
 
     def entries(self) -> Sequence[ActionSpec]:
         """Contours in several formats, and the view."""
@@ -61,10 +60,9 @@ class ClipboardFeature(Feature):
         QApplication.clipboard().setImage(self.context.canvas_area.canvas.grab().toImage())
         self.context.session.say(tr("The view is on the clipboard."))
 
-    def _hear(self, report: Report) -> None:
-        if isinstance(report, Copied):
-            data = QMimeData()
-            data.setText(report.content.decode())  # most programs take text only
-            data.setData(_MIME[report.suffix], report.content)
-            QApplication.clipboard().setMimeData(data)
-            self.context.session.say(tr("The contours are on the clipboard."))
+    def _put_contours(self, report: Copied) -> None:
+        data = QMimeData()
+        data.setText(report.content.decode())  # most programs take text only
+        data.setData(_MIME[report.suffix], report.content)
+        QApplication.clipboard().setMimeData(data)
+        self.context.session.say(tr("The contours are on the clipboard."))

@@ -13,10 +13,9 @@ from app.model.document.samples import sample_at, samples
 from app.model.parameters.presets import SUFFIX as PRESET
 from app.model.state.situation import has_contours, has_image
 from app.model.text.language import tr
-from app.session.exchange.messages import Exported, Opened, Report
+from app.session.exchange.messages import Exported, Opened
 from app.session.features.import_points import PointsRead, read_points
 from app.session.storage.session_file import DocumentFile, Written
-from app.views.canvas.view_state import use_view_state, view_state
 from app.views.widgets.entry import ActionSpec, Submenu
 from app.views.window import unsaved
 from app.views.window.dialogs import ask_for_export, ask_for_file, ask_where_to_save
@@ -35,15 +34,18 @@ class FilesFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         canvas = context.canvas_area.canvas
-        self.document_file = DocumentFile(context.session, lambda: view_state(canvas))
+        self.document_file = DocumentFile(context.session, canvas.view_state)
         self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
         self.bring_in: Callable[[Path], None] | None = None
         """Takes in the file of a preset; the window knows who does."""
         self._exported: Path | None = None
         self.document_file.changed.connect(self._name_window)
-        self.document_file.restored.connect(lambda state: use_view_state(canvas, state))
+        self.document_file.restored.connect(canvas.use_view_state)
         context.session.document_changed.connect(lambda _: self._name_window())
-        context.session.reported.connect(self._hear)
+        context.session.listen(Opened, self._take_opened)
+        context.session.listen(Written, lambda written: self._remember(written.path))
+        context.session.listen(Exported, self._take_exported)
+        context.session.listen(PointsRead, self._draw_points)
         self._name_window()
 
     def entries(self) -> Sequence[ActionSpec | Submenu]:
@@ -220,21 +222,20 @@ class FilesFeature(Feature):
         if self.bring_in is not None:
             self.bring_in(path)
 
-    def _hear(self, report: Report) -> None:
-        if isinstance(report, Opened):
-            path = report.saved.path if report.saved and report.saved.path else report.path
-            self._exported = None
-            if sample_at(report.path) is None or report.saved:
-                self._remember(path)
-        elif isinstance(report, Written):
-            self._remember(report.path)
-        elif isinstance(report, Exported):
-            self._exported = report.path
-            self.context.preferences.put(_EXPORTS, str(report.path.absolute().parent))
-            self.context.session.status_changed.emit()
-        elif isinstance(report, PointsRead):
-            name = tr("draw {name}").format(name=report.path.name)
-            self.context.session.edit(name, lambda document: edits.add_shape(document, report.points))
+    def _take_opened(self, opened: Opened) -> None:
+        path = opened.saved.path if opened.saved and opened.saved.path else opened.path
+        self._exported = None
+        if sample_at(opened.path) is None or opened.saved:
+            self._remember(path)
+
+    def _take_exported(self, exported: Exported) -> None:
+        self._exported = exported.path
+        self.context.preferences.put(_EXPORTS, str(exported.path.absolute().parent))
+        self.context.refresh()
+
+    def _draw_points(self, read: PointsRead) -> None:
+        name = tr("draw {name}").format(name=read.path.name)
+        self.context.session.edit(name, lambda document: edits.add_shape(document, read.points))
 
     def _remember(self, path: Path) -> None:
         self.recent.add(path)

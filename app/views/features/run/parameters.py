@@ -109,7 +109,7 @@ class ParametersFeature(Feature):
     def _prefer(self, key: str, value: Value) -> None:
         self.context.preferences.put(key, value)
         # The actions show what is preferred now.
-        self.context.session.status_changed.emit()
+        self.context.refresh()
 
     def _follow(self, key: str) -> None:
         if key == WORDING:

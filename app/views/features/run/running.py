@@ -9,7 +9,6 @@ from PySide6.QtCore import QTimer
 from app.model.state.resolve import resolve
 from app.model.state.situation import can_step, has_image, is_running, is_started
 from app.model.text.language import tr
-from app.session.exchange.messages import Snapshot
 from app.session.worker.commands.energy import WatchEnergy
 from app.views.panels.run.run_panel import RunPanel
 from app.views.widgets.entry import ActionSpec
@@ -31,7 +30,6 @@ class RunningFeature(Feature):
         super().__init__(context)
         self.speed = SpeedControl(context.session)
         self.panel = RunPanel()
-        self._snapshot: Snapshot | None = None
         self._watched = False
         chosen = context.preferences.get(_PLOTS, list(self.panel.plot.shown))
         self.panel.plot.show_plots(chosen)
@@ -41,7 +39,6 @@ class RunningFeature(Feature):
         self._figures.setInterval(_FIGURES_EVERY)
         self._figures.timeout.connect(self._show_figures)
         context.session.status_changed.connect(self._show)
-        context.session.snapshot_changed.connect(self._keep)
 
     def entries(self) -> Sequence[ActionSpec]:
         """Run, step, reset, speed."""
@@ -51,7 +48,7 @@ class RunningFeature(Feature):
                 name="run",
                 menu="Run",
                 text=tr("Run"),
-                do=session.toggle,
+                do=self.context.session.toggle,
                 shortcuts=("Space",),
                 tip=tr("Let the particles move, or hold them."),
                 icon="run",
@@ -126,11 +123,7 @@ class RunningFeature(Feature):
 
     def _show_figures(self) -> None:
         session = self.context.session
-        resolved = session.resolved
+        resolved, snapshot = session.resolved, session.scene.snapshot
         frames = f"{session.frames_per_second:.0f}" if resolved.running else "–"
         self.panel.status.show_resolved(resolved, frames)
-        self.panel.plot.show_metrics(self._snapshot.metrics if self._snapshot else None)
-
-    def _keep(self, snapshot: Snapshot | None) -> None:
-        # The plot is read, not watched: it follows at the slower pace of the figures.
-        self._snapshot = snapshot
+        self.panel.plot.show_metrics(snapshot.metrics if snapshot else None)

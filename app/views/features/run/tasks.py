@@ -18,7 +18,6 @@ class TasksFeature(Feature):
         super().__init__(context)
         self.bar = TaskBar(context.session.tasks)
         context.window.statusBar().addPermanentWidget(self.bar)
-        context.session.tasks.changed.connect(context.session.status_changed)
 
     def entries(self) -> Sequence[ActionSpec]:
         """Give up."""

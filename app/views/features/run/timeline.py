@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QLabel, QSpinBox
 
 from app.model.state.situation import has_particles, is_running
 from app.model.text.language import tr
-from app.session.features.timeline_navigation import TimelineNavigation, navigation_of
+from app.session.features.timeline_navigation import TimelineNavigation
 from app.session.worker.commands.timeline import SetTimelineBudget
 from app.session.worker.recorded_run import MEGABYTE, MEGABYTES
 from app.views.panels.timeline.timeline_panel import TimelinePanel
@@ -33,7 +33,7 @@ class TimelineFeature(Feature):
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        self.navigation = navigation_of(context.session)
+        self.navigation = context.workspace.navigation
         self.panel = TimelinePanel(self.navigation, lambda: is_running(context.session.situation))
         self._keys = _Keys(self.navigation, context.window)
         context.canvas_area.canvas.installEventFilter(self._keys)

@@ -14,13 +14,11 @@ from PySide6.QtWidgets import QFileDialog
 from app.model.state.situation import has_particles
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
-from app.session.features.timeline_navigation import navigation_of
 from app.session.tasks.tasks import Task
 from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.film.filming import Filming
 from app.views.film.frame_renderer import FrameRenderer, frame_size, seen_part
 from app.views.film.strip_dialog import StripDialog, StripPlan
-from app.views.film.understudy import Told
 from app.views.widgets.entry import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
@@ -47,13 +45,12 @@ class AnimationFeature(Feature):
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        self._navigation = navigation_of(context.session)
-        self._told = Told(context.session)
+        self._navigation = context.workspace.navigation
         self._folder = ""
         self._filming: list[Filming] = []
         self._strip_task: Task | None = None
         self._strip_dialog: StripDialog | None = None
-        context.session.reported.connect(self._hear)
+        context.session.listen(StripReady, self._show_strip)
 
     def entries(self) -> Sequence[ActionSpec]:
         """Both exports."""
@@ -116,7 +113,7 @@ class AnimationFeature(Feature):
         )
         self._film(
             task,
-            FrameRenderer(session, self.context.canvas_area.canvas, self._told, self._part(plan.zoomed), plan.size),
+            FrameRenderer(session.scene, self.context.canvas_area.canvas, self._part(plan.zoomed), plan.size),
             [(branch, step) for step in plan.steps],
             frames,
         )
@@ -136,7 +133,7 @@ class AnimationFeature(Feature):
             task,
             places,
             contours=layers["contours"].shown or layers["ghost"].shown,
-            compared=self._navigation.comparing if layers["ghost"].shown else None,
+            compared=self._navigation.comparison.branch if layers["ghost"].shown else None,
             take=frames.put,
             end=lambda: frames.put(None),
             has_room=lambda: frames.qsize() < _AHEAD,
@@ -186,13 +183,11 @@ class AnimationFeature(Feature):
             return StripReady(task, strip(taken, captions, columns=plan.columns))
 
         task = self._strip_task = session.tasks.start(tr("Drawing the strip…"), compose, "drawing the strip")
-        renderer = FrameRenderer(
-            session, self.context.canvas_area.canvas, self._told, part, frame_size(part, plan.width)
-        )
+        renderer = FrameRenderer(session.scene, self.context.canvas_area.canvas, part, frame_size(part, plan.width))
         self._film(task, renderer, [(branch, step) for step in plan.steps], frames)
 
-    def _hear(self, report: Report) -> None:
-        if isinstance(report, StripReady) and report.task is self._strip_task and self._strip_dialog is not None:
+    def _show_strip(self, report: StripReady) -> None:
+        if report.task is self._strip_task and self._strip_dialog is not None:
             self._strip_dialog.show_strip(report.pixels)
 
     def _end_strip(self) -> None:

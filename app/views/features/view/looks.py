@@ -73,7 +73,7 @@ class LooksFeature(Feature):
         self.context.preferences.put(_KEY, name)
         self.context.use_theme(self.theme())
         # The actions show what is chosen now.
-        self.context.session.status_changed.emit()
+        self.context.refresh()
 
     def _holds(self, name: str, situation: Situation) -> bool:
         return name == self._chosen

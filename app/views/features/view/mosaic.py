@@ -9,7 +9,6 @@ from PySide6.QtCore import QRectF
 from app.model.display.shades import DisplayImage
 from app.model.state.situation import has_image
 from app.model.text.language import tr
-from app.session.features.parameter_sweep import Sweep
 from app.views.canvas.coordinates import image_rectangle
 from app.views.mosaic import MosaicDialog
 from app.views.widgets.entry import ActionSpec
@@ -24,10 +23,8 @@ class MosaicFeature(Feature):
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        self.sweep = Sweep(context.session)
+        self.sweep = context.workspace.sweep
         self.dialog: MosaicDialog | None = None
-        self._shades: DisplayImage | None = None
-        context.session.image_changed.connect(self._keep)
 
     def entries(self) -> Sequence[ActionSpec]:
         """Open it."""
@@ -46,9 +43,10 @@ class MosaicFeature(Feature):
 
     def open(self) -> None:
         """Open the dialog, or bring it to the front; tiles show the part of the image that is in sight."""
-        if self.dialog is None and self._shades is not None:
+        display = self.context.session.scene.display
+        if self.dialog is None and display is not None:
             self.dialog = MosaicDialog(
-                self.context.window, self.context.session, self.sweep, self._shades, self._crop()
+                self.context.window, self.context.session, self.sweep, display, self._crop(display)
             )
             self.dialog.finished.connect(self._forget)
         if self.dialog is not None:
@@ -63,15 +61,11 @@ class MosaicFeature(Feature):
         self.sweep.cancel()
         return True
 
-    def _crop(self) -> QRectF:
-        assert self._shades is not None
-        whole = image_rectangle(self._shades.shape[:2])
+    def _crop(self, display: DisplayImage) -> QRectF:
+        whole = image_rectangle(display.shape[:2])
         seen = self.context.canvas_area.canvas.view.viewRect().intersected(whole)
         enough = seen.width() * seen.height() > _LEAST_SEEN * whole.width() * whole.height()
         return seen if enough else whole
-
-    def _keep(self, _: object, shades: DisplayImage) -> None:
-        self._shades = shades
 
     def _forget(self, _: int) -> None:
         self.dialog = None

@@ -30,8 +30,8 @@ class ViewingFeature(Feature):
         self._panel = LayersPanel(layers)
         context.canvas_area.canvas.pointed.connect(layers.forces.point_at)
         for layer in layers:
-            layer.changed.connect(self._follow)
             layer.use_view_state(_kept(context.preferences, layer))
+            layer.changed.connect(self._follow)
 
     def _follow(self) -> None:
         """Let the menu be right; what it does not show, as while levels are dragged, is none of its business."""
@@ -39,7 +39,7 @@ class ViewingFeature(Feature):
         told = (*(layer.shown for layer in layers), layers.particles.word("colour"))
         if told != self._told:
             self._told = told
-            self.context.session.status_changed.emit()
+            self.context.refresh()
 
     def entries(self) -> Sequence[ActionSpec]:
         """Zoom, and one toggle a layer."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from app.model.text.language import tr
-from app.session.features.contour_review import Item
+from app.session.scene import Item
 
 VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
 _ORDER = {"kept": 0, "": 1, "rejected": 2}

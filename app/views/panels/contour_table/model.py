@@ -7,7 +7,8 @@ from typing import Any
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, QSortFilterProxyModel, Qt
 from PySide6.QtGui import QColor, QFont, QGuiApplication, QPalette
 
-from app.session.features.contour_review import ContourReview, Item
+from app.session.features.contour_review import ContourReview
+from app.session.scene import Item
 from app.views.panels.contour_table.columns import COLUMNS, NAME
 from app.views.theme import theme
 from app.views.theme.icons import swatch

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLabel, QMenu, QToolButto
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
+from app.session.features.contour_review import ContourReview
 from app.session.session import Session
 from app.views.panels.contour_table.threshold import Threshold
 from app.views.panels.contour_table.view import ContourTable
@@ -28,16 +29,18 @@ class ContourPanel(QWidget):
     Parameters
     ----------
     session : Session
-        What it follows and edits.
+        Whose document it edits.
+    review : ContourReview
+        What it shows.
     fill_colours : callable
         Fills a menu with the colours that can be chosen.
     """
 
-    def __init__(self, session: Session, fill_colours: Callable[[QMenu], None]) -> None:
+    def __init__(self, session: Session, review: ContourReview, fill_colours: Callable[[QMenu], None]) -> None:
         super().__init__()
         self._session = session
-        self._review = session.review
-        self.table = ContourTable(session.review)
+        self._review = review
+        self.table = ContourTable(review)
         self.summary = QLabel()
         self.summary.setWordWrap(True)
         self.summary.setObjectName("dim")
@@ -61,8 +64,8 @@ class ContourPanel(QWidget):
         for name, threshold in self.thresholds.items():
             threshold.moved_to.connect(partial(self._set, name))
             threshold.settled.connect(session.seal)
-        session.review.changed.connect(self._show)
-        session.review.selection_changed.connect(self._enable)
+        review.changed.connect(self._show)
+        review.selection_changed.connect(self._enable)
         session.document_changed.connect(self._use_document)
         self._show()
 

@@ -6,6 +6,7 @@ from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
+from app.views.canvas.layers import form_of
 from app.views.canvas.layers.layer import Layer
 from app.views.theme.icons import swatch
 from app.views.widgets.marked_slider import MarkedSlider
@@ -89,10 +90,9 @@ class LayerRow(QWidget):
     def _unfold(self, unfolded: bool) -> None:
         self.fold.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
         if unfolded and self.settings is None:
-            self.settings = self.layer.settings()
-            if self.settings is not None:
-                self.settings.setContentsMargins(_FOLD + 4, 0, 0, 8)
-                self._column.addWidget(self.settings)
+            self.settings = form_of(self.layer)
+            self.settings.setContentsMargins(_FOLD + 4, 0, 0, 8)
+            self._column.addWidget(self.settings)
         if self.settings is not None:
             self.settings.setVisible(unfolded)
         if unfolded:

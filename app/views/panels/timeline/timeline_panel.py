@@ -20,7 +20,6 @@ from PySide6.QtWidgets import (
 
 from app.model.text.language import tr
 from app.session.features.timeline_navigation import TimelineNavigation
-from app.session.worker.commands.timeline import Compared
 from app.session.worker.recorded_run import MEGABYTE
 from app.views.panels.timeline.timeline_view import ROW, TimelineView
 from app.views.theme.icons import icon
@@ -83,7 +82,7 @@ class TimelinePanel(QWidget):
         self.compare = QComboBox()
         self.compare.setAccessibleName(tr("Compare with"))
         self.compare.setToolTip(tr("Another branch to show beside this one, at the same step."))
-        self.compare.activated.connect(lambda index: navigation.compare(self.compare.itemData(index)))
+        self.compare.activated.connect(lambda index: navigation.comparison.compare(self.compare.itemData(index)))
         self._difference = QLabel()
         self._difference.setWordWrap(True)
         self._difference.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
@@ -93,7 +92,7 @@ class TimelinePanel(QWidget):
         self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
         self._later.timeout.connect(self._show)
         navigation.changed.connect(self._follow)
-        navigation.compared.connect(self._show_difference)
+        navigation.comparison.found_changed.connect(self._show_difference)
         self._show()
 
     def use_theme(self, theme: Theme) -> None:
@@ -220,7 +219,7 @@ class TimelinePanel(QWidget):
                 self.compare.addItem(name, identity)
         self.compare.setEnabled(bool(others))
         numbers = [identity for _, identity in wanted]
-        compared = self._navigation.comparing
+        compared = self._navigation.comparison.branch
         self.compare.setCurrentIndex(numbers.index(compared) if compared in numbers else 0)
 
     def show_parameters(self) -> None:
@@ -237,7 +236,8 @@ class TimelinePanel(QWidget):
         told = tr("{count} steps are kept whole, the others are worked out anew. The preferences say how much memory.")
         self._memory.setToolTip(told.format(count=outline.kept))
 
-    def _show_difference(self, compared: Compared | None) -> None:
+    def _show_difference(self) -> None:
+        compared = self._navigation.comparison.found
         if compared is None or compared.state is None:
             self._difference.setText("")
             return

@@ -259,7 +259,7 @@ class TimelineView(QWidget):
     def _draw_branch(self, painter: QPainter, branch: Branch) -> None:
         here, identity = self._navigation.place[0], branch.identity
         y, last = self._y(identity), self._navigation.last(identity)
-        compared = identity == self._navigation.comparing
+        compared = identity == self._navigation.comparison.branch
         role = QPalette.ColorRole.Highlight if identity == here else QPalette.ColorRole.PlaceholderText
         colour = self._ghost() if compared else self._colour(role)
         pen = QPen(colour, 4.0 if identity == here else 3.0)

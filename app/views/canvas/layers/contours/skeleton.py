@@ -5,15 +5,13 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+import pyqtgraph as pg
 
-from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
-from app.session.session import Session
+from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
-from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.layer import Layer, Requests
 from app.views.theme import theme
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
 _THICK = 95.0
@@ -31,15 +29,13 @@ class SkeletonLayer(Layer):
     tip = tr("Middle lines, from thin to thick, and disks that touch the rim.")
     colours = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
 
-    def __init__(self, view: object, session: Session) -> None:
-        super().__init__(view, session)
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
         self._branches = [Curves(colour, 4.6 + 0.01 * n, width=2.6, halo=4.4)
                           for n, colour in enumerate(theme.THICKNESSES)]  # fmt: skip
         self._disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
         self._lines = (self._disks, *self._branches)
         self.add(*self._lines)
-        session.image_changed.connect(self._use_image)
-        session.skeletons.changed.connect(self._show)
 
     @property
     def counts(self) -> tuple[int, int]:
@@ -51,11 +47,11 @@ class SkeletonLayer(Layer):
         for item in self._lines:
             item.set_wanted(self.shown)
 
-    def _use_image(self, _: Image, shades: DisplayImage) -> None:
-        for item in self._lines:
-            item.use_shape(shades.shape)
-
-    def _show(self, found: Skeleton | None) -> None:
+    def follow(self, before: Scene) -> None:
+        """Show another skeleton, or none."""
+        found = self.scene.skeleton
+        if found is before.skeleton:
+            return
         pieces: list[list[Array]] = [[] for _ in self._branches]
         circles: list[Array] = []
         if found is not None and found.contours:

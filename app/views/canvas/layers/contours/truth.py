@@ -8,13 +8,11 @@ import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
 
-from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
-from app.session.session import Session
+from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
-from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.layer import Layer, Requests
 from app.views.theme import theme
-from cpm_core.image.image import Image
 
 
 class TruthLayer(Layer):
@@ -26,17 +24,13 @@ class TruthLayer(Layer):
     shortcut = ""
     colours = (theme.TRUTH, theme.MISSING, theme.WRONG)
 
-    def __init__(self, view: pg.ViewBox, session: Session) -> None:
-        super().__init__(view, session)
-        self._truth = session.review.truth
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
         self._boundary = Curves(theme.TRUTH, 3.95, width=1.6, halo=0.0)
         self._missing = Curves(theme.MISSING, 4.3, width=3.4, halo=5.0, dashed=True)
         self._wrong = Curves(theme.WRONG, 4.4, width=5.0, halo=7.0)
         self._lines = (self._boundary, self._missing, self._wrong)
         self.add(*self._lines)
-        session.image_changed.connect(self._use_image)
-        self._truth.changed.connect(self._show_truth)
-        self._truth.compared.connect(self._show_differences)
 
     @property
     def counts(self) -> tuple[int, int, int]:
@@ -48,19 +42,14 @@ class TruthLayer(Layer):
         for item in self._lines:
             item.set_wanted(self.shown)
 
-    def _use_image(self, _: Image, shades: DisplayImage) -> None:
-        for item in self._lines:
-            item.use_shape(shades.shape)
-
-    def _show_truth(self) -> None:
-        truth = self._truth.truth
-        self._boundary.show([contour.path for contour in truth.contours] if truth else [])
-
-    def _show_differences(self) -> None:
-        self._missing.show(self._pieces("missing"))
-        self._wrong.show(self._pieces("wrong"))
+    def follow(self, before: Scene) -> None:
+        """Show another truth, or other differences."""
+        truth = self.scene.truth
+        if truth is not before.truth:
+            self._boundary.show([contour.path for contour in truth.contours] if truth else [])
+        if self.scene.differences is not before.differences:
+            self._missing.show(self._pieces("missing"))
+            self._wrong.show(self._pieces("wrong"))
 
     def _pieces(self, kind: Literal["missing", "wrong"]) -> list[NDArray[np.float64]]:
-        verified = self._truth.verified
-        found = verified.differences if verified else ()
-        return [difference.points for difference in found if difference.kind == kind]
+        return [difference.points for difference in self.scene.differences if difference.kind == kind]

@@ -11,7 +11,7 @@ from PySide6.QtGui import QPainterPath
 
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.curves import Curves
-from app.views.canvas.items.markers import Markers
+from app.views.canvas.items.item import Markers
 from app.views.theme import theme
 from cpm_core.field.placed_charges import RADIUS, REACH
 from cpm_core.shapes import Charge, Circle

@@ -7,8 +7,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import Qt
 
 from app.views.canvas.coordinates import to_xy
-from app.views.canvas.items.markers import Markers
-from app.views.canvas.items.pens import line_pen
+from app.views.canvas.items.item import Markers, line_pen
 from app.views.theme import theme
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import Circle

@@ -8,20 +8,18 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtWidgets import QGraphicsItem
 
-from app.model.display.shades import DisplayImage
 from app.model.document.document import Document
 from app.model.text.language import tr
-from app.session.session import Session
+from app.session.scene import Scene
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
-from app.views.canvas.items.markers import Markers
+from app.views.canvas.items.item import Markers
 from app.views.canvas.layers.drawn.charges import Charges
 from app.views.canvas.layers.drawn.draft import Draft
 from app.views.canvas.layers.drawn.limits import Limits
-from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.layer import Layer, Requests
 from app.views.theme import theme
-from cpm_core.image.image import Image
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import (
     Charge,
@@ -37,7 +35,7 @@ from cpm_core.shapes import (
     Stroke,
     Threshold,
 )
-from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart
+from cpm_core.shapes.image_starts import ImageStart
 
 _Z = 7.0
 _FAINT, _LIGHT = 0.45, 0.55
@@ -62,8 +60,8 @@ class DrawingLayer(Layer):
     shortcut = "Ctrl+3"
     colours = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
-    def __init__(self, view: pg.ViewBox, session: Session) -> None:
-        super().__init__(view, session)
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
         self._lines = Curves(theme.DRAWING, _Z, width=1.4)
         self._chosen = Curves(theme.CHOSEN, _Z + 0.1, width=2.2)
         self._areas = Curves(theme.DRAWING, _Z, width=1.2, dashed=True)
@@ -77,7 +75,6 @@ class DrawingLayer(Layer):
         self._limits = Limits(view)
         self._charges = Charges(view)
         self._draft = Draft(view)
-        self._image_seeds: ImageSeeds = NO_SEEDS
         self._shown_starts: tuple[ImageStart, ...] = ()
         self._curves = (self._lines, self._areas, self._chosen)
         self._marks: tuple[QGraphicsItem, ...] = (
@@ -90,33 +87,30 @@ class DrawingLayer(Layer):
         for z, item in enumerate(self._marks, start=2):
             item.setZValue(_Z + 0.1 * z)
         self.add(*self._curves, *self._marks)
-        self._drawn: tuple[object, ...] = ()
         self._faint = 1.0
         self._chosen_start: ImageStart | None = None
-        session.image_changed.connect(self._use_image)
-        session.document_changed.connect(self._follow)
-        session.status_changed.connect(self._follow)
-        session.image_seeds_changed.connect(self._show_image_seeds)
 
     @property
     def everywhere(self) -> int:
         """Number of particles shown that nobody has drawn one by one."""
         return sum(discs.count for discs in self._everywhere.values())
 
-    def _use_image(self, _: Image, shades: DisplayImage) -> None:
-        shape = shades.shape
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Shapes may lie beside the image."""
         rim = float(max(shape))
-        for curves in self._curves:
-            curves.use_shape(shape, rim)
-        for discs in (*self._everywhere.values(), self._seeds, self._points, self._chosen_points):
-            discs.use_shape(shape, rim)
+        for item in (*self._curves, *self._everywhere.values(), self._seeds, self._points, self._chosen_points):
+            item.use_shape(shape, rim)
         self._limits.use_shape(shape)
         self._charges.use_shape(shape)
-        self._image_seeds = NO_SEEDS
 
-    def _show_image_seeds(self, image_seeds: ImageSeeds) -> None:
-        self._image_seeds = image_seeds
-        self._draw_everywhere()
+    def follow(self, before: Scene) -> None:
+        """Show other shapes, another selection, or the shapes behind a run."""
+        scene = self.scene
+        shapes, selected = scene.document.shapes, scene.selected
+        if shapes is not before.document.shapes or (selected, scene.moved) != (before.selected, before.moved):
+            self._show(scene.document, selected, scene.moved)
+        elif scene.image_seeds is not before.image_seeds:
+            self._draw_everywhere()
 
     def show_draft(self, corners: tuple[Position, ...], path: tuple[Position, ...], colour: str, closed: bool) -> None:
         """Show a path that is being drawn."""
@@ -125,13 +119,6 @@ class DrawingLayer(Layer):
     def show_ring(self, center: Position | None, radius: float, colour: str) -> None:
         """Show the ring in which a tool works; None shows none."""
         self._draft.show_ring(center, radius, colour)
-
-    def _follow(self, *_: object) -> None:
-        session = self.session
-        wanted = (session.document.shapes, session.selected, session.status.moved)
-        if wanted != self._drawn:
-            self._drawn = wanted
-            self._show(session.document, session.selected, session.status.moved)
 
     def _show(self, document: Document, selected: int | None, started: bool) -> None:
         chosen = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
@@ -182,9 +169,9 @@ class DrawingLayer(Layer):
     def _draw_everywhere(self) -> None:
         for kind, discs in self._everywhere.items():
             seen = [
-                self._image_seeds[start]
+                self.scene.image_seeds[start]
                 for start in self._shown_starts
-                if start in self._image_seeds and _kind(start) == kind
+                if start in self.scene.image_seeds and _kind(start) == kind
             ]
             discs.show(np.concatenate([NO_POSITIONS, *seen]))
 

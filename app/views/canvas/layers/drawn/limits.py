@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QRectF, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.views.canvas.coordinates import image_rectangle, to_xy
+from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.curves import Curves
-from app.views.canvas.items.pens import cached
+from app.views.canvas.items.item import OverImage, cached
 from app.views.theme import theme
 from cpm_core.shapes import Barrier, Limit, Region
 
@@ -51,22 +51,15 @@ class Limits:
             item.set_wanted(visible)
 
 
-class Dim(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+class Dim(OverImage):
     """A veil over the image outside the regions of interest."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self._room = QRectF()
+        super().__init__(_DIM_Z, 0.0)
         self._veil = QPainterPath()
         self._wanted = True
-        self.setZValue(_DIM_Z)
         self.setVisible(False)
         cached(self)
-
-    def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Make room for an image of this shape."""
-        self.prepareGeometryChange()
-        self._room = image_rectangle(shape)
 
     def show(self, regions: list[Region]) -> None:
         """Dim all but these; nothing when there is none."""
@@ -87,10 +80,6 @@ class Dim(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hin
         """Say whether the veil is to be seen, where there is one."""
         self._wanted = wanted
         self.setVisible(wanted and not self._veil.isEmpty())
-
-    def boundingRect(self) -> QRectF:
-        """Room that may be drawn on."""
-        return self._room
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the veil."""

@@ -9,11 +9,10 @@ from PySide6.QtCore import QRectF, QTimer
 
 from app.model.display.flow_lines import Seen, flow_lines
 from app.model.text.language import tr
-from app.session.exchange.messages import Overlays
-from app.session.session import Session
+from app.session.scene import Scene
 from app.views.canvas.coordinates import to_xy
-from app.views.canvas.items.pens import cached, line_pen
-from app.views.canvas.layers.layer import Layer
+from app.views.canvas.items.item import cached, line_pen
+from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Choice
 from app.views.theme import theme
 from cpm_core.numerics.types import Array
@@ -52,8 +51,8 @@ class FieldLayer(Layer):
         ),
     )
 
-    def __init__(self, view: pg.ViewBox, session: Session) -> None:
-        super().__init__(view, session)
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
         self._item = pg.PlotCurveItem(pen=line_pen(theme.FIELD, 1.0), antialias=True)
         self._item.setZValue(2)
         cached(self._item)
@@ -64,8 +63,6 @@ class FieldLayer(Layer):
         self._settled.setInterval(_SETTLED)
         self._settled.timeout.connect(self._draw)
         view.sigRangeChanged.connect(self._follow_range)
-        session.overlays_changed.connect(self._show)
-        session.image_changed.connect(lambda *_: self._use(None))
 
     @property
     def drawn(self) -> Array:
@@ -75,17 +72,21 @@ class FieldLayer(Layer):
 
     def show_or_hide(self) -> None:
         """Ask for the field only while it is seen."""
-        self.session.want_overlay("field", self.shown)
-        if not self.shown:
-            self._use(None)
+        self.requests.want_overlay("field", self.shown)
+        self._show()
 
     def follow_choice(self, name: str) -> None:
         """Arrows or lines."""
         self._draw()
 
-    def _show(self, overlays: Overlays) -> None:
-        field = overlays.arrays.get("field")
-        self._use(np.asarray(field, dtype=float) if self.shown and field is not None else None)
+    def follow(self, before: Scene) -> None:
+        """Show another field, or none."""
+        if self.scene.overlays.get("field") is not before.overlays.get("field"):
+            self._show()
+
+    def _show(self) -> None:
+        field = self.scene.overlays.get("field") if self.shown else None
+        self._use(None if field is None else np.asarray(field, dtype=float))
 
     def _use(self, field: Array | None) -> None:
         # the same field comes again when another overlay is asked for as well

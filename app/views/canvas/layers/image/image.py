@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 
 import pyqtgraph as pg
-from PySide6.QtWidgets import QWidget
 
 from app.model.display.shades import DisplayImage, Window, windowed
 from app.model.text.language import tr
-from app.session.exchange.messages import Report
-from app.session.session import Session
-from app.session.worker.commands.intensity_window import FindWindow, Shade, Shaded, WindowFound
+from app.session.scene import Scene
+from app.session.worker.commands.intensity_window import FindWindow, Shade, WindowFound
 from app.views.canvas.coordinates import image_rectangle
-from app.views.canvas.items.pens import cached
-from app.views.canvas.layers.image.image_form import ImageForm
-from app.views.canvas.layers.layer import Layer
+from app.views.canvas.items.item import cached
+from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Amount, Choice
 from app.views.theme import colour_maps
 from cpm_core.image.image import Image
@@ -51,22 +48,13 @@ class ImageLayer(Layer):
         Amount("gamma", tr("Gamma"), 0.2, 3.0, 0.05, 1.0, tr("Less brings out what is dark, more what is bright.")),
     )
 
-    def __init__(self, view: pg.ViewBox, session: Session) -> None:
-        super().__init__(view, session)
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
         self._item = pg.ImageItem()
         self._item.setZValue(0)
         cached(self._item)
         self.add(self._item)
-        self._image: Image | None = None
-        self._whole: DisplayImage | None = None
         self._ends = self._window = (0.0, 1.0)
-        session.image_changed.connect(self._use_image)
-        session.reported.connect(self._hear)
-
-    @property
-    def image(self) -> Image | None:
-        """The image shown."""
-        return self._image
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -99,10 +87,6 @@ class ImageLayer(Layer):
         else:
             self._shade()
 
-    def settings(self) -> QWidget:
-        """Histogram and options."""
-        return ImageForm(self)
-
     def view_state(self) -> dict[str, object]:
         """With the window where it is chosen by hand."""
         state = super().view_state()
@@ -118,8 +102,24 @@ class ImageLayer(Layer):
     def _table(self) -> colour_maps.Table:
         return colour_maps.table(self.word("map"))
 
+    def follow(self, before: Scene) -> None:
+        """Show another image, or the shades that have been asked for."""
+        scene = self.scene
+        if scene.image is not before.image and scene.image is not None and scene.display is not None:
+            self._use_image(scene.image, scene.display)
+        found, shaded = scene.window_found, scene.shaded
+        if found is not None and found is not before.window_found and found.image is scene.image:
+            self._take_window(found)
+        # of two that are on their way the older one may not stay
+        new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
+        if shaded is not None and new and shaded.window == self._wanted():
+            self._draw(shaded.shades)
+
+    def _take_window(self, found: WindowFound) -> None:
+        if self.word("range") == f"{found.percent:g}":
+            self._use_window(found.low, found.high)
+
     def _use_image(self, image: Image, shades: DisplayImage) -> None:
-        self._image, self._whole = image, shades
         self._ends = self._window = (float(image.values.min()), float(image.values.max()))
         if self.word("range") == _HAND:
             # what was chosen for another image says nothing about this one
@@ -131,13 +131,13 @@ class ImageLayer(Layer):
 
     def _find_window(self) -> None:
         """Ask for the window that is chosen; sorting the pixels takes longer than a frame."""
-        way = self.word("range")
-        if self._image is None or way == _HAND:
+        way, image = self.word("range"), self.scene.image
+        if image is None or way == _HAND:
             return
         if way == _WHOLE:
             self._use_window(*self._ends)
         else:
-            self.session.post(FindWindow(self._image, float(way)))
+            self.requests.post(FindWindow(image, float(way)))
 
     def _use_window(self, low: float, high: float) -> None:
         self._window = (low, high)
@@ -145,28 +145,19 @@ class ImageLayer(Layer):
         self.changed.emit()
 
     def _shade(self) -> None:
-        if self._image is None or self._whole is None:
+        image, whole = self.scene.image, self.scene.display
+        if image is None or whole is None:
             return
         window = self._wanted()
         if window == Window(*self._ends):
-            self._draw(self._whole)
-        elif self._image.values.size <= _AT_ONCE:
-            self._draw(windowed(self._image.values, window))
+            self._draw(whole)
+        elif image.values.size <= _AT_ONCE:
+            self._draw(windowed(image.values, window))
         else:
-            self.session.post(Shade(self._image, window))
+            self.requests.post(Shade(image, window))
 
     def _wanted(self) -> Window:
         return Window(*self._window, self.number("gamma"))
-
-    def _hear(self, report: Report) -> None:
-        match report:
-            case WindowFound(image, percent, low, high):
-                if image is self._image and self.word("range") == f"{percent:g}":
-                    self._use_window(low, high)
-            case Shaded(image, window, shades):
-                # of two that are on their way the older one may not stay
-                if image is self._image and window == self._wanted():
-                    self._draw(shades)
 
     def _draw(self, shades: DisplayImage) -> None:
         self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))

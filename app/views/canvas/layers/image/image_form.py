@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from app.views.canvas.layers.image.image import ImageLayer
 from app.views.canvas.layers.image.levels import ScaleSpace
 from app.views.canvas.layers.layer_form import LayerForm
-
-if TYPE_CHECKING:
-    from app.views.canvas.layers.image.image import ImageLayer
-    from cpm_core.image.image import Image
+from cpm_core.image.image import Image
 
 
 class ImageForm(LayerForm):
@@ -30,11 +26,12 @@ class ImageForm(LayerForm):
     def show_chosen(self) -> None:
         """Show options, histogram and window."""
         super().show_chosen()
-        if self._own.image is not self._image and self._own.image is not None:
-            self._image = self._own.image
+        image = self._own.scene.image
+        if image is not self._image and image is not None:
+            self._image = image
             if self.levels is not None:
                 self.rows.removeRow(self.levels)
-            self.levels = ScaleSpace(self._image.values, self._own.ends, self._own.window)
+            self.levels = ScaleSpace(image.values, self._own.ends, self._own.window)
             self.levels.moved.connect(self._own.choose_window)
             self.rows.insertRow(0, self.levels)
         elif self.levels is not None:

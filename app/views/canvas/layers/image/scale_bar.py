@@ -7,13 +7,11 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
 from app.model.display.lengths import Bar, bar
-from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
-from app.session.session import Session
+from app.session.scene import Scene
 from app.views.canvas.items.pinned import INK, MARGIN, Pinned
-from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Switch
-from cpm_core.image.image import Image
 
 LONGEST = 160.0
 """Most that the bar may measure [px of the screen]; it is never shorter than 2/5 of it."""
@@ -32,12 +30,10 @@ class ScaleBarLayer(Layer):
         Switch("pixels", tr("In px when the size of a pixel is not known"), False, tr("Show the bar for any image.")),
     )
 
-    def __init__(self, view: pg.ViewBox, session: Session) -> None:
-        super().__init__(view, session)
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
         self._item = BarItem()
         self.pin(self._item)
-        self._image: Image | None = None
-        session.image_changed.connect(self._use_image)
         view.sigRangeChanged.connect(self._fit)
         view.sigResized.connect(self._fit)
 
@@ -54,12 +50,13 @@ class ScaleBarLayer(Layer):
         """In px or not at all."""
         self._fit()
 
-    def _use_image(self, image: Image, _: DisplayImage) -> None:
-        self._image = image
-        self._fit()
+    def follow(self, before: Scene) -> None:
+        """Measure another image."""
+        if self.scene.image is not before.image:
+            self._fit()
 
     def _fit(self, *_: object) -> None:
-        image = self._image
+        image = self.scene.image
         wanted = self.shown and image is not None and (image.unit is not None or bool(self.chosen["pixels"]))
         self._item.setVisible(wanted)
         if wanted and image is not None:

@@ -10,11 +10,10 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 
 from app.model.text.language import tr
-from app.session.exchange.messages import Report, Snapshot
-from app.session.session import Session
+from app.session.scene import Scene
 from app.session.worker.commands.forces import Probe, Probed
 from app.views.canvas.items.pinned import FAINT, INK, Pinned
-from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Amount
 from app.views.theme import theme
 from cpm_core.numerics.types import Array, Position
@@ -58,16 +57,14 @@ class ForceLayer(Layer):
     colours = (theme.OPEN, theme.CLOSED, theme.RESTING)
     options = (Amount("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
 
-    def __init__(self, view: pg.ViewBox, session: Session) -> None:
-        super().__init__(view, session)
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
         self._item = ForceItem()
         self.pin(self._item)
         self._place: Position | None = None
         self._probed: Probed | None = None
         self._asked = False
         self._again = False
-        session.snapshot_changed.connect(self._follow)
-        session.reported.connect(self._hear)
         view.sigRangeChanged.connect(self._move)
         view.sigResized.connect(self._move)
 
@@ -95,14 +92,24 @@ class ForceLayer(Layer):
         """Longer or shorter."""
         self._move()
 
-    def _follow(self, snapshot: Snapshot | None) -> None:
-        if snapshot is None:
-            self._use(None)
-        self._ask()
+    def follow(self, before: Scene) -> None:
+        """Show the forces that have been asked for, and ask anew when the particles have moved."""
+        snapshot, probed = self.scene.snapshot, self.scene.probed
+        if snapshot is not before.snapshot:
+            if snapshot is None:
+                self._use(None)
+            self._ask()
+        if probed is not None and probed is not before.probed:
+            self._asked = False
+            if self.shown and snapshot is not None and probed.generation == snapshot.generation:
+                self._use(probed if probed.identity >= 0 else None)
+            if self._again:
+                self._ask()
 
     def _ask(self) -> None:
         """Ask for the forces; while an answer is due, the next question waits for it."""
-        if not self.shown or not self.session.status.started:
+        snapshot = self.scene.snapshot
+        if not self.shown or snapshot is None:
             return
         if self._asked:
             self._again = True
@@ -111,16 +118,7 @@ class ForceLayer(Layer):
         seen = self.view.viewRect().center()
         place = self._place if self._place is not None else (seen.y(), seen.x())
         reach = _REACH * self._pixel() if self._place is not None else math.inf
-        self.session.post(Probe(self.session.generation, place, reach))
-
-    def _hear(self, report: Report) -> None:
-        if not isinstance(report, Probed):
-            return
-        self._asked = False
-        if self.shown and report.generation == self.session.generation:
-            self._use(report if report.identity >= 0 else None)
-        if self._again:
-            self._ask()
+        self.requests.post(Probe(snapshot.generation, place, reach))
 
     def _use(self, probed: Probed | None) -> None:
         self._probed = probed

@@ -8,16 +8,13 @@ import pyqtgraph as pg
 from PySide6.QtGui import QColor
 
 from app.model.display.colouring import QUANTITIES, SHADES, Births, coloured
-from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
-from app.session.exchange.messages import Snapshot
-from app.session.session import Session
+from app.session.scene import Scene
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
-from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Choice
 from app.views.canvas.layers.particles.colour_legend import BEGIN, UNKNOWN, ColourLegend
 from app.views.theme import colour_maps, theme
-from cpm_core.image.image import Image
 
 _STATE = "state"
 _COLOURS = ("viridis", "cividis", "magma")
@@ -50,17 +47,14 @@ class ParticleLayer(Layer):
         ),
     )
 
-    def __init__(self, view: pg.ViewBox, session: Session) -> None:
-        super().__init__(view, session)
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
         # Contours run over the particles at rest, so that both are seen, and under those that still move.
         self._resting = Discs(theme.RESTING, 7.0, 3.0)
         self._moving = Discs(theme.MOVING, 6.0, 6.0)
         self.legend = ColourLegend(view)
         self.add(self._resting, self._moving)
         self.pin(self.legend)
-        self._snapshot: Snapshot | None = None
-        session.image_changed.connect(self._use_image)
-        session.snapshot_changed.connect(self._show)
 
     @property
     def count(self) -> int:
@@ -77,14 +71,15 @@ class ParticleLayer(Layer):
         palette = [] if self.word("colour") == _STATE else _palette(self.word("map"))
         for discs in (self._resting, self._moving):
             discs.use_palette(palette)
-        self._show(self._snapshot)
+        self._show()
 
-    def _use_image(self, _: Image, shades: DisplayImage) -> None:
-        for item in (self._resting, self._moving):
-            item.use_shape(shades.shape)
+    def follow(self, before: Scene) -> None:
+        """Show the newest particles."""
+        if self.scene.snapshot is not before.snapshot:
+            self._show()
 
-    def _show(self, snapshot: Snapshot | None) -> None:
-        self._snapshot = snapshot
+    def _show(self) -> None:
+        snapshot = self.scene.snapshot
         if snapshot is None:
             self._resting.show(NO_POSITIONS)
             self._moving.show(NO_POSITIONS)
@@ -101,7 +96,7 @@ class ParticleLayer(Layer):
         self._show_legend()
 
     def _show_legend(self) -> None:
-        self.legend.setVisible(self.shown and self._snapshot is not None and self.word("colour") != _STATE)
+        self.legend.setVisible(self.shown and self.scene.snapshot is not None and self.word("colour") != _STATE)
 
 
 def _palette(name: str) -> list[str]:

@@ -7,20 +7,17 @@ from collections.abc import Iterable
 import numpy as np
 import pyqtgraph as pg
 from pyqtgraph.Qt import internals
-from PySide6.QtCore import QLineF, QRectF
+from PySide6.QtCore import QLineF
 from PySide6.QtGui import QColor, QPainter, QPen
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.model.display.shades import DisplayImage
 from app.model.display.trails import Trails
 from app.model.text.language import tr
-from app.session.exchange.messages import Snapshot
-from app.session.session import Session
-from app.views.canvas.coordinates import image_rectangle
-from app.views.canvas.layers.layer import Layer
+from app.session.scene import Scene
+from app.views.canvas.items.item import OverImage
+from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Amount
 from app.views.theme import theme
-from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 
 _Z = 2.9
@@ -45,14 +42,12 @@ class TrailLayer(Layer):
     colours = (theme.TRAIL,)
     options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Moments that a trail reaches back.")),)
 
-    def __init__(self, view: pg.ViewBox, session: Session) -> None:
-        super().__init__(view, session)
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
         self.trails = Trails(int(_LENGTH))
-        self._item = BranchTree(theme.TRAIL, _Z)
+        self._item = Segments(theme.TRAIL, _Z)
         self.add(self._item)
         self._item.setVisible(False)
-        session.image_changed.connect(self._use_image)
-        session.snapshot_changed.connect(self._follow)
 
     def show_or_hide(self) -> None:
         """Keep in mind only what is seen."""
@@ -66,10 +61,11 @@ class TrailLayer(Layer):
         self.trails.keep(int(self.number("length")))
         self._item.show(self.trails)
 
-    def _use_image(self, _: Image, shades: DisplayImage) -> None:
-        self._item.use_shape(shades.shape)
-
-    def _follow(self, snapshot: Snapshot | None) -> None:
+    def follow(self, before: Scene) -> None:
+        """Add the newest places."""
+        snapshot = self.scene.snapshot
+        if snapshot is before.snapshot:
+            return
         if snapshot is None:
             self.trails.forget()
         elif self.shown:
@@ -78,7 +74,7 @@ class TrailLayer(Layer):
             self._item.show(self.trails)
 
 
-class BranchTree(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+class Segments(OverImage):
     """Many short lines in bands of one colour that fade.
 
     Parameters
@@ -90,17 +86,10 @@ class BranchTree(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no t
     """
 
     def __init__(self, colour: str, z: float) -> None:
-        super().__init__()
+        super().__init__(z, _RIM)
         self._colour = colour
-        self._room = QRectF()
         self._bands: list[Array] = []
         self._lines = internals.PrimitiveArray(QLineF, 4)
-        self.setZValue(z)
-
-    def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Make room for an image of this shape."""
-        self.prepareGeometryChange()
-        self._room = image_rectangle(shape).adjusted(-_RIM, -_RIM, _RIM, _RIM)
 
     def show(self, newest_first: Iterable[Array]) -> None:
         """Show pairs of positions, each of shape (M, 2, 2), newest first."""
@@ -114,10 +103,6 @@ class BranchTree(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no t
         bands = np.array_split(np.arange(len(pieces)), _BANDS)
         self._bands = [np.concatenate([pieces[i] for i in band]) for band in bands if len(band)]
         self.update()
-
-    def boundingRect(self) -> QRectF:
-        """Room that may be drawn on."""
-        return self._room
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the oldest first."""

@@ -1,0 +1,136 @@
+"""The document under the user's hands: what it is, what is selected, and the way back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from PySide6.QtCore import QObject
+
+from app.model.document import edits
+from app.model.document.document import Document
+from app.model.document.naming import describe
+from app.model.text.language import tr
+from app.session.document.undo_history import Change, History
+from app.session.scene import ReviewedContours
+from app.session.signals import SessionSignals
+
+
+class Editing(SessionSignals):
+    """Edits the document of the scene, and keeps the selection and the history consistent with it."""
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._history = History()
+
+    @property
+    def document(self) -> Document:
+        """What the user means."""
+        return self.scene.document
+
+    @property
+    def selected(self) -> int | None:
+        """Index of the selected shape."""
+        return self.scene.selected
+
+    @property
+    def undo_name(self) -> str:
+        """Name of what undo would take back, empty when there is nothing."""
+        return self._history.undo_name
+
+    @property
+    def redo_name(self) -> str:
+        """Name of what redo would do again, empty when there is nothing."""
+        return self._history.redo_name
+
+    @property
+    def changes(self) -> tuple[tuple[str, ...], int]:
+        """Names of all changes to the document, and how many of them are done; the others are undone."""
+        return self._history.names, self._history.done
+
+    def edit(self, name: str, edit: Callable[[Document], Document], gesture: str = "") -> None:
+        """Change the document so that it can be undone.
+
+        Parameters
+        ----------
+        name : str
+            What is done, as it stands after "Undo".
+        edit : callable
+            Document to document; a `ValueError` is told to the user and changes nothing.
+        gesture : str
+            Edits in a row with the same gesture are undone together.
+        """
+        before = self.document
+        try:
+            after = edit(before)
+        except ValueError as error:
+            self.say(str(error), True)
+            return
+        if after != before:
+            self._history.push(Change(name, before, after, gesture))
+            self._use(after, settled=not gesture)
+
+    def seal(self) -> None:
+        """End a gesture: the next edit is undone by itself."""
+        self._history.seal()
+        self._settle()
+
+    def undo(self) -> None:
+        """Take back the last edit."""
+        self._use(self._history.undo())
+
+    def redo(self) -> None:
+        """Do again what was undone last."""
+        self._use(self._history.redo())
+
+    def go_to(self, done: int) -> None:
+        """Take back or do again until so many of the changes in `changes` are done."""
+        self._use(self._history.go_to(done))
+
+    def select(self, index: int | None) -> None:
+        """Select a shape, or none."""
+        if index != self.selected:
+            self.show(replace(self.scene, selected=index))
+            self.document_changed.emit(self.document)
+            self.show_status()
+
+    def select_next(self) -> None:
+        """Select the shape drawn after the selected one, the first after the last."""
+        count = len(self.document.shapes)
+        self.select(None if not count else 0 if self.selected is None else (self.selected + 1) % count)
+
+    def delete_selected(self) -> None:
+        """Remove the selected shape."""
+        index = self.selected
+        if index is not None:
+            name = tr("delete {shape}").format(shape=describe(self.document.shapes[index]))
+            self.select(None)
+            self.edit(name, lambda document: edits.delete_shape(document, index))
+
+    def begin_document(self, document: Document) -> None:
+        """Begin anew with a document, without a way back to the one before."""
+        self._history.clear()
+        self._scene = replace(self.scene, selected=None)
+        self._use(document)
+
+    def _follow(self, before: Document, after: Document, settled: bool) -> None:
+        """The document has changed; unless it is `settled`, the gesture goes on that changes it."""
+
+    def _settle(self) -> None:
+        """A gesture has ended."""
+
+    def _use(self, document: Document | None, settled: bool = True) -> None:
+        before, scene = self.document, self.scene
+        if document is None or document == before:
+            return
+        selected = scene.selected
+        if selected is not None and selected >= len(document.shapes):
+            selected = None
+        contours = scene.contours
+        if document.marks != before.marks:
+            contours = ReviewedContours.of(contours.tracked, document.marks)
+        self._scene = replace(scene, document=document, selected=selected, contours=contours)
+        self._follow(before, document, settled)
+        self.scene_changed.emit()
+        self.document_changed.emit(document)
+        self.show_status()

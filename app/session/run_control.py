@@ -1,0 +1,213 @@
+"""The run of a document: started, held and steered by commands to the worker, and shown in every frame."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from PySide6.QtCore import QObject, Qt, QTimer
+
+from app.model.document.document import NOTHING_TO_START_FROM, Document
+from app.model.document.modes import MODES, needs_start
+from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
+from app.model.state.situation import Situation, can_step
+from app.model.state.status import RunStatus
+from app.model.text.language import tr
+from app.session.core_functions import Core
+from app.session.document.editing import Editing
+from app.session.document.live_edits import Live
+from app.session.exchange.pacing import Pacer
+from app.session.tasks.tasks import Tasks
+from app.session.updates import Progress
+from app.session.worker.commands.run import Command, Discard, Go, Halt, SetOverlays, SetPace, Start
+from app.session.worker.worker_thread import WorkerThread
+from cpm_core.segmentation.method import METHODS
+
+FRAME = 16
+"""Time between looks at what the worker has sent up [ms]."""
+
+
+class RunControl(Editing):
+    """Drives the run of the document on the worker thread.
+
+    Parameters
+    ----------
+    core : Core
+        The core's functions.
+    parent : QObject
+        Owner.
+
+    Attributes
+    ----------
+    tasks : Tasks
+        What goes on beside the run.
+    live : Live
+        What edits of the document do to the run.
+    """
+
+    def __init__(self, core: Core, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._worker_thread = WorkerThread(core)
+        self.tasks = Tasks(self._worker_thread.report, self._wake, self)
+        self.tasks.changed.connect(self.show_status)
+        self._progress = Progress(self, self._worker_thread)
+        self._numbered = 0
+        self._generation = 0
+        self._image_generation = 0
+        self.live = Live(self, self._progress.busy)
+        self._overlays: frozenset[str] = frozenset()
+        self._frames = Pacer()
+        self._timer = QTimer(self)
+        self._timer.setTimerType(Qt.TimerType.PreciseTimer)
+        self._timer.setInterval(FRAME)
+        self._timer.timeout.connect(self._frame)
+        self.set_pace(PACES[FIRST_PACE])
+
+    # Looking
+
+    @property
+    def generation(self) -> int:
+        """Number of the current run; what belongs to another is not shown."""
+        return self._generation
+
+    @property
+    def image_generation(self) -> int:
+        """Number under which the image was opened."""
+        return self._image_generation
+
+    @property
+    def status(self) -> RunStatus:
+        """How the run stands."""
+        status = self._progress.status
+        document, method = self.document, METHODS[status.method]
+        other = status.method != MODES[document.mode].method
+        stale = status.started and (other or (method.seeded and self.live.outdated(document)))
+        steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
+        return replace(status, stale=stale, steered=steered)
+
+    @property
+    def situation(self) -> Situation:
+        """All that decides what the window shows and enables."""
+        return Situation(self.document, self.status, self.undo_name, self.redo_name, self.selected)
+
+    @property
+    def resolved(self) -> Resolved:
+        """What the window shows."""
+        return resolve(self.situation)
+
+    @property
+    def frames_per_second(self) -> float:
+        """How often, measured, the newest particles are looked for and drawn."""
+        return self._frames.per_second
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing is going on and everything that was sent up has been shown."""
+        return self._worker_thread.idle and self.tasks.idle
+
+    # Running
+
+    def run(self) -> None:
+        """Go on, or start anew when the drawing has changed or the run is over and no parameter has changed since."""
+        if not self._ready():
+            return
+        if self.status.phase != "running":
+            self._start_if_needed()
+            self._progress.phase("running")
+            self.post(Go(self._generation))
+
+    def pause(self) -> None:
+        """Stop after the step that is being taken."""
+        if self.status.phase == "running":
+            self.hold(Halt())
+
+    def toggle(self) -> None:
+        """Pause when running, otherwise run."""
+        if self.status.phase == "running":
+            self.pause()
+        else:
+            self.run()
+
+    def step(self) -> None:
+        """Take one step, starting when nothing has been started."""
+        if can_step(self.situation) and self._ready():
+            self._start_if_needed()
+            self.hold(Go(self._generation, steps=1))
+
+    def reset(self) -> None:
+        """Forget the particles and go back to the drawing."""
+        if self.status.started:
+            self._generation = self._next_generation()
+            self._progress.forget()
+            self.post(Discard(self._generation))
+
+    def hold(self, command: Command) -> None:
+        """Hold a run that has been begun, by a command after which it stands at some step."""
+        self._progress.phase("paused")
+        self.post(command)
+
+    def set_pace(self, steps_per_second: float | None) -> None:
+        """Limit the speed; None for none."""
+        self.post(SetPace(steps_per_second))
+
+    def want_overlay(self, name: str, wanted: bool) -> None:
+        """Say whether an overlay is to be kept up to date; see `app.session.worker.overlays`."""
+        before = self._overlays
+        self._overlays = before | {name} if wanted else before - {name}
+        if self._overlays != before:
+            shown = {kept: array for kept, array in self.scene.overlays.items() if kept in self._overlays}
+            if len(shown) < len(self.scene.overlays):
+                self.show(replace(self.scene, overlays=shown))
+            self.post(SetOverlays(self._overlays))
+
+    def post(self, command: Command) -> None:
+        """Send a command to the worker."""
+        self._worker_thread.post(command)
+        self._wake()
+
+    def close(self) -> None:
+        """Stop everything and wait for the worker to end."""
+        self._timer.stop()
+        self.tasks.close()
+        self._worker_thread.close()
+
+    # Inside
+
+    def _ready(self) -> bool:
+        if self.document.image is None:
+            self.say(tr("There is no image to run on: open one first."), True)
+            return False
+        if needs_start(self.document.mode) and not self.document.starts:
+            self.say(NOTHING_TO_START_FROM, True)
+            return False
+        return True
+
+    def _start_if_needed(self) -> None:
+        status = self.status
+        over = status.phase == "finished" and not status.steered
+        if status.phase == "ready" or over or status.stale:
+            self._generation = self._next_generation()
+            self.live.begin(self.document)
+            self._progress.forget(MODES[self.document.mode].method)
+            self.post(Start(self._generation, self._image_generation, self.document))
+
+    def _next_generation(self) -> int:
+        self._numbered += 1
+        return self._numbered
+
+    def _follow(self, before: Document, after: Document, settled: bool) -> None:
+        self.live.follow(before, after, settled)
+
+    def _settle(self) -> None:
+        self.live.settle()
+
+    def _wake(self) -> None:
+        if not self._timer.isActive():
+            self._frames.begin()
+            self._timer.start()
+
+    def _frame(self) -> None:
+        self._frames.stepped()
+        self.tasks.look()
+        self._progress.look()
+        if self.idle:
+            self._timer.stop()

@@ -1,0 +1,168 @@
+"""The scene: all that the canvas shows, one frozen value that the session replaces as a whole.
+
+A view keeps the scene that it has drawn last and draws what is another object in the next one. Another canvas, such as
+that of a film, draws another scene: ``dataclasses.replace(session.scene, snapshot=...)``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.model.display.differences import Difference
+from app.model.display.shades import DisplayImage
+from app.model.document.document import Document
+from app.model.text.language import tr
+from app.session.exchange.contour_tracking import TrackedContours
+from app.session.exchange.messages import Reconstruction, Snapshot
+from app.session.worker.commands.forces import Probed
+from app.session.worker.commands.intensity_window import Shaded, WindowFound
+from app.session.worker.commands.timeline import Compared
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.measurements import Measures
+from cpm_core.contours.result import Result
+from cpm_core.contours.review import Mark, ReviewedContour, reviewed
+from cpm_core.image.image import Image
+from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds
+
+Overlays = Mapping[str, NDArray[np.generic]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Item:
+    """A contour as table and canvas show it.
+
+    Attributes
+    ----------
+    key : int
+        Its own number through all reconstructions.
+    reviewed : ReviewedContour
+        The contour and what has been said about it.
+    measures : Measures
+        What is known about it.
+    """
+
+    key: int
+    reviewed: ReviewedContour
+    measures: Measures
+
+    @property
+    def contour(self) -> Contour:
+        """The contour, with name and colour."""
+        return self.reviewed.contour
+
+    @property
+    def title(self) -> str:
+        """Its name, or its number."""
+        return self.contour.name or tr("contour {number}").format(number=self.measures.number)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ReviewedContours:
+    """The contours of a reconstruction with what has been said about them.
+
+    Attributes
+    ----------
+    items : tuple of Item
+        The contours, longest first.
+    tracked : TrackedContours or None
+        The reconstruction; None while there is none.
+    """
+
+    items: tuple[Item, ...] = ()
+    tracked: TrackedContours | None = None
+
+    @staticmethod
+    def of(tracked: TrackedContours | None, marks: tuple[Mark, ...]) -> ReviewedContours:
+        """Attach marks to the contours that they were made on."""
+        if tracked is None:
+            return NO_CONTOURS
+        each = zip(tracked.keys, reviewed(tracked.result.contours, marks), tracked.measures, strict=True)
+        return ReviewedContours(tuple(Item(*one) for one in each), tracked)
+
+    @property
+    def result(self) -> Result | None:
+        """The reconstruction, with all that has been found."""
+        return self.tracked.result if self.tracked is not None else None
+
+
+NO_CONTOURS = ReviewedContours()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Scene:
+    """What is shown on the canvas.
+
+    Attributes
+    ----------
+    image : Image or None
+        The image; None while none is open.
+    display : ndarray or None
+        How it looks with all its grey values.
+    window_found : WindowFound or None
+        The range of grey values that was asked for last.
+    shaded : Shaded or None
+        How the image looks in the window of grey values that was asked for last.
+    document : Document
+        What has been drawn, and the parameters.
+    selected : int or None
+        Index of the selected shape.
+    image_seeds : mapping of start to ndarray
+        Positions from which particles start all over the image.
+    snapshot : Snapshot or None
+        The particles; None while there is no run.
+    reconstruction : Reconstruction or None
+        What the run has found, by whatever method; what an export holds.
+    contours : ReviewedContours
+        The contours that particles have found, and what has been said about them.
+    selected_contours : frozenset of int
+        Keys of those selected.
+    hovered_contour : int or None
+        Key of the one under the pointer.
+    overlays : mapping of str to ndarray
+        What was asked for of what lies over the image, by name; see `app.session.worker.overlays`.
+    probed : Probed or None
+        Forces on a particle.
+    compared : Compared or None
+        Another branch of the timeline at the same step.
+    truth : Truth or None
+        What the contours are compared with.
+    differences : tuple of Difference
+        Where they differ from it.
+    """
+
+    image: Image | None = None
+    display: DisplayImage | None = None
+    window_found: WindowFound | None = None
+    shaded: Shaded | None = None
+    document: Document = field(default_factory=Document)
+    selected: int | None = None
+    image_seeds: ImageSeeds = field(default_factory=lambda: NO_SEEDS)
+    snapshot: Snapshot | None = None
+    reconstruction: Reconstruction | None = None
+    contours: ReviewedContours = NO_CONTOURS
+    selected_contours: frozenset[int] = frozenset()
+    hovered_contour: int | None = None
+    overlays: Overlays = field(default_factory=dict)
+    probed: Probed | None = None
+    compared: Compared | None = None
+    truth: Truth | None = None
+    differences: tuple[Difference, ...] = ()
+
+    @property
+    def skeleton(self) -> Skeleton | None:
+        """The skeleton that the run has found, as long as the mode is that."""
+        if self.reconstruction is None or self.document.mode != "skeleton":
+            return None
+        found = self.reconstruction.result
+        return found if isinstance(found, Skeleton) and found.contours else None
+
+    @property
+    def moved(self) -> bool:
+        """Whether particles have been seen: those of the very first run may have to wait for loops to be compiled."""
+        return self.snapshot is not None and (self.snapshot.state.step > 0 or len(self.snapshot.position) > 0)

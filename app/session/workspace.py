@@ -1,0 +1,49 @@
+"""The workspace: a session and all that it offers beside a run, built in one place."""
+
+from __future__ import annotations
+
+from app.session.core_functions import Core
+from app.session.features.contour_review import ContourReview
+from app.session.features.parameter_sweep import Sweep
+from app.session.features.skeleton import Skeletons
+from app.session.features.timeline_navigation import TimelineNavigation
+from app.session.features.truth_comparison import GroundTruth
+from app.session.session import Session
+
+
+class Workspace:
+    """A session with its features; the session knows none of them.
+
+    Parameters
+    ----------
+    core : Core
+        The core's functions; the real ones unless given.
+
+    Attributes
+    ----------
+    session : Session
+        Document, history and run.
+    review : ContourReview
+        What is said about contours.
+    truth : GroundTruth
+        What contours are compared with.
+    skeletons : Skeletons
+        What keeps the skeleton up to date.
+    navigation : TimelineNavigation
+        The way through the steps of a run.
+    sweep : Sweep
+        The runs of a mosaic.
+    """
+
+    def __init__(self, core: Core | None = None) -> None:
+        self.session = Session(core)
+        self.review = ContourReview(self.session)
+        self.truth = GroundTruth(self.session, self.review)
+        self.skeletons = Skeletons(self.session)
+        self.navigation = TimelineNavigation(self.session)
+        self.sweep = Sweep(self.session, self.truth)
+
+    def close(self) -> None:
+        """Stop everything and wait for the threads to end."""
+        self.truth.close()
+        self.session.close()

@@ -1,0 +1,132 @@
+"""A view of an image with everything that is drawn over it: which scene, and where one looks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pyqtgraph as pg
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QResizeEvent
+
+from app.session.scene import Scene
+from app.views.canvas.coordinates import image_rectangle, to_position
+from app.views.canvas.layers import Layers
+from app.views.canvas.layers.layer import Requests
+from app.views.theme import theme
+from cpm_core.numerics.types import Position
+
+_MARGIN = 0.04
+
+
+class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """Shows the layers of a scene, and zooms and pans.
+
+    Parameters
+    ----------
+    requests : Requests
+        Where layers ask for what the worker makes.
+
+    Attributes
+    ----------
+    view : pg.ViewBox
+        Where the layers lie.
+    layers : Layers
+        What is drawn.
+    """
+
+    def __init__(self, requests: Requests) -> None:
+        super().__init__(background=theme.CANVAS)
+        self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, enableMouse=False, defaultPadding=0.0)
+        self.view.disableAutoRange()
+        self.setCentralItem(self.view)
+        self.layers = Layers(self.view, requests)
+        self._scene = Scene()
+        self._fitted = True
+
+    @property
+    def shape(self) -> tuple[int, ...] | None:
+        """Shape of the image; None while there is none."""
+        return self._scene.image.shape if self._scene.image is not None else None
+
+    def draw(self, scene: Scene) -> None:
+        """Draw a scene; another image is seen as a whole."""
+        before, self._scene = self._scene, scene
+        if scene.image is not before.image:
+            self.use_image()
+        self.layers.draw(scene)
+
+    def use_image(self) -> None:
+        """There is another image."""
+        self.fit()
+
+    def fit(self) -> None:
+        """Show the whole image."""
+        if self.shape is not None:
+            self.view.setRange(image_rectangle(self.shape), padding=_MARGIN)
+            self._fitted = True
+
+    def zoom(self, factor: float, around: QPointF | None = None) -> None:
+        """Enlarge by `factor` around a point of the widget, its middle unless given."""
+        point = around if around is not None else QPointF(self.rect().center())
+        self.view.scaleBy(
+            (1.0 / factor, 1.0 / factor), center=self.view.mapSceneToView(self.mapToScene(point.toPoint()))
+        )
+        self._fitted = False
+
+    def pan(self, right: float, down: float) -> None:
+        """Move what is seen by pixels of the screen."""
+        width, height = self.view.viewPixelSize()
+        self.view.translateBy(x=right * width, y=down * height)
+        self._fitted = False
+
+    def look_at(self, place: Position, span: float) -> None:
+        """Show a square of `span` px of the image around a place (row, col)."""
+        self.view.setRange(QRectF(place[1] - span / 2, place[0] - span / 2, span, span), padding=0.0)
+        self._fitted = False
+
+    def position(self, point: QPointF) -> Position:
+        """Position (row, col) under a point of the widget."""
+        return to_position(self.view.mapSceneToView(self.mapToScene(point.toPoint())))
+
+    def point(self, position: Position) -> QPointF:
+        """Point of the widget over a position (row, col)."""
+        return QPointF(self.mapFromScene(self.view.mapViewToScene(QPointF(position[1], position[0]))))
+
+    def view_state(self) -> dict[str, Any]:
+        """Where one looks and how each layer is shown, as plain JSON for a session file."""
+        return {"place": self._place(), "layers": {layer.name: layer.view_state() for layer in self.layers}}
+
+    def use_view_state(self, state: Mapping[str, Any]) -> None:
+        """Look as a session file says; what it does not say, or says wrongly, stays as it is."""
+        place, layers = state.get("place"), state.get("layers")
+        self._use_place(place if isinstance(place, dict) else {})
+        for layer in self.layers:
+            kept = layers.get(layer.name) if isinstance(layers, dict) else None
+            if isinstance(kept, dict):
+                layer.use_view_state(kept)
+
+    def resizeEvent(self, event: QResizeEvent | None) -> None:
+        """Keep the whole image in sight for as long as the user has not zoomed."""
+        super().resizeEvent(event)
+        if getattr(self, "_fitted", False):
+            self.fit()
+
+    def _place(self) -> dict[str, object]:
+        """Where one looks: nothing while the whole image is in sight."""
+        if self._fitted:
+            return {}
+        seen = self.view.viewRect()
+        return {"center": [seen.center().y(), seen.center().x()], "rows": seen.height()}
+
+    def _use_place(self, state: dict[str, object]) -> None:
+        """Look where a session file says; where it says nothing, or nonsense, at the whole image."""
+        self.fit()
+        center, rows = state.get("center"), state.get("rows")
+        if not isinstance(center, list) or not isinstance(rows, int | float) or not 0.01 <= rows <= 1e6:
+            return
+        if len(center) == 2 and all(isinstance(place, int | float) and abs(place) <= 1e6 for place in center):
+            seen = self.view.viewRect()
+            cols = rows * seen.width() / seen.height()
+            self.view.setRange(QRectF(center[1] - 0.5 * cols, center[0] - 0.5 * rows, cols, rows), padding=0.0)
+            self._fitted = False

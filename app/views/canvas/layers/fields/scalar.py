@@ -1,0 +1,162 @@
+"""The layers of the edge map and of the potential: numbers at all pixels, shown by colours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtGui import QColor
+
+from app.model.text.language import tr
+from app.session.scene import Scene
+from app.views.canvas.coordinates import image_rectangle, to_xy
+from app.views.canvas.items.item import cached, line_pen
+from app.views.canvas.layers.layer import Layer, Requests
+from app.views.canvas.layers.options import Choice, Switch
+from app.views.theme import colour_maps
+
+_STRONGEST = 235
+"""Opacity of the strongest edges, of 255."""
+
+_VEIL = 0.75
+"""Opacity of the potential over the image below, where the layer itself is fully opaque."""
+
+_LINE = "#d8ffffff"
+
+
+def _maps(names: Sequence[str], tip: str) -> Choice:
+    return Choice("map", tr("Colours"), {name: colour_maps.MAPS[name] for name in names}, names[0], tip)
+
+
+class ScalarOverlay(Layer):
+    """An overlay of the worker, shape (H, W), in the colours of a map; it is asked for only while it is seen."""
+
+    initially = False
+    z: ClassVar[float]
+    """Place in the pile of layers."""
+
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
+        self._item = pg.ImageItem()
+        self._item.setZValue(self.z)
+        self._item.setVisible(False)
+        cached(self._item)
+        self.add(self._item)
+        self.follow_choice("map")
+
+    @property
+    def shades(self) -> np.ndarray | None:
+        """What is seen, before it is coloured; None while nothing is."""
+        return self._item.image if self._item.isVisible() else None
+
+    def show_or_hide(self) -> None:
+        """Ask for it only while it is seen."""
+        self.requests.want_overlay(self.name, self.shown)
+        self._show()
+
+    def follow(self, before: Scene) -> None:
+        """Show newer numbers, or none."""
+        if self.scene.overlays.get(self.name) is not before.overlays.get(self.name):
+            self._show()
+
+    def _show(self) -> None:
+        shades = self.scene.overlays.get(self.name) if self.shown else None
+        # hidden, not cleared: what is cached of an item would stay on screen when its extent vanishes
+        self._item.setVisible(shades is not None)
+        if shades is not None and shades is not self._item.image:
+            self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))
+
+    def follow_choice(self, name: str) -> None:
+        """Change the colours."""
+        self._item.setLookupTable(self.table())
+
+    def table(self) -> np.ndarray:
+        """Colours of the 256 shades."""
+        return colour_maps.table(self.word("map"))
+
+
+class EdgeMapLayer(ScalarOverlay):
+    """The edge map, half transparent and fully so where there is no edge."""
+
+    name = "edge_map"
+    title = tr("Edge map")
+    tip = tr("Strength of the edges that attract the particles.")
+    shortcut = "Ctrl+4"
+    colours = ("#f98c0a",)
+    options = (
+        _maps(
+            ("inferno", "magma", "plasma", "viridis", "cividis", colour_maps.GREY),
+            tr("Colours from weak to strong edges."),
+        ),
+    )
+    z = 1.0
+
+    def table(self) -> np.ndarray:
+        """The stronger an edge is, the less of the image is seen through it."""
+        return np.column_stack([super().table(), np.linspace(0, _STRONGEST, 256).astype(np.uint8)])
+
+
+class PotentialLayer(ScalarOverlay):
+    """The potential in colours, with lines along which it is constant: particles slide across them, downwards."""
+
+    name = "potential"
+    title = tr("Potential")
+    tip = tr("Potential of the edges and of placed charges: particles slide down, from bright to dark.")
+    shortcut = "Ctrl+6"
+    colours = ("#7c7b78",)
+    options = (
+        _maps(
+            ("cividis", "viridis", "magma", "plasma", colour_maps.GREY),
+            tr("Colours from low to high potential."),
+        ),
+        Switch("lines", tr("Lines of equal potential"), True, tr("Lines that the force stands upright on.")),
+    )
+    z = 0.9
+
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
+        pen = line_pen("#ffffff", 1.0)
+        pen.setColor(QColor(_LINE))
+        self._lines = pg.PlotCurveItem(pen=pen, antialias=True, connect="finite")
+        self._lines.setZValue(1.9)
+        self._lines.setVisible(False)
+        cached(self._lines)
+        self.add(self._lines)
+        self.fade()
+
+    @property
+    def lined(self) -> bool:
+        """Whether lines of equal potential are seen."""
+        return bool(self._lines.isVisible())
+
+    def show_or_hide(self) -> None:
+        """Ask for the lines as well, where they are seen."""
+        super().show_or_hide()
+        self.requests.want_overlay("iso_lines", self.shown and bool(self.chosen["lines"]))
+        self._show_lines()
+
+    def follow(self, before: Scene) -> None:
+        """Show newer lines as well, or none."""
+        super().follow(before)
+        if self.scene.overlays.get("iso_lines") is not before.overlays.get("iso_lines"):
+            self._show_lines()
+
+    def _show_lines(self) -> None:
+        lines = self.scene.overlays.get("iso_lines") if self.shown else None
+        self._lines.setVisible(lines is not None)
+        if lines is not None:
+            self._lines.setData(*to_xy(np.asarray(lines, dtype=float)))
+
+    def follow_choice(self, name: str) -> None:
+        """Change the colours, or ask for the lines."""
+        if name == "map":
+            super().follow_choice(name)
+        else:
+            self.show_or_hide()
+
+    def fade(self) -> None:
+        """The colours always let something of the image through."""
+        self._item.setOpacity(_VEIL * self.opacity)
+        self._lines.setOpacity(self.opacity)
