@@ -174,9 +174,8 @@ class Engine(ImageFields):
 
         The potential of the fixed charges is made when it is first asked for at a scale, and kept as long as the field.
         """
-        return energies(
-            replace(state, charges=in_order(charges)), self.scale_field(parameters, state.scale), parameters
-        )
+        placed = replace(state, charges=in_order(charges))
+        return energies(placed, self.scale_field(parameters, state.scale), parameters)
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
         """Put more particles into a run.
@@ -245,12 +244,10 @@ class Engine(ImageFields):
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
         """Figures of a state by name, the potential energy only if `thorough`; see `Method.measures`."""
-        figures = {name: float(getattr(state, of)) for name, of in _FIGURES.items()} | {
-            "kinetic": kinetic_energy(state)
-        }
-        return (
-            figures | {"potential": self.energies(state, parameters, state.charges).potential} if thorough else figures
-        )
+        figures = {name: float(getattr(state, attribute)) for name, attribute in _FIGURES.items()}
+        figures["kinetic"] = kinetic_energy(state)
+        slow = {"potential": self.energies(state, parameters, state.charges).potential} if thorough else {}
+        return figures | slow
 
     def positions(self, state: State) -> Array:
         """Where the particles are, shape (N, 2) [px of the image]."""

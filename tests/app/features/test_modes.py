@@ -14,6 +14,7 @@ from app.model.document.modes import MODES, mode_called, use_mode
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step
 from app.model.state.status import RunStatus
+from app.session.worker.commands.timeline import Seek
 from app.views.canvas.layers.contours.skeleton import by_thickness, disks
 from app.views.features.edit import modes as modes_part
 from cpm_core.formats import encoded
@@ -146,3 +147,43 @@ def test_disks_have_the_radii_of_the_branch_and_do_not_crowd() -> None:
     assert len(found) == 6
     for index, disk in enumerate(found):
         assert np.hypot(disk[:, 0], disk[:, 1] - 20.0 * index) == pytest.approx(20.0)
+
+
+def test_a_skeleton_is_stepped_taken_back_and_held_like_any_run(window, hand) -> None:
+    session = window.session
+    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    shown = []
+    for step in (1, 2, 3):
+        hand.key(Qt.Key.Key_Period)
+        hand.wait(lambda step=step: session.status.step == step and session.idle)
+        shown.append(len(session.scene.snapshot.position))
+    assert min(shown[:2]) > 100 > shown[2] == 0  # the boundary, its axis, and what has become branches
+    assert session.status.phase == "finished"
+    assert session.scene.skeleton is not None
+    before = session.scene.skeleton.contours[0].points
+    session.post(Seek(session.generation, 1, 1))
+    hand.wait(lambda: session.status.step == 1 and session.idle)
+    assert (session.status.phase, session.scene.skeleton) == ("paused", None)
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    np.testing.assert_array_equal(session.scene.skeleton.contours[0].points, before)
+
+
+def test_a_run_of_particles_gives_way_to_the_skeleton_and_the_skeleton_to_particles(ready, hand) -> None:
+    session = ready.session
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    assert session.status.closed == 1
+    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    assert session.status.stale
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: session.scene.skeleton is not None and session.idle)
+    assert session.scene.contours.items == ()
+    assert not session.status.stale
+    hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
+    assert session.status.stale
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: session.status.phase == "finished" and session.idle)
+    assert (session.status.method, session.status.closed) == ("cpm", 1)
