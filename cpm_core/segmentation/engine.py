@@ -39,7 +39,7 @@ from cpm_core.segmentation.scale_schedule import advance, start_scale
 def reconstruction(state: State, image: Image, scale_field: ScaleField, parameters: Parameters) -> Result:
     """Contours through the particles of a state, from the fields of its scale, in px of the image."""
     scale, shape, size = state.scale, image.shape, 2.0**state.scale
-    # an edge that nobody is on may have been cleared by the user, and is then not walked along
+    # an edge without particles may have been cleared by the user, and is then not walked along
     filled = state.converged and not state.charges and not state.erased
     found, bridged = find_contours(state.particles.position, scale_field, parameters, at_rest=filled)
     contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
@@ -95,8 +95,8 @@ class Engine(ImageFields):
             When there is no particle, or none inside the image and the regions of interest.
         """
         points = starting_points(seeds, self.image.shape, self.regions)
-        nobody = Particles.at_rest(points[:0])
-        begun = State(nobody, points, self.image.shape, self.scales, no_coverage(()), regions=self.regions)
+        none = Particles.at_rest(points[:0])
+        begun = State(none, points, self.image.shape, self.scales, no_coverage(()), regions=self.regions)
         return start_scale(begun, self.scales - 1, self.regions)
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:

@@ -131,7 +131,7 @@ class Overlays:
 
 
 class Report:
-    """What the window must not miss; each kind is heard by whoever it concerns."""
+    """What the window must not miss; each kind is passed on to those whom it concerns."""
 
     __slots__ = ()
 

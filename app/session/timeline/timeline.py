@@ -1,8 +1,8 @@
 """The timeline of a run: every step can be had again, and from any of them the run can go on otherwise.
 
-A step follows from the state before it and from what it was taken with, its deed, and from nothing else. So deeds are
-kept of all steps and states only of some, as far as the memory reaches; any other state is worked out anew from the
-nearest one before it, bit for bit the same. Nothing here knows of threads or of the window.
+A step follows from the state before it and from its action, and from nothing else. So actions are kept of all steps and
+states only of some, as far as memory reaches; any other state is worked out anew from the nearest one before it, bit
+for bit the same. Nothing here knows of threads or of the window.
 """
 
 from __future__ import annotations
@@ -161,7 +161,7 @@ class Timeline(RecordedSteps[RunAction]):
         self._kept.put((node.identity, state.step), state)
 
     def record(self, action: RunAction, state: MethodState) -> None:
-        """Add the step that a deed has led to from where the run stands.
+        """Add the step that an action has led to from where the run stands.
 
         Where it differs from what was recorded a new branch begins; where it does not the run goes on along the branch.
 

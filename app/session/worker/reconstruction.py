@@ -113,7 +113,7 @@ class Reconstructor:
             self._changed.wait_for(lambda: self._quit or bool(self._requests))
             if self._quit:
                 return None
-            self._working = True  # before the request is gone, so that in between nobody takes this for idle
+            self._working = True  # before the request is gone, so that in between this is not taken for idle
             return self._requests.take()
 
     def _is_last_waiting(self) -> bool:

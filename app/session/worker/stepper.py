@@ -161,8 +161,8 @@ class Stepper:
         )
 
     def _reconstruct(self, looking_back: bool = False) -> None:
-        """Ask for contours; of the drawing only to show that there are none, where somebody goes back to it."""
+        """Ask for contours; of the first state only to show that there are none, when the run goes back to it."""
         if self.method is not None and self.state is not None and (self.state.step > 0 or looking_back):
-            # Whoever scrubs wants the next moment at once, and contours only of where he stays.
+            # While a person scrubs, the next moment counts, and contours only of the one where that ends.
             last = not self.stepping and not looking_back
             self._reconstructor.ask(Request(self.generation, self.method, self.state, self.parameters, last))

@@ -22,7 +22,7 @@ class WorkerThread:
 
     Commands go down through `post`, in order and never lost; snapshots, contours and overlays come up through mailboxes
     in which the newest wins; the few things that must not be missed come up through `reports`. Nothing here calls back
-    into the window: whoever wants to know looks.
+    into the window, which looks for news itself.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ def toy(count: int = 5) -> State:
 
 
 def toy_step(state: State, action: object) -> State:
-    """A step that no two deeds have in common, nor the same deed twice."""
+    """A step that no two actions have in common, nor the same action twice."""
     kind, value = action
     particles = state.particles
     position = particles.position * 1.000001 + value + state.step
@@ -156,7 +156,7 @@ def recorded(count: int, budget: int = AMPLE) -> tuple[Timeline, list[State]]:
     return timeline, states
 
 
-def test_going_on_by_the_same_deeds_repeats_the_branch_and_by_others_begins_one() -> None:
+def test_going_on_by_the_same_actions_repeats_the_branch_and_by_others_begins_one() -> None:
     timeline, states = recorded(10)
     (first,) = timeline.branches
     timeline.go(first.identity, 4)

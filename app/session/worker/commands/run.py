@@ -76,7 +76,7 @@ class Start(Command):
     document: Document
 
     def execute(self, context: CommandContext) -> None:
-        """Begin it; nobody moves yet."""
+        """Begin it; nothing moves yet."""
         if self.image_generation == context.run.image_generation:
             context.run.start(self.generation, self.document)
 

@@ -21,7 +21,7 @@ def _always() -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Seek(Command):
-    """Hold the run and go to a step of a branch, unless by then somebody wants to be elsewhere."""
+    """Hold the run and go to a step of a branch, unless by then another step is wanted."""
 
     generation: int
     branch: int
