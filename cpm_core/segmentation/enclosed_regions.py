@@ -38,7 +38,7 @@ _COVERED = 0.5
 """Share of a boundary that must have particles beside it for it to count as reached."""
 
 _LEAST_STRETCH = 8
-"""Pixels in a row of a boundary without any particle beside it for some to be launched there: boundaries a few pixels apart
+"""Pixels in a row of a boundary without particles for some to be launched there: boundaries a few pixels apart
 share their rim, and one of them may be missing alone."""
 
 _NEIGHBORS = 8

@@ -98,7 +98,7 @@ def test_potential_and_flow_lines_are_shown_when_asked_for(ready, hand):
     potential, field = layers["potential"], layers["field"]
     ready.actions_by_name["layer_potential"].trigger()
     hand.wait(lambda: potential._item.isVisible() and potential._lines.isVisible())
-    engine = session._worker_thread._run.engine
+    engine = session._worker_thread._run.method
     assert np.array_equal(potential._item.image, of_potential(engine.potential(session.document.parameters)))
     potential.choose("lines", False)
     assert not potential._lines.isVisible() or not session.idle
