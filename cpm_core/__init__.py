@@ -46,7 +46,8 @@ all of this are the business of `formats`: `export` writes contours by suffix, `
 `load_contours` reads them back; `write_animation` and `strip` show a run that was drawn frame by frame.
 
 Between the contours lies the **skeleton**: the middle line of an object with the distance to its boundary, from which
-the object can be rebuilt (`skeleton`, `medial_axis`). It needs no start.
+the object can be rebuilt (`skeleton`, `medial_axis`). It needs no start. Both ways are a `Method`, which is run step by
+step without knowing which it is; `METHODS` has them by name.
 
 Words
 -----
@@ -78,9 +79,11 @@ from cpm_core.particles.initialization import circle, divergence_centers, gradie
 from cpm_core.particles.state import Particles, State
 from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.method import METHODS, Method
 from cpm_core.segmentation.segment import segment
 
 __all__ = [
+    "METHODS",
     "PARAMETERS",
     "PRESETS",
     "Bridge",
@@ -90,6 +93,7 @@ __all__ = [
     "Engine",
     "Forces",
     "Image",
+    "Method",
     "Parameters",
     "Particles",
     "PlacedCharge",

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Literal, cast
 
-Invalidates = Literal["nothing", "field", "run"]
+Invalidates = Literal["nothing", "contours", "field", "run"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +37,9 @@ class ParameterInfo:
         One sentence: what more of it does.
     equation : str
         Where it stands in the published model; empty where it is ours.
-    invalidates : {"nothing", "field", "run"}
-        What a change makes stale: nothing (the next step obeys), the edge map and field, or the whole run.
+    invalidates : {"nothing", "contours", "field", "run"}
+        What a change makes stale: nothing (the next step obeys), the contours that are made of the particles, which do
+        not feel it themselves, the edge map and field, or the whole run.
     advanced : bool
         Whether a window may tuck it away.
     """
@@ -139,32 +140,32 @@ _TABLE = (
         "max_gap", "g_max", "px", 0.0, 1e4, 0.0, 60.0, 1.0, "Widest gap",
         "Distance up to which loose ends of contours are joined across a gap, along the edge map.",
         "More of it bridges wider gaps; at 0 real gaps stay open.",
-        "", "nothing", True,
+        "", "contours", True,
     ),
     ParameterInfo(
         "min_strength", "s_min", "grey/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Least strength",
         "Mean edge strength under which a contour, or a stretch of one that ends loose, is left out.",
         "More of it keeps only the contours of strong edges.",
-        "", "nothing", True,
+        "", "contours", True,
     ),
     ParameterInfo(
         "sure_edge", "f_sure", "", 0.0, 0.99, 0.0, 0.6, 0.01, "Sure edge",
         "Fraction of the largest edge strength under which a contour stays only if it is connected to one above it.",
         "More of it leaves out weak contours by themselves and keeps those that continue strong ones.",
-        "", "nothing", True,
+        "", "contours", True,
     ),
     ParameterInfo(
         "min_contrast", "c_min", "", 0.0, 0.99, 0.0, 0.9, 0.01, "Least contrast",
         "Contrast of the regions on both sides, from 0 for two alike to 1 for two even ones, under which a contour, or "
         "a stretch of one that ends loose, is left out.",
         "More of it leaves out texture, whose edges have the same on both sides.",
-        "", "nothing", True,
+        "", "contours", True,
     ),
     ParameterInfo(
         "min_length", "l_min", "px", 0.0, 1e9, 0.0, 200.0, 1.0, "Least length",
         "Length under which a contour is left out.",
         "More of it drops specks and fragments.",
-        "", "nothing", True,
+        "", "contours", True,
     ),
 )  # fmt: skip
 
@@ -252,10 +253,8 @@ class Parameters:
     @property
     def steering(self) -> tuple[object, ...]:
         """Values that the motion of the particles depends on: all but those for the start and for choosing contours."""
-        return tuple(getattr(self, name) for name in PARAMETERS if name not in _NOT_STEERING)
-
-
-_NOT_STEERING = ("scales", "max_gap", "min_strength", "sure_edge", "min_contrast", "min_length")
+        acting = (name for name, info in PARAMETERS.items() if info.invalidates in ("nothing", "field"))
+        return tuple(getattr(self, name) for name in acting)
 
 
 def _check(info: ParameterInfo, value: object) -> None:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from cpm_core.contours.result import Result
 from cpm_core.formats import export, load_image
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.method import METHODS, Method
 from cpm_core.segmentation.warm_up import warm_up
 
 
@@ -23,8 +25,8 @@ class Core:
     ----------
     load_image : callable
         Path to image.
-    engine : callable
-        Image, parameters and what limits the particles to engine.
+    methods : mapping
+        For every name what makes a method of image, parameters and regions.
     export : callable
         Writes a result to a path.
     warm_up : callable
@@ -32,6 +34,8 @@ class Core:
     """
 
     load_image: Callable[[Path], Image] = load_image
-    engine: Callable[[Image, Parameters, Regions | None], Engine] = Engine
-    export: Callable[[Result, Path], None] = export
+    methods: Mapping[str, Callable[[Image, Parameters, Regions | None], Method[Any]]] = field(
+        default_factory=lambda: METHODS
+    )
+    export: Callable[[Result | Skeleton, Path], None] = export
     warm_up: Callable[[Callable[[], bool]], None] = warm_up

@@ -7,6 +7,7 @@ from dataclasses import replace
 from PySide6.QtCore import QObject, Qt, QTimer
 
 from app.model.document.document import NOTHING_TO_START_FROM, Document
+from app.model.document.modes import MODES, needs_start
 from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.state.situation import Situation, can_step
 from app.model.state.status import RunStatus
@@ -19,6 +20,7 @@ from app.session.tasks.tasks import Tasks
 from app.session.updates import Progress
 from app.session.worker.commands.run import Command, Discard, Go, Halt, SetOverlays, SetPace, Start
 from app.session.worker.worker_thread import WorkerThread
+from cpm_core.segmentation.method import METHODS
 
 FRAME = 16
 """Time between looks at what the worker has sent up [ms]."""
@@ -64,15 +66,16 @@ class RunControl(Editing):
     def status(self) -> RunStatus:
         """How the run stands."""
         status = self._progress.status
-        stale = status.started and self.live.outdated(self.document)
-        steered = status.phase == "finished" and status.steering != self.document.parameters.steering
+        document, method = self.document, METHODS[status.method]
+        other = status.method != MODES[document.mode].method
+        stale = status.started and (other or (method.seeded and self.live.outdated(document)))
+        steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
         return replace(status, stale=stale, steered=steered)
 
     @property
     def situation(self) -> Situation:
         """All that decides what the window shows and enables."""
-        skeleton = self.scene.skeleton is not None
-        return Situation(self.document, self.status, self.undo_name, self.redo_name, self.selected, skeleton)
+        return Situation(self.document, self.status, self.undo_name, self.redo_name, self.selected)
 
     @property
     def resolved(self) -> Resolved:
@@ -161,7 +164,7 @@ class RunControl(Editing):
         if self.document.image is None:
             self.say(tr("There is no image to run on: open one first."), True)
             return False
-        if not self.document.starts:
+        if needs_start(self.document.mode) and not self.document.starts:
             self.say(NOTHING_TO_START_FROM, True)
             return False
         return True
@@ -172,7 +175,7 @@ class RunControl(Editing):
         if status.phase == "ready" or over or status.stale:
             self._generation = self._next_generation()
             self.live.begin(self.document)
-            self._progress.forget()
+            self._progress.forget(MODES[self.document.mode].method)
             self.post(Start(self._generation, self._image_generation, self.document))
 
     def _next_generation(self) -> int:

@@ -17,7 +17,7 @@ from app.model.display.shades import DisplayImage
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import TrackedContours
-from app.session.exchange.messages import Snapshot
+from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.intensity_window import Shaded, WindowFound
 from app.session.worker.commands.timeline import Compared
@@ -114,8 +114,10 @@ class Scene:
         Positions from which particles start all over the image.
     snapshot : Snapshot or None
         The particles; None while there is no run.
+    reconstruction : Reconstruction or None
+        What the run has found, by whatever method; what an export holds.
     contours : ReviewedContours
-        The contours.
+        The contours that particles have found, and what has been said about them.
     selected_contours : frozenset of int
         Keys of those selected.
     hovered_contour : int or None
@@ -130,8 +132,6 @@ class Scene:
         What the contours are compared with.
     differences : tuple of Difference
         Where they differ from it.
-    skeleton : Skeleton or None
-        The skeleton of the image.
     """
 
     image: Image | None = None
@@ -142,6 +142,7 @@ class Scene:
     selected: int | None = None
     image_seeds: ImageSeeds = field(default_factory=lambda: NO_SEEDS)
     snapshot: Snapshot | None = None
+    reconstruction: Reconstruction | None = None
     contours: ReviewedContours = NO_CONTOURS
     selected_contours: frozenset[int] = frozenset()
     hovered_contour: int | None = None
@@ -150,7 +151,14 @@ class Scene:
     compared: Compared | None = None
     truth: Truth | None = None
     differences: tuple[Difference, ...] = ()
-    skeleton: Skeleton | None = None
+
+    @property
+    def skeleton(self) -> Skeleton | None:
+        """The skeleton that the run has found, as long as the mode is that."""
+        if self.reconstruction is None or self.document.mode != "skeleton":
+            return None
+        found = self.reconstruction.result
+        return found if isinstance(found, Skeleton) and found.contours else None
 
     @property
     def moved(self) -> bool:

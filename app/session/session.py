@@ -18,7 +18,7 @@ from app.session.exchange.messages import NotOpened, Opened
 from app.session.run_control import RunControl
 from app.session.scene import Scene
 from app.session.tasks.opening import Opener, Wanted
-from app.session.worker.commands.run import Adopt, Export, SetParameters, WarmUp
+from app.session.worker.commands.run import Adopt, Copy, Export, SetParameters, WarmUp
 
 
 class Session(RunControl):
@@ -64,10 +64,15 @@ class Session(RunControl):
         self._opener.open(wanted)
 
     def export(self, path: str | Path) -> None:
-        """Write the contours found so far; the suffix tells the format."""
+        """Write the contours that are shown; the suffix tells the format."""
         path = Path(path)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
-        self.post(Export(path, task, self.document.marks))
+        self.post(Export(task, self.scene.reconstruction, self.document.marks, path))
+
+    def copy_contours(self, suffix: str) -> None:
+        """Make the contours that are shown ready for the clipboard, as a file of this suffix would hold them."""
+        task = self.tasks.begin(tr("Copying contours…"))
+        self.post(Copy(task, self.scene.reconstruction, self.document.marks, suffix))
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""

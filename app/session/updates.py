@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -26,6 +27,7 @@ from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.intensity_window import Shaded, WindowFound
 from app.session.worker.commands.timeline import Compared
 from app.session.worker.worker_thread import WorkerThread
+from cpm_core.contours.result import Result
 
 _FIGURES_EVERY = 0.1
 """Time between two updates of figures that a person reads [s]."""
@@ -69,10 +71,10 @@ class Progress:
         self._known = replace(self._known, phase=phase)
         self._session.show_status()
 
-    def forget(self) -> None:
-        """The run before is over and nothing of it is to be seen."""
-        self._known = RunStatus(phase="ready")
-        self._show(snapshot=None, contours=NO_CONTOURS, probed=None, compared=None)
+    def forget(self, method: str = "cpm") -> None:
+        """The run before is over and nothing of it is to be seen; the next one is of a method of this name."""
+        self._known = RunStatus(phase="ready", method=method)
+        self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None, compared=None)
         self._session.show_status()
 
     def look(self) -> None:
@@ -86,14 +88,16 @@ class Progress:
         if contours is not None and contours.generation == self._session.generation:
             result = contours.result
             closed = sum(contour.closed for contour in result.contours)
+            bridges = result.bridges if isinstance(result, Result) else ()
             self._known = replace(
                 self._known,
                 closed=closed,
                 open=len(result.contours) - closed,
-                bridges=len(result.bridges),
-                longest_bridge=max((bridge.length for bridge in result.bridges), default=0.0),
+                bridges=len(bridges),
+                longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
             )
-            self._show(contours=ReviewedContours.of(contours.tracked, self._session.scene.document.marks))
+            reviewed = ReviewedContours.of(contours.tracked, self._session.scene.document.marks)
+            self._show(reconstruction=contours, contours=reviewed)
             self._session.show_status()
         overlays = self._worker_thread.overlays.take()
         if overlays is not None and overlays.generation == self._session.image_generation:
@@ -104,15 +108,16 @@ class Progress:
         self._session.show(replace(self._session.scene, **parts))
 
     def _take_snapshot(self, snapshot: Snapshot) -> None:
-        before, state = self._known.phase, snapshot.state
+        before, state, metrics = self._known.phase, snapshot.state, snapshot.metrics
         held: Phase = "paused" if before == "finished" else before  # gone back from the end of a run
         self._known = replace(
             self._known,
+            method=snapshot.method,
             phase="finished" if state.stop_reason else held,
             step=state.step,
             count=len(snapshot.position),
             scale=state.scale,
-            epsilon=state.epsilon,
+            epsilon=float(metrics.epsilon[-1]) if len(metrics.epsilon) else math.nan,
             stop_reason=state.stop_reason,
             converged=state.converged,
             steering=state.steering,

@@ -28,7 +28,7 @@ class Workspace:
     truth : GroundTruth
         What contours are compared with.
     skeletons : Skeletons
-        The skeleton of the image.
+        What keeps the skeleton up to date.
     navigation : TimelineNavigation
         The way through the steps of a run.
     sweep : Sweep
@@ -42,13 +42,6 @@ class Workspace:
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
         self.sweep = Sweep(self.session, self.truth)
-
-    def toggle(self) -> None:
-        """Pause when running, otherwise run, or find the skeleton where that is wanted."""
-        if self.session.document.mode == "skeleton" and self.session.status.phase != "running":
-            self.skeletons.find()
-        else:
-            self.session.toggle()
 
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""

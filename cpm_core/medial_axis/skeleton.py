@@ -1,16 +1,31 @@
-"""Skeletons: the middle lines of objects, with the distance to the boundary at every place (section 5.3)."""
+"""Skeletons: the middle lines of objects, with the distance to the boundary at every place (section 5.3).
+
+Section 5.3 takes local minima of the field, or what a second field of such charges attracts. That is not done here,
+for the minima of the exact field (of 95 percent in 5 x 5 pixels) are isolated places and the rim of the object: on
+an ellipse of half axes 70 and 30 px they come within 2 px of 6 % of the medial axis. The divergence of the unit
+field is a clean ridge, but not on the medial axis where the two sides differ in length, curvature or strength: in a
+ring of radii 20 and 80 px it runs 3 px beside it, in the arms of an L up to 13 px. A disk there touches one
+side only, and no shape can be rebuilt from such disks.
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
+from cpm_core.field.image_fields import ImageFields
+from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
 from cpm_core.medial_axis import (
     Axis,
     Boundary,
@@ -23,8 +38,8 @@ from cpm_core.medial_axis import (
     within_objects,
 )
 from cpm_core.numerics.types import Array
-from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.segmentation.engine import Engine
+from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.particles.state import Particles
 
 PRUNING = 1.0
 """How far the shape may reach beyond what the skeleton stands for, unless told otherwise [px]."""
@@ -78,6 +93,189 @@ class Skeleton:
         return covered(np.concatenate(disks), self.shape)
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class SkeletonState:
+    """A moment of a run of the skeleton: boundary, axis and branches as far as they have been found.
+
+    Attributes
+    ----------
+    step : int
+        Steps done in all; three of them find a skeleton.
+    steering : tuple
+        `SkeletonMethod.steering` of the last step; empty before the first.
+    boundary : Boundary or None
+        The edges, found by the first step.
+    axis : Axis or None
+        Their medial axis before it is pruned, found by the second step.
+    contours, radii : tuple
+        Branches and their radii, found by the third step; those of the parameters before until they are found anew.
+    stop_reason : str
+        Why the run ended, in words; empty while it goes on.
+    converged : bool
+        Whether it ended with a skeleton.
+    """
+
+    step: int = 0
+    steering: tuple[object, ...] = ()
+    boundary: Boundary | None = None
+    axis: Axis | None = None
+    contours: tuple[Contour, ...] = ()
+    radii: tuple[Array, ...] = ()
+    stop_reason: str = ""
+    converged: bool = False
+
+    @property
+    def scale(self) -> int:
+        """Level of the image pyramid: always the image itself."""
+        return 0
+
+    @property
+    def count(self) -> int:
+        """Number of points that the next step works on."""
+        return len(self.position)
+
+    @property
+    def position(self) -> Array:
+        """Points that the next step works on, shape (N, 2) [px]: of the boundary, then of the axis, none at the end."""
+        points = self.axis or self.boundary
+        return np.zeros((0, 2)) if self.stop_reason or points is None else points.points
+
+    @property
+    def particles(self) -> Particles:
+        """The same as particles at rest, those of the axis by other numbers than those of the boundary."""
+        first = 0 if self.axis is None or self.boundary is None else len(self.boundary.points)
+        return Particles.at_rest(self.position, first)
+
+    def arrays(self) -> list[NDArray[Any]]:
+        """The arrays that keeping this state costs."""
+        parts = [vars(part).values() for part in (self.boundary, self.axis) if part is not None]
+        return [*itertools.chain(*parts), *(contour.points for contour in self.contours), *self.radii]
+
+    def resumed(self) -> SkeletonState:
+        """Return this state as one that goes on, for other parameters to act on."""
+        return replace(self, stop_reason="", converged=False)
+
+
+class SkeletonMethod(ImageFields):
+    """The skeleton of what is in an image: a `Method` of three steps, for the boundary, its medial axis and pruning.
+
+    It needs no start, and is of the whole image, whatever the regions of interest.
+
+    Parameters
+    ----------
+    values : array_like, shape (H, W), or Image
+        Image.
+    parameters : Parameters, optional
+        For the fields to prepare at once; by default the preset "noisy".
+    regions : Regions, optional
+        Kept, and without effect.
+    pruning, outside
+        See `skeleton`.
+
+    Raises
+    ------
+    ValueError
+        For an image or a value that cannot be worked with.
+    """
+
+    name: ClassVar[str] = "skeleton"
+    title: ClassVar[str] = "Skeleton"
+    parameters: ClassVar[tuple[str, ...]] = tuple(
+        name for name, info in PARAMETERS.items() if info.invalidates in ("field", "contours") or name == "d_min"
+    )
+    seeded: ClassVar[bool] = False
+
+    def __init__(
+        self,
+        values: ArrayLike | Image,
+        parameters: Parameters | None = None,
+        regions: Regions | None = None,
+        *,
+        pruning: float = PRUNING,
+        outside: bool = False,
+    ) -> None:
+        if not (math.isfinite(pruning) and pruning >= 0.0):
+            raise ValueError(f"pruning is {pruning:g} but must be a number of pixels, 0 or more.")
+        super().__init__(values, replace(parameters or PRESETS["noisy"], scales=1))
+        self.regions = regions
+        self._pruning, self._outside = pruning, outside
+
+    @classmethod
+    def steering(cls, parameters: Parameters) -> tuple[object, ...]:
+        """Values that a step obeys; see `Method.steering`."""
+        return tuple(getattr(parameters, name) for name in cls.parameters)
+
+    def suits(self, parameters: Parameters) -> bool:
+        """Whether a run with these parameters can start here: it always works on the image at its full size."""
+        return True
+
+    def with_regions(self, regions: Regions | None) -> Self:
+        """The same for other regions, which have no effect."""
+        other = copy(self)
+        other.regions = regions
+        return other
+
+    def start(self, seeds: ArrayLike = ()) -> SkeletonState:
+        """First state of a run; seeds have no effect."""
+        return SkeletonState()
+
+    def step(self, state: SkeletonState, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> SkeletonState:
+        """Find the boundary, then its medial axis, then the branches of what pruning leaves of that.
+
+        Parameters
+        ----------
+        state : SkeletonState
+            Any state of a run on this image.
+        parameters : Parameters
+            Other values than in the last step let it begin anew with the boundary.
+        charges : sequence of PlacedCharge, optional
+            Without effect.
+
+        Returns
+        -------
+        SkeletonState
+            The next state: the same one if the run has stopped.
+        """
+        if state.stop_reason:
+            return state
+        steering, scale_field = self.steering(parameters), self.scale_field(parameters)
+        state = replace(state, step=state.step + 1)
+        if state.boundary is None or state.steering != steering:
+            return replace(state, steering=steering, boundary=find_boundary(scale_field, parameters), axis=None)
+        if state.axis is None:
+            return replace(state, axis=self._axis(state.boundary, scale_field.smoothing))
+        low, high = np.full(2, -0.5), np.array(self.image.shape) - 0.5
+        axis = prune(state.axis, self._pruning).within(low, high)
+        branches = _branches(axis, state.boundary, scale_field.smoothing)
+        branches.sort(key=lambda branch: -branch[0].length)
+        contours, radii = tuple(contour for contour, _ in branches), tuple(radii for _, radii in branches)
+        reason = (
+            "the skeleton is found" if contours else "no edge encloses anything; smooth less or lower the edge floor"
+        )
+        return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
+
+    def result(self, state: SkeletonState, parameters: Parameters) -> Skeleton:
+        """The skeleton that a state knows of; without any branch before the first is found."""
+        image = self.image
+        return Skeleton(state.contours, state.radii, image.shape, image.spacing, image.unit, image.source)
+
+    def measures(self, state: SkeletonState, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
+        """Figures of a state by name; see `Method.measures`."""
+        length = sum(contour.length for contour in state.contours)
+        return {"count": state.count, "scale": 0.0, "branches": len(state.contours), "length": length}
+
+    def positions(self, state: SkeletonState) -> Array:
+        """Points that the next step works on, shape (N, 2) [px]."""
+        return state.position
+
+    def _axis(self, boundary: Boundary, smoothing: float) -> Axis:
+        """Medial axis of a boundary, in the objects alone unless the background is wanted too."""
+        axis = medial_axis(boundary, self.image.shape)
+        if self._outside:
+            return axis
+        return axis.only(axis.edges[within_objects(axis, boundary, self.image.values, smoothing)])
+
+
 def skeleton(
     values: ArrayLike | Image,
     params: Parameters | None = None,
@@ -91,13 +289,6 @@ def skeleton(
     the edge map, found to a fraction of a pixel as the contours of a run are. Contours come from the Delaunay
     triangulation of points on the boundary, by the crust; the edges of its dual, the Voronoi diagram, that do not cross
     a contour are the medial axis (`cpm_core.medial_axis`). It is then cut back from its tips (`pruning`).
-
-    Section 5.3 takes local minima of the field, or what a second field of such charges attracts. That is not done here,
-    for the minima of the exact field (of 95 percent in 5 x 5 pixels) are isolated places and the rim of the object: on
-    an ellipse of half axes 70 and 30 px they come within 2 px of 6 % of the medial axis. The divergence of the unit
-    field is a clean ridge, but not on the medial axis where the two sides differ in length, curvature or strength: in a
-    ring of radii 20 and 80 px it runs 3 px beside it, in the arms of an L up to 13 px. A disk there touches one
-    side only, and no shape can be rebuilt from such disks.
 
     Parameters
     ----------
@@ -125,26 +316,12 @@ def skeleton(
     ValueError
         For an image or a value that cannot be worked with; the message says what to do.
     """
-    if not (math.isfinite(pruning) and pruning >= 0.0):
-        raise ValueError(f"pruning is {pruning:g} but must be a number of pixels, 0 or more.")
-    chosen = replace(params or PRESETS["noisy"], scales=1)
-    engine = Engine(values, chosen)
-    image, scale_field = engine.image, engine.scale_field(chosen)
-    boundary = find_boundary(scale_field, chosen)
-    axis = medial_axis(boundary, image.shape)
-    if not outside:
-        axis = axis.only(axis.edges[within_objects(axis, boundary, image.values, scale_field.smoothing)])
-    low, high = np.full(2, -0.5), np.array(image.shape) - 0.5
-    axis = prune(axis, pruning).within(low, high)
-    branches = sorted(_branches(axis, boundary, scale_field.smoothing), key=lambda branch: -branch[0].length)
-    return Skeleton(
-        contours=tuple(contour for contour, _ in branches),
-        radii=tuple(radii for _, radii in branches),
-        shape=image.shape,
-        spacing=image.spacing,
-        unit=image.unit,
-        source=image.source,
-    )
+    chosen = params or PRESETS["noisy"]
+    method = SkeletonMethod(values, chosen, pruning=pruning, outside=outside)
+    state = method.start()
+    while not state.stop_reason:
+        state = method.step(state, chosen)
+    return method.result(state, chosen)
 
 
 def _branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:

@@ -13,7 +13,7 @@ from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.particles.coverage import Coverage
-from cpm_core.particles.mesh import MESH_EVERY, MeshForce
+from cpm_core.particles.mesh import MeshForce
 
 MEMORY = 4
 """Steps T that eq. (23) looks back over."""
@@ -114,11 +114,6 @@ def _mean(history: Array, one: NDArray[np.int64], other: NDArray[np.int64]) -> A
     return np.asarray(0.5 * (history[one] + history[other]))
 
 
-def _owner(array: NDArray[Any]) -> NDArray[Any]:
-    """The array whose memory an array is a view of, or itself."""
-    return array.base if isinstance(array.base, np.ndarray) else array
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class State:
     """A moment of a run: all that the next step depends on besides image and parameters.
@@ -211,30 +206,13 @@ class State:
         """Number of particles."""
         return len(self.particles)
 
-    @property
-    def nbytes(self) -> int:
-        """Memory that keeping this state costs [bytes]: its arrays, each counted once.
-
-        States that follow one another share some of them, the start above all, so that several cost less than the sum.
-        """
-        whole = {id(array): array for array in map(_owner, self._arrays())}
-        return sum(array.nbytes for array in whole.values())
-
-    def light(self) -> State:
-        """Return this state without what the next step makes anew: the mesh, when its time is over.
-
-        It is made every `MESH_EVERY` steps of a scale, from where the particles are then. States whose `step_of_scale`
-        is a multiple of that do without it; others keep it, for between times it could not be made again. A step from
-        a light state thus gives the same bits.
-        """
-        return self if self.step_of_scale % MESH_EVERY else replace(self, mesh=None)
-
-    def _arrays(self) -> list[NDArray[Any]]:
+    def arrays(self) -> list[NDArray[Any]]:
+        """The arrays that keeping this state costs, without the start, which the states of a run have in common."""
         particles, mesh = self.particles, self.mesh
         return [
             *(particles.position, particles.velocity, particles.force, particles.distance, particles.identity),
-            *(self.start, self.coverage.found, self.coverage.latest),
-            *(() if mesh is None else (mesh.force, mesh.softening)),
+            *self.coverage,
+            *(() if mesh is None else (mesh.force,)),
         ]
 
     def resumed(self) -> State:

@@ -86,9 +86,9 @@ def _drawn(state: State) -> NDArray[np.bool_]:
 
 
 def reseeded(state: State, scale_field: ScaleField) -> State | None:
-    """Go on with particles beside enclosed boundaries that nobody has reached; None when nothing is missing.
+    """Go on with particles beside enclosed boundaries that no particle has reached; None when nothing is missing.
 
-    Nor are any launched where some have been erased, or where a placed charge lets nobody sit.
+    Nor are any launched where some have been erased, or where a placed charge lets none sit.
     """
     if state.reseedings == RESEEDINGS or state.erased:
         return None
@@ -121,7 +121,7 @@ def _is_cleared(state: State, scale_field: ScaleField, places: Array) -> NDArray
 def without_resting_off_edge(state: State, scale_field: ScaleField) -> State:
     """Leave out the particles at rest that sit on no edge, if any have found one: nothing draws them on.
 
-    In a hole of a pixel or two nobody sits in the strict sense, but the edge around is strong. What has gathered round
+    In a hole of a pixel or two none sits in the strict sense, but the edge around is strong. What has gathered round
     an attracting charge stays.
     """
     position = state.particles.position

@@ -23,7 +23,7 @@ from cpm_core.numerics.types import Array
 Labels = NDArray[np.int64]
 
 RESEEDINGS = 3
-"""Times that particles may be launched beside boundaries that nobody has reached, until parameters are changed."""
+"""Times that particles may be launched beside boundaries that no particle has reached, until parameters are changed."""
 
 _BESIDE_WALL = 1.0
 """Distance under which a pixel is one that a wall runs through [px]."""
@@ -38,7 +38,7 @@ _COVERED = 0.5
 """Share of a boundary that must have particles beside it for it to count as reached."""
 
 _LEAST_STRETCH = 8
-"""Pixels in a row of a boundary that nobody is beside for particles to be launched there: boundaries a few pixels apart
+"""Pixels in a row of a boundary without particles for some to be launched there: boundaries a few pixels apart
 share their rim, and one of them may be missing alone."""
 
 _NEIGHBORS = 8

@@ -6,29 +6,27 @@ the next one from any state, without memory of its own, so that a run can be pau
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from copy import copy
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Bridge
 from cpm_core.contours.result import Result
-from cpm_core.dynamics.energies import Energies, energies
+from cpm_core.dynamics.energies import Energies, energies, kinetic_energy
 from cpm_core.dynamics.equations import FADED
 from cpm_core.dynamics.forces import Forces, forces
 from cpm_core.dynamics.integrator import Moved
 from cpm_core.dynamics.time_step import displaced, populated
-from cpm_core.field.placed_charge_cache import PlacedChargeCache, charged_force, charged_potential
-from cpm_core.field.placed_charges import PlacedCharge, at_scale, in_order
+from cpm_core.field.image_fields import ImageFields
+from cpm_core.field.placed_charges import PlacedCharge, in_order
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.field.scale_space import ScaleSpace
-from cpm_core.image.image import Image, as_plane
+from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
-from cpm_core.image.regions import Regions
-from cpm_core.numerics.types import Array
-from cpm_core.parameters import Parameters
+from cpm_core.numerics.types import Array, Index
+from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.initialization import starting_points
 from cpm_core.particles.state import Particles, State
@@ -38,102 +36,44 @@ from cpm_core.segmentation.completion import idle_steps_of
 from cpm_core.segmentation.scale_schedule import advance, start_scale
 
 
-class Engine:
-    """The charged-particle model on one image.
+def reconstruction(state: State, image: Image, scale_field: ScaleField, parameters: Parameters) -> Result:
+    """Contours through the particles of a state, from the fields of its scale, in px of the image."""
+    scale, shape, size = state.scale, image.shape, 2.0**state.scale
+    # an edge without particles may have been cleared by the user, and is then not walked along
+    filled = state.converged and not state.charges and not state.erased
+    found, bridged = find_contours(state.particles.position, scale_field, parameters, at_rest=filled)
+    contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
+    bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
+    return Result(
+        particles=state.position,
+        contours=contours,
+        surface=None,
+        steps=state.step,
+        converged=state.converged,
+        stop_reason=state.stop_reason,
+        shape=shape,
+        spacing=image.spacing,
+        unit=image.unit,
+        source=image.source,
+        bridges=bridges,
+    )
 
-    Parameters
-    ----------
-    values : array_like, shape (H, W), or Image
-        Image.
-    parameters : Parameters, optional
-        For the number of scales, and the fields to prepare at once.
-    regions : Regions, optional
-        Regions of interest, which particles stay in, and barriers, which they do not cross; the whole image by default.
 
-    Raises
-    ------
-    ValueError
-        When the image has no edges in the regions of interest, or fewer scales than asked for.
+class Engine(ImageFields):
+    """The charged-particle model on one image: a `Method` whose states are `State`.
+
+    It is made of image, parameters and regions as `ImageFields` is, which says what they are and which are refused.
     """
 
-    def __init__(
-        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
-    ) -> None:
-        parameters = parameters or Parameters()
-        self.image = as_plane(values)
-        array = self.image.values
-        if array.min() == array.max():
-            raise ValueError(
-                f"{self.image.source} is constant ({array.flat[0]:g} everywhere) and has no edges: "
-                "open an image that shows something."
-            )
-        self.regions = regions
-        if regions is not None:
-            regions.check(array.shape)
-        self._scale_space = ScaleSpace(array, parameters.scales, regions)
-        self._scale_space.prepare(parameters)
-        self._charged = PlacedChargeCache(array.shape)
-        self._latest = parameters
-        if regions is not None:
-            self._check_edges()
+    name: ClassVar[str] = "cpm"
+    title: ClassVar[str] = "Charged particles"
+    parameters: ClassVar[tuple[str, ...]] = tuple(PARAMETERS)
+    seeded: ClassVar[bool] = True
 
-    def with_regions(self, regions: Regions | None) -> Engine:
-        """Engine for the same image with other regions.
-
-        Parameters
-        ----------
-        regions : Regions or None
-            Regions of interest and barriers. Where only the barriers are others, nothing of the fields is built anew;
-            where the regions of interest are others, the image's gradient is taken over. A state of this engine can be
-            stepped by the new one.
-
-        Returns
-        -------
-        Engine
-            For as many scales.
-
-        Raises
-        ------
-        ValueError
-            When the image has no edges in the regions of interest, or one of them holds no pixel.
-        """
-        others = regions is not None and (self.regions is None or regions.interest != self.regions.interest)
-        if regions is not None and others:
-            regions.check(self.image.values.shape)
-        other = copy(self)
-        other.regions = regions
-        other._scale_space = self._scale_space.with_regions(regions)
-        other._charged = PlacedChargeCache(self.image.values.shape)
-        if others:
-            other._check_edges()
-        return other
-
-    def _check_edges(self) -> None:
-        if not self.scale_field(self._latest).edge_map.any():
-            raise ValueError("there are no edges in the regions of interest: draw them around what is to be found.")
-
-    @property
-    def scales(self) -> int:
-        """Levels of the pyramid."""
-        return len(self._scale_space)
-
-    def scale_field(self, parameters: Parameters, scale: int = 0) -> ScaleField:
-        """Fields of a scale, built when they are first asked for."""
-        self._latest = parameters
-        return self._scale_space.at(scale, parameters)
-
-    def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
-        """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
-        return self.scale_field(parameters, scale).fixed_charges
-
-    def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
-        """Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.
-
-        Without any the vectors have at most unit length. The charges are in px of the image, whatever the scale.
-        """
-        return charged_force(
-            self.scale_field(parameters, scale), at_scale(in_order(charges), scale, self.image.shape), scale
-        )
+    @staticmethod
+    def steering(parameters: Parameters) -> tuple[object, ...]:
+        """Values that a step obeys; see `Method.steering`."""
+        return parameters.steering
 
     def start(self, seeds: ArrayLike) -> State:
         """First state of a run.
@@ -155,8 +95,8 @@ class Engine:
             When there is no particle, or none inside the image and the regions of interest.
         """
         points = starting_points(seeds, self.image.shape, self.regions)
-        nobody = Particles.at_rest(points[:0])
-        begun = State(nobody, points, self.image.shape, self.scales, no_coverage(()), regions=self.regions)
+        none = Particles.at_rest(points[:0])
+        begun = State(none, points, self.image.shape, self.scales, no_coverage(()), regions=self.regions)
         return start_scale(begun, self.scales - 1, self.regions)
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
@@ -181,8 +121,8 @@ class Engine:
         """
         if state.stop_reason:
             return state
-        state = self._taken_up(state, parameters, charges)
-        scale_field = self._charged.of(self.scale_field(parameters, state.scale), state.scale, state.charges)
+        state = interventions.taken_up(state, self.regions, parameters, charges)
+        scale_field = self._charged_field(parameters, state.scale, state.charges)
         idle = idle_steps_of(state, scale_field, parameters)
         repulsion_gone = not (idle < FADED).any()
         state, moved = displaced(state, idle, scale_field, parameters)
@@ -213,34 +153,29 @@ class Engine:
         Returns
         -------
         Forces
-            As exactly as a step reckons them: pairs in single precision (2e-4 of a force of unit size), and what comes
-            from afar by a mesh, which serves for four steps (`coulomb.mesh_force` tells what that leaves out). A step
-            carries the force on by its change in the last two steps, eq. (15), and integrates the damping exactly;
-            friction also takes the speed along the edge at once. None of this is a force.
+            In the order asked for; NaN for particles that the step takes away, since they lie outside new regions. As
+            exactly as a step reckons them: pairs in single precision (2e-4 of a force of unit size), and what comes
+            from afar by a mesh, which serves for four steps (`mesh_force` tells what that leaves out). A step carries
+            the force on by its change in the last two steps, eq. (15), and integrates the damping exactly; friction
+            also takes the speed along the edge at once. None of this is a force.
         """
-        state = self._taken_up(state, parameters, charges)
+        asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
+        taken_up = interventions.taken_up(state, self.regions, parameters, charges)
         scale_field = self.scale_field(parameters, state.scale)
-        charged = self._charged.of(scale_field, state.scale, state.charges)
-        idle = idle_steps_of(state, charged, parameters)
-        which = np.arange(state.count) if index is None else index
-        return forces(state, scale_field, charged, idle, parameters, which)
+        charged = self._charged_field(parameters, state.scale, taken_up.charges)
+        idle = idle_steps_of(taken_up, charged, parameters)
+        place = _places(state.particles.identity, taken_up.particles.identity)[asked]
+        there = place >= 0
+        found = forces(taken_up, scale_field, charged, idle, parameters, place[there])
+        return found if there.all() else Forces(*(_spread(getattr(found, f.name), there) for f in fields(Forces)))
 
     def energies(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Energies:
         """Kinetic and potential energy of the particles of a state, as `cpm_core.dynamics.energies` defines them.
 
         The potential of the fixed charges is made when it is first asked for at a scale, and kept as long as the field.
         """
-        return energies(
-            replace(state, charges=in_order(charges)), self.scale_field(parameters, state.scale), parameters
-        )
-
-    def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
-        """Potential on the pixels of the image, shape (H, W) [grey levels], lowest where particles are drawn to.
-
-        That of the fixed charges, eq. (7), and that of placed ones, whose unit of force counts as the mean slope of the
-        former. The former is made when it is first asked for, and kept as long as the field.
-        """
-        return charged_potential(self.scale_field(parameters), at_scale(in_order(charges), 0, self.image.shape))
+        placed = replace(state, charges=in_order(charges))
+        return energies(placed, self.scale_field(parameters, state.scale), parameters)
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
         """Put more particles into a run.
@@ -305,26 +240,18 @@ class Engine:
         Result
             In px of the image.
         """
-        scale, shape, scale_field = state.scale, self.image.shape, self.scale_field(parameters, state.scale)
-        # an edge that nobody is on may have been cleared by the user, and is then not walked along
-        filled = state.converged and not state.charges and not state.erased
-        found, bridged = find_contours(state.particles.position, scale_field, parameters, at_rest=filled)
-        size = 2.0**scale
-        contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
-        bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
-        return Result(
-            particles=state.position,
-            contours=contours,
-            surface=None,
-            steps=state.step,
-            converged=state.converged,
-            stop_reason=state.stop_reason,
-            shape=shape,
-            spacing=self.image.spacing,
-            unit=self.image.unit,
-            source=self.image.source,
-            bridges=bridges,
-        )
+        return reconstruction(state, self.image, self.scale_field(parameters, state.scale), parameters)
+
+    def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
+        """Figures of a state by name, the potential energy only if `thorough`; see `Method.measures`."""
+        figures = {name: float(getattr(state, attribute)) for name, attribute in _FIGURES.items()}
+        figures["kinetic"] = kinetic_energy(state)
+        slow = {"potential": self.energies(state, parameters, state.charges).potential} if thorough else {}
+        return figures | slow
+
+    def positions(self, state: State) -> Array:
+        """Where the particles are, shape (N, 2) [px of the image]."""
+        return state.position
 
     def _populate(
         self, state: State, moved: Moved, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
@@ -332,10 +259,19 @@ class Engine:
         """Population of a step, by itself for the experiments that do without."""
         return populated(state, moved, repulsion_gone, scale_field, parameters)
 
-    def _taken_up(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
-        """A state as a step takes it up, under other parameters, regions or charges than its last one or the same."""
-        if state.steering != parameters.steering or state.regions != self.regions:
-            allowed = interventions.within(state, self.regions)
-            state = replace(interventions.reactivated(allowed), steering=parameters.steering)
-        placed = in_order(charges)
-        return state if state.charges == placed else interventions.reactivated_near(state, placed)
+
+_FIGURES = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {"numbered": "next_identity"}
+"""Figures by name, and what of a state they are."""
+
+
+def _places(before: Index, after: Index) -> Index:
+    """For each identity before the index of the same one after, -1 where it is gone; those after keep their order."""
+    stays = np.isin(before, after)
+    return np.where(stays, np.cumsum(stays) - 1, -1)
+
+
+def _spread(rows: Array, there: NDArray[np.bool_]) -> Array:
+    """Rows, shape (K, 2), put where `there`, shape (M,), is true; NaN elsewhere."""
+    spread = np.full((len(there), 2), np.nan)
+    spread[there] = rows
+    return spread

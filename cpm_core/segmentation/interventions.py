@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.field.placed_charges import REACH, Charges, at_scale, changed
+from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, at_scale, changed, in_order
 from cpm_core.image.pyramid import to_scale
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
+from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import renewed, renewed_near
 from cpm_core.particles.initialization import allowed_by, starting_points
 from cpm_core.particles.state import State
 
 Chosen = NDArray[np.bool_] | Callable[[Array], ArrayLike]
+
+
+def taken_up(state: State, regions: Regions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
+    """A state as a step takes it up, under other parameters, regions or charges than its last one or the same."""
+    if state.steering != parameters.steering or state.regions != regions:
+        state = replace(reactivated(within(state, regions)), steering=parameters.steering)
+    placed = in_order(charges)
+    return state if state.charges == placed else reactivated_near(state, placed)
 
 
 def reactivated(state: State) -> State:

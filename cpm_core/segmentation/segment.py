@@ -24,10 +24,7 @@ def segment(
     regions: Regions | None = None,
     charges: Sequence[PlacedCharge] = (),
 ) -> Result:
-    """Find the contours of the objects in an image.
-
-    Particles start at the seeds, flow to the edges and along them, from the coarsest scale to the image itself, until
-    they are at rest; contours are then reconstructed through them.
+    """Find the contours of objects by particles that flow from seeds to edges and along them, until they are at rest.
 
     Parameters
     ----------
@@ -49,22 +46,22 @@ def segment(
     Returns
     -------
     Result
-        Particles, contours, and how the run ended.
+        Particles, contours through them, and how the run ended.
 
     Raises
     ------
     ValueError
         For an image, seeds or parameters that cannot be worked with; the message says what to do.
     """
-    chosen = parameters or Parameters()
     if max_steps is not None and max_steps < 1:
         raise ValueError(f"max_steps is {max_steps} but must be at least 1.")
+    chosen = parameters or Parameters()
     engine = Engine(values, chosen, regions)
     state = engine.start(seeds)
     while not state.stop_reason:
         state = engine.step(state, chosen, charges)
         if progress is not None:
             progress(state)
-        if max_steps is not None and state.step >= max_steps and not state.stop_reason:
+        if state.step == max_steps and not state.stop_reason:
             state = state.stopped(f"stopped after {max_steps} steps, as asked")
     return engine.result(state, chosen)

@@ -108,7 +108,7 @@ class Trembling(Engine):
 
 def trembling(count: int) -> Core:
     """A core with so many trembling particles."""
-    return Core(engine=type("TremblingCrowd", (Trembling,), {"count": count}))
+    return Core(methods={"cpm": type("TremblingCrowd", (Trembling,), {"count": count})})
 
 
 def discs(side: int) -> np.ndarray:

@@ -14,7 +14,7 @@ from app.model.display.round_numbers import round_up
 from app.model.text.language import tr
 from cpm_core.dynamics.equilibrium import EPSILON
 from cpm_core.numerics.types import Array
-from cpm_core.particles.state import State
+from cpm_core.segmentation.method import MethodState
 
 Marks = NDArray[np.uint8]
 
@@ -41,17 +41,17 @@ class Births:
     numbered: Array
 
 
-def speed(state: State, _: Births) -> Array:
+def speed(state: MethodState, _: Births) -> Array:
     """Speed [px of the image / unit of time]."""
     return np.asarray(np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale)
 
 
-def force(state: State, _: Births) -> Array:
+def force(state: MethodState, _: Births) -> Array:
     """Force without damping at the last step, whatever the scale: the Lorentz force is at most 1."""
     return np.asarray(np.linalg.norm(state.particles.force[:, 0], axis=1))
 
 
-def age(state: State, births: Births) -> Array:
+def age(state: MethodState, births: Births) -> Array:
     """Steps since birth or, for those that a scale began with, since it began; NaN when the record does not say."""
     born = np.searchsorted(births.numbered, state.particles.identity, side="right")
     known = born < len(births.step)
@@ -60,7 +60,7 @@ def age(state: State, births: Births) -> Array:
     return steps
 
 
-def convergence(state: State, _: Births) -> Array:
+def convergence(state: MethodState, _: Births) -> Array:
     """What each particle adds to ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
     distance = state.particles.distance
     signs = np.where(np.arange(distance.shape[1]) % 2, 1.0, -1.0)
@@ -83,7 +83,7 @@ class Quantity:
 
     title: str
     tip: str
-    of: Callable[[State, Births], Array]
+    of: Callable[[MethodState, Births], Array]
     range: tuple[float, float] | None = None
 
 
@@ -119,7 +119,7 @@ class Coloured:
     high: float
 
 
-def coloured(quantity: Quantity, state: State, births: Births) -> Coloured:
+def coloured(quantity: Quantity, state: MethodState, births: Births) -> Coloured:
     """Shades of all particles of a state; more of the quantity never gives a lower one."""
     values = quantity.of(state, births)
     unknown = np.isnan(values)

@@ -10,6 +10,7 @@ from typing import cast
 from app.model.document.document import Document, Mode
 from app.model.text.language import tr
 from cpm_core.parameters import PRESETS
+from cpm_core.segmentation.method import METHODS
 from cpm_core.shapes import Everywhere, Limit, Shape
 
 
@@ -25,6 +26,8 @@ class ModeInfo:
         What it is for, in a sentence.
     preset : str
         Name among the core's `PRESETS`.
+    method : str
+        Name among the core's `METHODS`.
     hint : str
         What to do next when everything is ready for a run; empty for what is said anyway.
     """
@@ -33,6 +36,7 @@ class ModeInfo:
     short: str
     about: str
     preset: str
+    method: str
     hint: str = ""
 
 
@@ -43,12 +47,14 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
             tr("Shape"),
             tr("Draw where to start; the particles find the whole outline."),
             "shape",
+            "cpm",
         ),
         "automatic": ModeInfo(
             tr("&Automatic segmentation"),
             tr("Automatic"),
             tr("Start everywhere and find all objects; nothing need be drawn."),
             "automatic",
+            "cpm",
             tr("Press Space to let the particles go from everywhere."),
         ),
         "skeleton": ModeInfo(
@@ -56,10 +62,16 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
             tr("Skeleton"),
             tr("Find the middle lines of objects and how thick they are; nothing need be drawn."),
             "noisy",
+            "skeleton",
             tr("Press Space to find the skeleton of what is in the image."),
         ),
     }
 )
+
+
+def needs_start(mode: Mode) -> bool:
+    """Whether a run in a mode begins from what is drawn."""
+    return METHODS[MODES[mode].method].seeded
 
 
 def mode_called(name: object) -> Mode:

@@ -7,7 +7,7 @@ from typing import Any
 
 from app.model.text.language import tr
 from app.model.text.wording import WORDS, Wording, rich
-from cpm_core.parameters import PARAMETERS, ParameterInfo, Parameters
+from cpm_core.parameters import PARAMETERS, Parameters
 
 RATIO = "ratio"
 HIGHEST_RATIO = 0.99
@@ -182,19 +182,10 @@ def _from_core(name: str) -> Control:
         more=tr(info.more),
         equation=tr(info.equation) if info.equation else "",
         advanced=info.advanced,
-        acts=_ACTS["contours" if _chooses_contours(info) else info.invalidates],
+        acts=_ACTS[info.invalidates],
         automatic=name == "smoothing",
         whole=name == "scales",
     )
-
-
-def _chooses_contours(info: ParameterInfo) -> bool:
-    """Whether the particles do not feel a parameter, which then tells only what is made of them."""
-    if info.invalidates != "nothing":
-        return False
-    free = Parameters(w1=0.01, w2=50.0)  # room for either weight to be any other
-    changed: dict[str, Any] = {info.name: info.slider_high}
-    return replace(free, **changed).steering == free.steering
 
 
 def _ratio() -> Control:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from app.model.document.document import Document
-from app.model.document.modes import MODES
+from app.model.document.modes import MODES, needs_start
 from app.model.document.naming import describe
 from app.model.state.situation import Situation
 from app.model.state.status import RunStatus
@@ -78,8 +78,6 @@ def pace_text(pace: float | None) -> str:
 def _run_text(document: Document, status: RunStatus) -> str:
     if status.phase == "running":
         return tr("Pause")
-    if document.mode == "skeleton":
-        return MODES["skeleton"].short
     if (status.phase == "paused" or status.steered) and not status.stale:
         return tr("Resume")
     return tr("Run anew") if status.started else tr("Run")
@@ -89,8 +87,6 @@ def _state(situation: Situation) -> str:
     document, status = situation.document, situation.status
     if status.busy:
         return status.busy
-    if document.mode == "skeleton" and not status.started and document.image is not None:
-        return tr("The skeleton is found") if situation.has_skeleton else tr("Ready to find the skeleton")
     match status.phase:
         case "empty":
             return tr("No image is open.")
@@ -101,7 +97,7 @@ def _state(situation: Situation) -> str:
         case "finished":
             told = tr("Done – {reason}") if status.converged else tr("Stopped – {reason}")
             return _sentence(told.format(reason=tr(status.stop_reason) if status.stop_reason else ""))
-    if document.starts:
+    if document.starts or not needs_start(document.mode):
         return tr("Ready")
     return tr("Nothing to start from yet") if document.shapes else tr("Nothing drawn yet")
 
@@ -110,13 +106,13 @@ def _hint(situation: Situation) -> str:
     document, status, selected = situation.document, situation.status, situation.selected
     if status.phase == "empty":
         return tr("Open an image (Ctrl+O) or drop one here.")
-    if document.mode == "skeleton" and status.phase != "running":
-        return "" if situation.has_skeleton else MODES["skeleton"].hint
     shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
     if status.started:
         return _hint_on_run(status) or (_what_a_charge_does(shape) if isinstance(shape, Charge) else "")
     if isinstance(shape, Charge):
         return _what_a_charge_does(shape)
+    if not needs_start(document.mode):
+        return MODES[document.mode].hint
     if not document.shapes:
         return tr("Drag on the image to draw a circle in or around an object.")
     if not document.starts:

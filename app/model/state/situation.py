@@ -23,8 +23,6 @@ class Situation:
         Names of what undo and redo would do, empty when there is nothing.
     selected : int or None
         Index of the selected shape.
-    has_skeleton : bool
-        Whether a skeleton has been found.
     """
 
     document: Document = field(default_factory=Document)
@@ -32,7 +30,6 @@ class Situation:
     undo_name: str = ""
     redo_name: str = ""
     selected: int | None = None
-    has_skeleton: bool = False
 
 
 Condition = Callable[[Situation], bool]
@@ -83,11 +80,6 @@ def has_particles(situation: Situation) -> bool:
     return situation.status.moved
 
 
-def has_particle_mode(situation: Situation) -> bool:
-    """Particles are what the mode works with."""
-    return situation.document.mode != "skeleton"
-
-
 def has_contours(situation: Situation) -> bool:
     """Contours have been found."""
     return situation.status.closed + situation.status.open > 0
@@ -97,4 +89,4 @@ def can_step(situation: Situation) -> bool:
     """A single step can be taken: not while it runs, nor after the end of a run for which nothing has changed."""
     status = situation.status
     over = status.phase == "finished" and not (status.stale or status.steered)
-    return has_particle_mode(situation) and has_image(situation) and status.phase != "running" and not over
+    return has_image(situation) and status.phase != "running" and not over

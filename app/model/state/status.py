@@ -23,8 +23,10 @@ class RunStatus:
         Whether the document's recipe differs from the one that the run started from.
     steered : bool
         Whether the run has ended and the document's parameters differ from those it ended with.
+    method : str
+        Name of the method that is run.
     steering : tuple
-        `Parameters.steering` of the last step.
+        `Method.steering` of the last step.
     step, count, scale : int
         Steps taken, particles, scale (0 is the image itself).
     epsilon : float
@@ -47,6 +49,7 @@ class RunStatus:
     busy: str = ""
     stale: bool = False
     steered: bool = False
+    method: str = "cpm"
     steering: tuple[object, ...] = ()
     step: int = 0
     count: int = 0

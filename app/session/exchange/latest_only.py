@@ -8,6 +8,8 @@ from collections.abc import Callable
 
 from PySide6.QtCore import QObject, Signal
 
+from app.session.exchange.mailbox import Mailbox
+
 log = logging.getLogger(__name__)
 
 
@@ -29,7 +31,7 @@ class Latest(QObject):
         super().__init__(parent)
         self._name = name
         self._lock = threading.Lock()
-        self._waiting: Callable[[], object] | None = None
+        self._waiting: Mailbox[Callable[[], object]] = Mailbox()
         self._thread: threading.Thread | None = None
 
     @property
@@ -40,15 +42,14 @@ class Latest(QObject):
     def ask(self, work: Callable[[], object]) -> None:
         """Do this instead of whatever is still waiting."""
         with self._lock:
-            self._waiting = work
+            self._waiting.put(work)
             if self._thread is None:
                 self._thread = threading.Thread(target=self._work, name=self._name, daemon=True)
                 self._thread.start()
 
     def forget(self) -> None:
         """Drop what is waiting."""
-        with self._lock:
-            self._waiting = None
+        self._waiting.take()
 
     def close(self) -> None:
         """Drop what is waiting and wait for what is being done."""
@@ -68,7 +69,7 @@ class Latest(QObject):
 
     def _next(self) -> Callable[[], object] | None:
         with self._lock:
-            work, self._waiting = self._waiting, None
+            work = self._waiting.take()
             if work is None:
                 self._thread = None
             return work

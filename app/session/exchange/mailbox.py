@@ -11,8 +11,8 @@ T = TypeVar("T")
 class Mailbox(Generic[T]):
     """One slot in which the newest wins; what was not taken in time is replaced, never queued.
 
-    Nobody waits for anybody: a deque of one place replaces and gives out its content in single strokes, where behind a
-    lock the window would have to wait for a worker that was interrupted while holding it.
+    No thread waits for another: a deque of one place replaces and gives out its content in single strokes, where behind
+    a lock the window would have to wait for a worker that was interrupted while holding it.
     """
 
     def __init__(self) -> None:
@@ -26,6 +26,14 @@ class Mailbox(Generic[T]):
         """Take what is there, or None; it is taken once."""
         try:
             return self._content.pop()
+        except IndexError:
+            return None
+
+    @property
+    def newest(self) -> T | None:
+        """What is there, without taking it, or None."""
+        try:
+            return self._content[-1]
         except IndexError:
             return None
 

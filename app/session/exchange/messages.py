@@ -5,20 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.model.display.shades import DisplayImage
-from app.session.exchange.contour_tracking import TrackedContours
+from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.timeline import Outline
 from cpm_core.contours.result import Result
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
-from cpm_core.particles.state import State
-from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.method import Method, MethodState
 from cpm_core.shapes.image_starts import ImageSeeds
 
 # Snapshots: the newest wins.
@@ -26,7 +27,7 @@ from cpm_core.shapes.image_starts import ImageSeeds
 
 @dataclass(frozen=True, eq=False, slots=True)
 class RunMetrics:
-    """The run so far, for plots: arrays of equal length, one entry a step.
+    """The run so far, for plots: arrays of equal length, one entry a step, NaN for what a method does not measure.
 
     Attributes
     ----------
@@ -64,7 +65,9 @@ class Snapshot:
     ----------
     generation : int
         The run that it belongs to.
-    state : State
+    method : str
+        Name of the method that is run.
+    state : MethodState
         The moment of the run, which is never changed.
     position : ndarray, shape (N, 2)
         (row, col) in px of the image.
@@ -79,7 +82,8 @@ class Snapshot:
     """
 
     generation: int
-    state: State
+    method: str
+    state: MethodState
     position: Array
     resting: NDArray[np.bool_]
     steps_per_second: float
@@ -89,11 +93,27 @@ class Snapshot:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Reconstruction:
-    """Contours of a recent snapshot, and what is known about them."""
+    """What a recent snapshot comes to.
+
+    Attributes
+    ----------
+    generation : int
+        The run that it belongs to.
+    result : Result or Skeleton
+        The contours.
+    tracked : TrackedContours or None
+        What is known about them; None for a skeleton.
+    """
 
     generation: int
-    result: Result
-    tracked: TrackedContours
+    result: Result | Skeleton
+    tracked: TrackedContours | None
+
+    @classmethod
+    def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
+        """The contours of a run with all that is found out about them."""
+        tracked = None if isinstance(result, Skeleton) else tracker.track(result, thorough)
+        return cls(generation, result, tracked)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -111,7 +131,7 @@ class Overlays:
 
 
 class Report:
-    """What the window must not miss; each kind is heard by whoever it concerns."""
+    """What the window must not miss; each kind is passed on to those whom it concerns."""
 
     __slots__ = ()
 
@@ -137,10 +157,10 @@ class Saved(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Opened(Report):
-    """An image has been read and its engine is ready, with the parameters asked for as far as the image has room."""
+    """An image has been read and a method is ready for it, with the parameters asked for as far as it has room."""
 
     image: Image
-    engine: Engine
+    method: Method[Any]
     shades: DisplayImage
     path: Path
     parameters: Parameters

@@ -47,7 +47,7 @@ def is_session(path: Path) -> bool:
 
 
 def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
-    """Read an image and build its engine, with as many scales as it has room for.
+    """Read an image and prepare the charged particles for it, with as many scales as it has room for.
 
     Parameters
     ----------
@@ -80,10 +80,10 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
     if parameters.scales > most:
         parameters = replace(parameters, scales=most)
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
-    engine = core.engine(image, parameters, None)
+    method = core.methods["cpm"](image, parameters, None)
     go_on()
     told, shown = (*image.notes, *notes), shades.of_image(image.values)
-    return Opened(image, engine, shown, path, parameters, told, sha256, saved)
+    return Opened(image, method, shown, path, parameters, told, sha256, saved)
 
 
 class Opener:

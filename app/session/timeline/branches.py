@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 from app.model.text.language import tr
 
 RunAction = TypeVar("RunAction")
-"""What leads from one state to the next; deeds that are equal lead from the same state to the same one."""
+"""What leads from one state to the next; actions that are equal lead from the same state to the same one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +39,9 @@ class Branch:
 
 @dataclass(eq=False, slots=True)
 class BranchNode(Generic[RunAction]):
-    """What is recorded of a branch: the deeds of its steps from the first on.
+    """What is recorded of a branch: the actions of its steps from the first on.
 
-    Each step has the deed that it was taken with and those by which its state was changed afterwards; of the first
+    Each step has the action that it was taken with and those by which its state was changed afterwards; of the first
     step, whose state is the parent's, only the latter.
     """
 
@@ -133,7 +133,7 @@ class Lineage(Generic[RunAction]):
         return any(other.parent == node.identity and other.first == step for other in self._lines.values())
 
     def repeated(self, here: BranchNode[RunAction], step: int, action: RunAction) -> BranchNode[RunAction] | None:
-        """The branch, the one given before others, that has already gone on from its step by this deed."""
+        """The branch, the one given before others, that has already gone on from its step by this action."""
         if step == here.last and len(self._lines) == 1:
             return None
         owner = self.owner(here, step)
@@ -150,7 +150,7 @@ class Lineage(Generic[RunAction]):
             self.touch()
 
     def descendant(self, node: BranchNode[RunAction]) -> BranchNode[RunAction] | None:
-        """Who would take the beginning of a branch over: of those that leave it last, one that changed nothing there.
+        """The branch that takes over the beginning of one: of those that leave it last, one that changed nothing there.
 
         Raises
         ------
@@ -169,7 +169,7 @@ class Lineage(Generic[RunAction]):
         return descendant
 
     def hand_over(self, node: BranchNode[RunAction], descendant: BranchNode[RunAction]) -> None:
-        """Let the heir of a branch have all that both have in common, and be what others come from."""
+        """Let the descendant of a branch have all that both have in common, and be what others come from."""
         fork = descendant.first
         common = node.actions[: fork - node.first + 1]
         descendant.actions = [*common[:-1], (*common[-1], *descendant.actions[0]), *descendant.actions[1:]]

@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters import Parameters
-from cpm_core.particles.state import State
-from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.method import Method, Steerable
 
 
 class RunAction(Protocol):
-    """Something done to a state; deeds that are equal lead from the same state to the same one."""
+    """Something done to a state; actions that are equal lead from the same state to the same one."""
 
     @property
     def regions(self) -> Regions | None:
-        """Regions of the engine by which it was done."""
+        """Regions of the method by which it was done."""
 
-    def apply(self, engine: Engine, state: State) -> State:
-        """Do it to a state, by an engine with these regions."""
+    def apply(self, method: Method[Any], state: Any) -> Any:
+        """Do it to a state of a method with these regions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +35,10 @@ class Stepped:
     charges: tuple[PlacedCharge, ...] = ()
     regions: Regions | None = None
 
-    def apply(self, engine: Engine, state: State) -> State:
+    def apply(self, method: Method[Any], state: Any) -> Any:
         """Take the step."""
         state = state.resumed() if state.stop_reason else state
-        return engine.step(state, self.parameters, self.charges)
+        return method.step(state, self.parameters, self.charges)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +48,10 @@ class Joined:
     seeds: bytes
     regions: Regions | None = None
 
-    def apply(self, engine: Engine, state: State) -> State:
-        """Put them in."""
-        return engine.joined(state, np.frombuffer(self.seeds).reshape(-1, 2))
+    def apply(self, method: Method[Any], state: Any) -> Any:
+        """Put them in; what moves no particles leaves its state as it is."""
+        seeds = np.frombuffer(self.seeds).reshape(-1, 2)
+        return method.joined(state, seeds) if isinstance(method, Steerable) else state
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +62,10 @@ class Erased:
     radius: float
     regions: Regions | None = None
 
-    def apply(self, engine: Engine, state: State) -> State:
-        """Take them out."""
-        return engine.erased(state, lambda places: polyline.distances(self.path, places) <= self.radius)
+    def apply(self, method: Method[Any], state: Any) -> Any:
+        """Take them out; what moves no particles leaves its state as it is."""
+
+        def inside(places: Array) -> ArrayLike:
+            return polyline.distances(self.path, places) <= self.radius
+
+        return method.erased(state, inside) if isinstance(method, Steerable) else state

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-import numpy as np
-from numpy.typing import NDArray
-
-from cpm_core.particles.state import State
+from cpm_core.segmentation.method import MethodState
 
 Place = tuple[int, int]
 """Branch that owns a state, and its step."""
@@ -34,7 +29,7 @@ class KeptStates:
         self.used = 0
         self.stride = 1
         self._budget = budget
-        self._states: dict[Place, State] = {}
+        self._states: dict[Place, MethodState] = {}
         self._lately: dict[Place, None] = {}
         self._fixed: dict[str, Place] = {}
         self._shared: dict[int, int] = {}
@@ -45,7 +40,7 @@ class KeptStates:
     def __contains__(self, place: object) -> bool:
         return place in self._states
 
-    def get(self, place: Place) -> State | None:
+    def get(self, place: Place) -> MethodState | None:
         """The state of a place, or None when it is not kept."""
         state = self._states.get(place)
         if state is not None and place in self._lately:
@@ -70,11 +65,11 @@ class KeptStates:
         if before is not None and before != place and before in self._states and before not in self._fixed.values():
             self._file(before)
 
-    def put(self, place: Place, state: State) -> None:
+    def put(self, place: Place, state: MethodState) -> None:
         """Keep a state, instead of what was kept of that place."""
         self.drop(place)
         self._states[place] = state
-        for array in _arrays(state):
+        for array in state.arrays():
             key = id(array)
             owners = self._shared.get(key, 0)
             self._shared[key] = owners + 1
@@ -90,7 +85,7 @@ class KeptStates:
         if state is None:
             return
         self._lately.pop(place, None)
-        for array in _arrays(state):
+        for array in state.arrays():
             owners = self._shared.pop(id(array)) - 1
             if owners:
                 self._shared[id(array)] = owners
@@ -147,16 +142,3 @@ class KeptStates:
             if self.stride > max(step for _, step in self._states):
                 gone = gone or [place for place in self._states if place not in fixed]
         return gone
-
-
-def _arrays(state: State) -> Iterator[NDArray[np.generic]]:
-    """The arrays of a state that it need not have in common with all others."""
-    particles = state.particles
-    yield particles.position
-    yield particles.velocity
-    yield particles.force
-    yield particles.distance
-    yield particles.identity
-    yield from state.coverage
-    if state.mesh is not None:
-        yield state.mesh.force

@@ -1,8 +1,8 @@
 """The timeline of a run: every step can be had again, and from any of them the run can go on otherwise.
 
-A step follows from the state before it and from what it was taken with, its deed, and from nothing else. So deeds are
-kept of all steps and states only of some, as far as the memory reaches; any other state is worked out anew from the
-nearest one before it, bit for bit the same. Nothing here knows of threads or of the window.
+A step follows from the state before it and from its action, and from nothing else. So actions are kept of all steps and
+states only of some, as far as memory reaches; any other state is worked out anew from the nearest one before it, bit
+for bit the same. Nothing here knows of threads or of the window.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from app.model.text.language import tr
 from app.session.timeline.branches import Branch, BranchNode, Lineage, RunAction
 from app.session.timeline.state_cache import KeptStates, Place
 from cpm_core.parameters import Parameters
-from cpm_core.particles.state import State
+from cpm_core.segmentation.method import MethodState
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -44,25 +44,21 @@ class Outline:
     parameters: Parameters | None = None
 
 
-class Timeline(Generic[RunAction]):
-    """The steps of a run and its branches, and the place among them where the run stands.
+class RecordedSteps(Generic[RunAction]):
+    """The steps of a run and its branches, any of which can be had again.
 
     Parameters
     ----------
-    again : callable
-        State and deed to the next state, always the same one.
+    apply : callable
+        State and action to the next state, always the same one.
     budget : int
         Most bytes that states may take; the first of the run and the one where it stands are kept in any case.
     """
 
-    def __init__(self, again: Callable[[State, RunAction], State], budget: int) -> None:
-        self._apply = again
+    def __init__(self, apply: Callable[[MethodState, RunAction], MethodState], budget: int) -> None:
+        self._apply = apply
         self._kept = KeptStates(budget)
         self._tree: Lineage[RunAction] = Lineage()
-        self._node: BranchNode[RunAction] | None = None
-        self._step = 0
-
-    # Looking
 
     @property
     def used(self) -> int:
@@ -91,6 +87,49 @@ class Timeline(Generic[RunAction]):
         """
         return self._tree.outline
 
+    def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
+        """Give the state of another step as `go` does, without going there."""
+        node = self._tree.known(branch)
+        return self._recover(node, min(max(step, self._tree.root.first), node.last), wanted)
+
+    def rename(self, branch: int, name: str) -> None:
+        """Give a branch another name; an empty one changes nothing."""
+        node = self._tree.known(branch)
+        if name.strip():
+            node.name = name.strip()
+            self._tree.touch()
+
+    def _place(self, node: BranchNode[RunAction], step: int) -> Place:
+        return (self._tree.owner(node, step).identity, step)
+
+    def _recover(self, node: BranchNode[RunAction], step: int, wanted: Callable[[], bool]) -> MethodState | None:
+        owner = self._tree.owner(node, step)
+        missing: list[tuple[BranchNode[RunAction], int]] = []
+        while (nearest := self._kept.get((owner.identity, step))) is None:
+            missing.append((owner, step))
+            if step > owner.first:
+                owner = self._tree.owner(owner, step - 1)
+                step -= 1
+            else:
+                owner = self._tree.owner(self._tree.parent(owner), step)
+        state = nearest
+        for its, at in reversed(missing):
+            if not wanted():
+                return None
+            for action in its.actions[at - its.first]:
+                state = self._apply(state, action)
+            self._kept.put((its.identity, at), state)
+        return state
+
+
+class Timeline(RecordedSteps[RunAction]):
+    """The steps of a run and its branches, and the place among them where the run stands."""
+
+    def __init__(self, apply: Callable[[MethodState, RunAction], MethodState], budget: int) -> None:
+        super().__init__(apply, budget)
+        self._node: BranchNode[RunAction] | None = None
+        self._step = 0
+
     @property
     def here(self) -> tuple[int, int] | None:
         """Branch and step where the run stands; None before it has begun."""
@@ -104,20 +143,6 @@ class Timeline(Generic[RunAction]):
         owner = self._tree.owner(self._node, self._step)
         return owner.actions[self._step - owner.first]
 
-    def reach(self, branch: int) -> int:
-        """The last step of a branch.
-
-        Raises
-        ------
-        ValueError
-            When there is no such branch.
-        """
-        return self._tree.known(branch).last
-
-    def follows(self, action: RunAction) -> bool:
-        """Whether taking this step from here would only repeat what is recorded."""
-        return self._tree.repeated(self._here(), self._step, action) is not None
-
     # Recording
 
     def clear(self) -> None:
@@ -126,7 +151,7 @@ class Timeline(Generic[RunAction]):
         self._kept.clear()
         self._node, self._step = None, 0
 
-    def begin(self, state: State) -> None:
+    def begin(self, state: MethodState) -> None:
         """Forget everything and begin with the first state of a run."""
         self.clear()
         node = self._tree.open(None, state.step, ())
@@ -135,8 +160,8 @@ class Timeline(Generic[RunAction]):
         self._kept.fix("first", (node.identity, state.step))
         self._kept.put((node.identity, state.step), state)
 
-    def record(self, action: RunAction, state: State) -> None:
-        """Add the step that a deed has led to from where the run stands.
+    def record(self, action: RunAction, state: MethodState) -> None:
+        """Add the step that an action has led to from where the run stands.
 
         Where it differs from what was recorded a new branch begins; where it does not the run goes on along the branch.
 
@@ -159,7 +184,7 @@ class Timeline(Generic[RunAction]):
         self._stand(node, state.step)
         self._kept.put((node.identity, state.step), state)
 
-    def amend(self, action: RunAction, state: State) -> None:
+    def amend(self, action: RunAction, state: MethodState) -> None:
         """Change the state where the run stands, without a step.
 
         What other steps have followed from stays as it is: the change then begins a new branch.
@@ -174,7 +199,7 @@ class Timeline(Generic[RunAction]):
 
     # Going
 
-    def go(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> State | None:
+    def go(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """Stand at another step, as near to it as the branch has one.
 
         Parameters
@@ -186,7 +211,7 @@ class Timeline(Generic[RunAction]):
 
         Returns
         -------
-        State or None
+        MethodState or None
             The state of that step, exactly as it was; None when it was no longer wanted.
 
         Raises
@@ -202,18 +227,6 @@ class Timeline(Generic[RunAction]):
             self._stand(node, step)
             self._kept.put(self._place(node, step), state)
         return state
-
-    def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> State | None:
-        """Give the state of another step as `go` does, without going there."""
-        node = self._tree.known(branch)
-        return self._recover(node, min(max(step, self._tree.root.first), node.last), wanted)
-
-    def rename(self, branch: int, name: str) -> None:
-        """Give a branch another name; an empty one changes nothing."""
-        node = self._tree.known(branch)
-        if name.strip():
-            node.name = name.strip()
-            self._tree.touch()
 
     def drop(self, branch: int) -> None:
         """Forget a branch; what others have in common with it stays with them.
@@ -251,28 +264,6 @@ class Timeline(Generic[RunAction]):
             self._tree.touch()
         self._node, self._step = node, step
         self._kept.fix("here", self._place(node, step))
-
-    def _place(self, node: BranchNode[RunAction], step: int) -> Place:
-        return (self._tree.owner(node, step).identity, step)
-
-    def _recover(self, node: BranchNode[RunAction], step: int, wanted: Callable[[], bool]) -> State | None:
-        owner = self._tree.owner(node, step)
-        missing: list[tuple[BranchNode[RunAction], int]] = []
-        while (nearest := self._kept.get((owner.identity, step))) is None:
-            missing.append((owner, step))
-            if step > owner.first:
-                owner = self._tree.owner(owner, step - 1)
-                step -= 1
-            else:
-                owner = self._tree.owner(self._tree.parent(owner), step)
-        state = nearest
-        for its, at in reversed(missing):
-            if not wanted():
-                return None
-            for action in its.actions[at - its.first]:
-                state = self._apply(state, action)
-            self._kept.put((its.identity, at), state)
-        return state
 
     def _inherit(self, node: BranchNode[RunAction], descendant: BranchNode[RunAction]) -> None:
         """Let a branch that leaves another one take its beginning over."""

@@ -12,14 +12,14 @@ from app.session.worker.run import Run
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CommandContext:
-    """The worker thread's own things; nobody else touches them.
+    """What belongs to the worker thread; no other thread touches it.
 
     Attributes
     ----------
     core : Core
         The core's functions.
     run : Run
-        Engine, state and parameters.
+        Method, state and parameters.
     report : callable
         Sends a report up.
     closing : callable

@@ -7,25 +7,65 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.model.display import shades
 from app.model.display.iso_lines import iso_lines
+from app.session.exchange.mailbox import Mailbox
+from app.session.exchange.messages import Overlays
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.parameters import Parameters
-from cpm_core.segmentation.engine import Engine
+from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.segmentation.method import Method
 
-Overlay = Callable[[Engine, Parameters, Sequence[PlacedCharge]], NDArray[np.generic]]
+Overlay = Callable[[Method[Any], Parameters, Sequence[PlacedCharge]], NDArray[np.generic]]
 
 OVERLAYS: Mapping[str, Overlay] = MappingProxyType(
     {
-        "edge_map": lambda engine, parameters, _: shades.of_edge_map(engine.edge_map(parameters)),
-        "field": lambda engine, parameters, charges: engine.field(parameters, 0, charges),
-        "potential": lambda engine, parameters, charges: shades.of_potential(engine.potential(parameters, charges)),
-        "iso_lines": lambda engine, parameters, charges: iso_lines(engine.potential(parameters, charges)),
+        "edge_map": lambda method, parameters, _: shades.of_edge_map(method.edge_map(parameters)),
+        "field": lambda method, parameters, charges: method.field(parameters, 0, charges),
+        "potential": lambda method, parameters, charges: shades.of_potential(method.potential(parameters, charges)),
+        "iso_lines": lambda method, parameters, charges: iso_lines(method.potential(parameters, charges)),
     }
 )
 """Shades of the edge map and of the potential, shape (H, W); direction in which edges and placed charges pull, shape
 (2, H, W); lines of equal potential, shape (M, 2), with a row of NaN behind each."""
+
+
+class OverlayMaker:
+    """Makes the overlays that are wanted anew when what they depend on has changed.
+
+    Parameters
+    ----------
+    made : Mailbox
+        Where the newest are left.
+    """
+
+    def __init__(self, made: Mailbox[Overlays]) -> None:
+        self._made = made
+        self._wanted: frozenset[str] = frozenset()
+        self._shown: tuple[object, ...] = ()
+
+    def want(self, names: frozenset[str]) -> None:
+        """Keep these up to date, and no others."""
+        self._wanted, self._shown = names, ()
+
+    def refresh(
+        self,
+        image_generation: int,
+        method: Method[Any] | None,
+        parameters: Parameters,
+        charges: Sequence[PlacedCharge],
+    ) -> None:
+        """Make those wanted where they differ from those last made; without a method there are none."""
+        if method is None or not self._wanted:
+            return
+        made_of = [getattr(parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "field"]
+        key = (method, self._wanted, charges, *made_of)
+        if key == self._shown:
+            return
+        arrays = {name: OVERLAYS[name](method, parameters, charges) for name in self._wanted}
+        self._made.put(Overlays(image_generation, arrays))
+        self._shown = key

@@ -2,43 +2,34 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import fields
 
 import numpy as np
 
 from app.session.exchange.messages import RunMetrics
-from cpm_core.dynamics.energies import kinetic_energy
 from cpm_core.numerics.types import Array
-from cpm_core.particles.state import State
 
 _FIRST_CAPACITY = 1024
-_POTENTIAL = [field.name for field in fields(RunMetrics)].index("potential")
+_NAMES = [field.name for field in fields(RunMetrics)]
 
 
 class RunRecord:
     """Grows by one entry a step; what it has given out is never written again."""
 
     def __init__(self) -> None:
-        self._rows: Array = np.empty((len(fields(RunMetrics)), _FIRST_CAPACITY))
+        self._rows: Array = np.empty((len(_NAMES), _FIRST_CAPACITY))
         self._length = 0
 
-    def record(self, state: State, potential: float | None = None) -> None:
-        """Add one step; where its potential energy is not given, the one before stands for it."""
+    def record(self, step: int, measures: Mapping[str, float]) -> None:
+        """Add one step; where the potential energy is not measured, the last one stands for it."""
         if self._length == self._rows.shape[1]:
             self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
-        if potential is None:
-            potential = float(self._rows[_POTENTIAL, self._length - 1]) if self._length else float("nan")
-        self._rows[:, self._length] = (
-            state.step,
-            state.epsilon,
-            state.count,
-            state.born,
-            state.deleted,
-            kinetic_energy(state),
-            potential,
-            state.scale,
-            state.next_identity,
-        )
+        row = {"step": float(step), **measures}
+        if self._length:
+            row.setdefault("potential", float(self._rows[_NAMES.index("potential"), self._length - 1]))
+        self._rows[:, self._length] = [row.get(name, math.nan) for name in _NAMES]
         self._length += 1
 
     def __len__(self) -> int:

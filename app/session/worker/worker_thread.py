@@ -1,10 +1,10 @@
-"""The worker thread: builds the engine and steps it, obeying commands in order between steps."""
+"""The worker thread: steps a method, obeying commands in order between steps."""
 
 from __future__ import annotations
 
 import queue
 import threading
-from collections import deque
+from collections import defaultdict, deque
 
 from app.session.core_functions import Core
 from app.session.exchange.error_messages import sentence
@@ -12,16 +12,17 @@ from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot
 from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command, Quit
+from app.session.worker.prepared_methods import PreparedMethods
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
 
 
 class WorkerThread:
-    """One thread that owns the engine.
+    """One thread that owns the run.
 
     Commands go down through `post`, in order and never lost; snapshots, contours and overlays come up through mailboxes
     in which the newest wins; the few things that must not be missed come up through `reports`. Nothing here calls back
-    into the window: whoever wants to know looks.
+    into the window, which looks for news itself.
 
     Parameters
     ----------
@@ -39,9 +40,9 @@ class WorkerThread:
         self._executed = 0
         self._waiting = False
         self._closing = False
-        self._last: dict[type[Command], Command] = {}
+        self._newest: defaultdict[type[Command], Mailbox[Command]] = defaultdict(Mailbox)
         core = core or Core()
-        self._run = Run(core.engine, self.snapshots, self.overlays, self.reconstructor)
+        self._run = Run(PreparedMethods(core.methods), self.snapshots, self.overlays, self.reconstructor)
         self._context = CommandContext(core, self._run, self.report, lambda: self._closing)
         self._thread = threading.Thread(target=self._work, name="cpm-engine", daemon=True)
         self._thread.start()
@@ -50,7 +51,7 @@ class WorkerThread:
         """Send a command; only ever from the window's thread."""
         self._posted += 1
         if command.latest_only:
-            self._last[type(command)] = command
+            self._newest[type(command)].put(command)
         self._commands.put(command)
 
     def report(self, report: Report) -> None:
@@ -111,7 +112,7 @@ class WorkerThread:
             self._reports.append(RunFailed(self._run.generation, sentence(error, "taking a step")))
 
     def _guarded_execute(self, command: Command) -> None:
-        if command.latest_only and command is not self._last[type(command)]:
+        if command.latest_only and command is not self._newest[type(command)].newest:
             return
         try:
             command.execute(self._context)

@@ -78,7 +78,8 @@ class FrameRenderer:
         """Draw a moment: red, green and blue, shape (H, W, 3)."""
         tracked = taken.contours.tracked if taken.contours is not None else None
         contours = ReviewedContours.of(tracked, self._scene.document.marks)
-        self._view.draw(replace(self._scene, snapshot=taken.moment, contours=contours, compared=taken.compared))
+        scene = replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours)
+        self._view.draw(replace(scene, compared=taken.compared))
         picture = QImage(*self._size, QImage.Format.Format_RGB32)
         painter = QPainter(picture)
         self._view.render(painter)

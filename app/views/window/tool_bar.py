@@ -63,8 +63,7 @@ class ToolBar(QToolBar):
                 bold = button.font()
                 bold.setBold(True)
                 metrics = QFontMetrics(bold)
-                longest = max(metrics.horizontalAdvance(text) for text in (tr("Run anew"), MODES["skeleton"].short))
-                button.setMinimumWidth(longest + 52)
+                button.setMinimumWidth(metrics.horizontalAdvance(tr("Run anew")) + 52)
 
 
 def _modes(actions: Actions) -> QWidget:

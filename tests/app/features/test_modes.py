@@ -14,8 +14,10 @@ from app.model.document.modes import MODES, mode_called, use_mode
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step
 from app.model.state.status import RunStatus
+from app.session.worker.commands.timeline import Seek
 from app.views.canvas.layers.contours.skeleton import by_thickness, disks
 from app.views.features.edit import modes as modes_part
+from cpm_core.formats import encoded
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Barrier, Circle, Everywhere
 
@@ -50,9 +52,9 @@ def test_what_is_said_and_enabled_follows_the_mode() -> None:
     assert "everywhere" in resolve(Situation(use_mode(drawn, "automatic"), ready)).hint
     skeleton = Situation(use_mode(drawn, "skeleton"), ready)
     assert "skeleton" in resolve(skeleton).hint
-    assert resolve(skeleton).run_text == "Skeleton"
-    assert not can_step(skeleton)
-    found = Situation(skeleton.document, ready, has_skeleton=True)
+    assert (resolve(skeleton).run_text, resolve(skeleton).state) == ("Run", "Ready")
+    assert can_step(skeleton)
+    found = Situation(Document(IMAGE, (), mode="skeleton"), RunStatus("finished", method="skeleton"))
     assert resolve(found).hint == ""
 
 
@@ -95,11 +97,10 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     session, layer = window.session, window.canvas_area.canvas.layers["skeleton"]
     hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
     assert not window.actions_by_name["export_skeleton"].isEnabled()
-    assert not window.actions_by_name["step"].isEnabled()
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     first = session.scene.skeleton
-    assert session.status.phase == "ready"
+    assert (session.status.phase, session.status.method, session.status.step) == ("finished", "skeleton", 3)
     assert "Skeleton:" in window.canvas_area.messages.text
     # The middle line of a disc of radius 18 is its centre.
     middle, radius = first.contours[0].points, first.radii[0]
@@ -110,8 +111,12 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     monkeypatch.setattr(modes_part, "ask_for_export", lambda parent, suggestion: str(path))
     window.actions_by_name["export_skeleton"].trigger()
     hand.wait(path.exists)
+    assert path.read_bytes() == encoded(first, ".csv")
     session.edit("change of smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
     hand.wait(lambda: session.scene.skeleton is not first and session.idle)
+    assert session.status.step == 6
+    session.edit("sure edge", lambda document: edits.set_parameter(document, "sure_edge", 0.5))
+    hand.wait(lambda: session.status.step == 9 and session.idle)
     hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
     assert session.scene.skeleton is None
     assert layer.counts == (0, 0)
@@ -142,3 +147,43 @@ def test_disks_have_the_radii_of_the_branch_and_do_not_crowd() -> None:
     assert len(found) == 6
     for index, disk in enumerate(found):
         assert np.hypot(disk[:, 0], disk[:, 1] - 20.0 * index) == pytest.approx(20.0)
+
+
+def test_a_skeleton_is_stepped_taken_back_and_held_like_any_run(window, hand) -> None:
+    session = window.session
+    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    shown = []
+    for step in (1, 2, 3):
+        hand.key(Qt.Key.Key_Period)
+        hand.wait(lambda step=step: session.status.step == step and session.idle)
+        shown.append(len(session.scene.snapshot.position))
+    assert min(shown[:2]) > 100 > shown[2] == 0  # the boundary, its axis, and what has become branches
+    assert session.status.phase == "finished"
+    assert session.scene.skeleton is not None
+    before = session.scene.skeleton.contours[0].points
+    session.post(Seek(session.generation, 1, 1))
+    hand.wait(lambda: session.status.step == 1 and session.idle)
+    assert (session.status.phase, session.scene.skeleton) == ("paused", None)
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    np.testing.assert_array_equal(session.scene.skeleton.contours[0].points, before)
+
+
+def test_a_run_of_particles_gives_way_to_the_skeleton_and_the_skeleton_to_particles(ready, hand) -> None:
+    session = ready.session
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    assert session.status.closed == 1
+    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    assert session.status.stale
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: session.scene.skeleton is not None and session.idle)
+    assert session.scene.contours.items == ()
+    assert not session.status.stale
+    hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
+    assert session.status.stale
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: session.status.phase == "finished" and session.idle)
+    assert (session.status.method, session.status.closed) == ("cpm", 1)

@@ -194,7 +194,7 @@ def test_a_wider_gap_bridges_at_rest_and_is_shown_and_told(window, hand, tmp_pat
     step = session.status.step
     assert (canvas.layers.contours.counts, canvas.layers.contours.bridged) == ((0, 1), 0)
     assert window.panels["run"].status.value("Bridged") == "no gap"
-    (contour,) = session._worker_thread._run.result().contours
+    (contour,) = session.scene.contours.result.contours
     gap = float(np.linalg.norm(contour.points[0] - contour.points[-1]))
     assert gap > 5.0
     slider = window.panels["parameters"].rows["max_gap"].slider

@@ -25,7 +25,7 @@ def held(ready, hand):
 def moment(window):
     """Engine, state and parameters of the run; nothing steps."""
     run = window.session._worker_thread._run
-    return run.engine, run.state, run.parameters
+    return run.method, run.state, run.parameters
 
 
 def test_the_forces_on_the_particle_under_the_pointer_are_those_of_the_engine(held, ready, hand):

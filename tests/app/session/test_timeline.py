@@ -31,7 +31,7 @@ def toy(count: int = 5) -> State:
 
 
 def toy_step(state: State, action: object) -> State:
-    """A step that no two deeds have in common, nor the same deed twice."""
+    """A step that no two actions have in common, nor the same action twice."""
     kind, value = action
     particles = state.particles
     position = particles.position * 1.000001 + value + state.step
@@ -124,7 +124,8 @@ class TimelineMachine(RuleBasedStateMachine):
         branches = {branch.identity: branch for branch in self.timeline.branches}
         assert branches.keys() == self.book.keys()
         for branch in branches.values():
-            assert self.timeline.reach(branch.identity) == len(self.book[branch.identity]) - 1
+            last = self.timeline.state(branch.identity, 10**6)
+            assert last is not None and last.step == len(self.book[branch.identity]) - 1
             assert branch.parent is None or branches[branch.parent].first <= branch.first
         assert sum(branch.parent is None for branch in branches.values()) == 1
 
@@ -155,7 +156,7 @@ def recorded(count: int, budget: int = AMPLE) -> tuple[Timeline, list[State]]:
     return timeline, states
 
 
-def test_going_on_by_the_same_deeds_repeats_the_branch_and_by_others_begins_one() -> None:
+def test_going_on_by_the_same_actions_repeats_the_branch_and_by_others_begins_one() -> None:
     timeline, states = recorded(10)
     (first,) = timeline.branches
     timeline.go(first.identity, 4)
@@ -271,7 +272,7 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
         action = features[step // 10]
         engine = engines[action.regions]
         states.append(engine.step(states[-1], action.parameters, action.charges))
-        record.record(states[-1])
+        record.record(states[-1].step, engine.measures(states[-1], action.parameters))
         recorded.record(action, states[-1], record)
     assert recorded.outline.kept <= 2
     for step in (49, 12, 31, 5):
@@ -290,7 +291,7 @@ def test_records_for_plots_follow_their_branches() -> None:
         nonlocal state
         for _ in range(count):
             state = toy_step(state, ("step", value))
-            record.record(replace(state, epsilon=float(value)))
+            record.record(state.step, {"epsilon": float(value)})
             recorded.record(("step", value), state, record)
 
     go_on(1, 20)

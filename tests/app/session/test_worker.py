@@ -16,17 +16,36 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.session.core_functions import Core
 from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import CommandFailed, Opened, RunFailed, SeedsFound, Snapshot, WentOn
+from app.session.exchange.messages import CommandFailed, Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
 from app.session.exchange.pacing import Pacer
-from app.session.worker.commands.run import Adopt, Discard, FindSeeds, Go, Halt, SetPace, SetParameters, Start, WarmUp
-from app.session.worker.commands.steering import PlaceCharges
+from app.session.tasks.tasks import Task
+from app.session.worker.commands.forces import Probe, Probed
+from app.session.worker.commands.run import (
+    Adopt,
+    Discard,
+    Export,
+    FindSeeds,
+    Go,
+    Halt,
+    SetPace,
+    SetParameters,
+    Start,
+    WarmUp,
+)
+from app.session.worker.commands.steering import Limit, PlaceCharges
 from app.session.worker.run_record import RunRecord
 from app.session.worker.worker_thread import WorkerThread
-from cpm_core import Image, Parameters, Regions, uniform_grid
+from cpm_core import Engine, Image, Parameters, Regions, uniform_grid
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.particles.coverage import Coverage, no_coverage
-from cpm_core.particles.state import Particles, State
+from cpm_core.particles.state import Particles
 from cpm_core.shapes import Barrier, Everywhere, Points, Region
+
+
+def disc() -> np.ndarray:
+    """A bright disc of radius 18 in the middle."""
+    row, col = np.indices((64, 64))
+    return np.where(np.hypot(row - 32, col - 32) < 18, 200.0, 20.0)
+
 
 DOCUMENT = Document(shapes=(Points(((5.0, 5.0), (6.0, 6.0))),))
 
@@ -49,15 +68,18 @@ class FakeState:
     steering: tuple[object, ...] = ()
     position: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
     particles: Particles = field(default_factory=lambda: Particles.at_rest(np.zeros((2, 2))))
-    coverage: Coverage = field(default_factory=lambda: no_coverage((4, 4)))
-    far: None = None
 
     def resumed(self) -> FakeState:
         return replace(self, stop_reason="")
 
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        return (self.position,)
+
 
 class FakeEngine:
     """An engine without physics."""
+
+    name, title, parameters, seeded = "cpm", "Fake", ("beta",), True
 
     def __init__(
         self, image: Image, parameters: Parameters, regions: Regions | None, made: list[FakeEngine] | None = None
@@ -65,7 +87,7 @@ class FakeEngine:
         self.image = image
         self.regions = regions
         self.scales = parameters.scales
-        self.parameters = parameters
+        self.of = parameters
         self.made = [] if made is None else made
         self.made.append(self)
         self.charges: list[tuple[PlacedCharge, ...]] = []
@@ -73,13 +95,15 @@ class FakeEngine:
         self.last_step = 10**9
         self.gate = threading.Event()
         self.gate.set()
+        self.reconstructing = threading.Event()
+        self.reconstructing.set()
 
     def start(self, seeds: np.ndarray) -> FakeState:
         self.seeds = seeds
         return FakeState()
 
     def with_regions(self, regions: Regions | None) -> FakeEngine:
-        return FakeEngine(self.image, self.parameters, regions, self.made)
+        return FakeEngine(self.image, self.of, regions, self.made)
 
     def step(self, state: FakeState, parameters: Parameters, charges: tuple[PlacedCharge, ...] = ()) -> FakeState:
         assert self.gate.wait(20)
@@ -97,10 +121,20 @@ class FakeEngine:
         self.states.append(following)
         return following
 
-    def energies(self, state: FakeState, parameters: Parameters, charges: object) -> SimpleNamespace:
-        return SimpleNamespace(kinetic=0.0, potential=0.0)
+    steering = staticmethod(lambda parameters: parameters.steering)
+    edge_map = field = potential = joined = erased = forces = lambda *_: None  # nothing here asks for them
+
+    def suits(self, parameters: Parameters) -> bool:
+        return parameters.scales == self.scales
+
+    def measures(self, state: FakeState, parameters: Parameters, thorough: bool = False) -> dict[str, float]:
+        return {"epsilon": state.epsilon, "count": state.count}
+
+    def positions(self, state: FakeState) -> np.ndarray:
+        return state.position
 
     def result(self, state: FakeState, parameters: Parameters) -> SimpleNamespace:
+        assert self.reconstructing.wait(20)
         return SimpleNamespace(contours=(), steps=state.step, spacing=(1.0, 1.0))
 
 
@@ -112,9 +146,16 @@ class Bench:
         self.warm = threading.Event()
         self.hold = threading.Event()
         self.hold.set()
-        core = Core(load_image=self._load, engine=self._build, export=lambda *_: None, warm_up=self._warm_up)
+        core = Core(
+            load_image=self._load,
+            methods={"cpm": self._build},
+            export=lambda result, _: self.written.append(result),
+            warm_up=self._warm_up,
+        )
         self.worker_thread = WorkerThread(core)  # type: ignore[arg-type]
         self.reports: list[object] = []
+        self.written: list[object] = []
+        self.shown: Reconstruction | None = None
 
     def _load(self, path: Path) -> Image:
         return Image(np.eye(64), source=path.name)
@@ -135,6 +176,12 @@ class Bench:
 
     def take(self) -> None:
         self.reports += self.worker_thread.reports()
+
+    def take_contours(self) -> Reconstruction | None:
+        """Show the newest contours, as a window does."""
+        newest = self.worker_thread.reconstructor.results.take()
+        self.shown = newest or self.shown
+        return newest
 
     def wait(self, condition: Callable[[], object]) -> None:
         end = time.monotonic() + 20
@@ -160,7 +207,7 @@ class Bench:
             snapshot = self.worker_thread.snapshots.take()
             if snapshot is not None:
                 newest.append(snapshot)
-            self.worker_thread.reconstructor.results.take()
+            self.take_contours()
             self.take()
             return self.worker_thread.idle
 
@@ -405,20 +452,16 @@ def test_a_mailbox_gives_the_newest_once() -> None:
     assert box.take() is None
 
 
-def a_state(step: int, epsilon: float, count: int) -> State:
-    """A moment of a run with so many particles."""
-    particles = Particles.at_rest(np.zeros((count, 2)))
-    return State(particles, particles.position, (8, 8), 0, no_coverage(()), step=step, epsilon=epsilon)
-
-
-def test_a_trace_given_out_never_changes() -> None:
+def test_a_record_given_out_never_changes() -> None:
     record = RunRecord()
-    record.record(a_state(1, 0.5, 10))
+    record.record(1, {"epsilon": 0.5, "count": 10.0, "potential": -3.0})
     first = record.metrics()
     for step in range(2, 3000):
-        record.record(a_state(step, 0.1, 20))
+        record.record(step, {"epsilon": 0.1, "count": 20.0})
     assert (first.step.tolist(), first.epsilon.tolist(), first.count.tolist()) == ([1.0], [0.5], [10.0])
     assert len(record.metrics().step) == 2999
+    assert set(record.metrics().potential.tolist()) == {-3.0}  # the last one that was measured
+    assert np.isnan(record.metrics().kinetic).all()
 
 
 def test_the_pacer_spaces_steps_evenly_and_does_not_make_up_for_a_pause() -> None:
@@ -452,3 +495,74 @@ def test_the_pace_can_be_changed_while_a_slow_step_is_waited_for(bench: Bench) -
     snapshot = bench.settle()
     assert snapshot is not None
     assert snapshot.state.step == 50
+
+
+def export(bench: Bench, shown: Reconstruction | None = None) -> None:
+    bench.worker_thread.post(Export(Task("Writing a.csv…"), shown, (), Path("a.csv")))
+
+
+def test_what_is_written_is_the_very_reconstruction_that_is_shown(bench: Bench) -> None:
+    bench.run_to_the_end(3)
+    export(bench)
+    bench.settle()
+    assert bench.written == [bench.shown.result]
+    assert bench.written[0].steps == 3
+
+
+def test_the_export_of_a_held_run_waits_for_the_contours_of_its_last_state(bench: Bench) -> None:
+    engine = bench.open()
+    engine.reconstructing.clear()
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
+    bench.worker_thread.post(Go(2, steps=5))
+    bench.wait(lambda: len(engine.states) == 5)
+    export(bench)
+    time.sleep(0.1)
+    assert bench.written == []
+    engine.reconstructing.set()
+    bench.settle()
+    assert [result.steps for result in bench.written] == [5]
+    assert bench.written == [bench.shown.result]
+
+
+def test_the_export_of_a_run_under_way_writes_what_was_shown_when_it_was_asked_for(bench: Bench) -> None:
+    engine = bench.open()
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
+    bench.worker_thread.post(Go(2))
+    bench.wait(lambda: bench.take_contours() is not None)
+    shown = bench.shown
+    steps = len(engine.states)
+    bench.wait(lambda: len(engine.states) > steps + 100)
+    export(bench, shown)
+    bench.wait(lambda: bench.written)
+    bench.worker_thread.post(Halt())
+    bench.settle()
+    assert bench.written == [shown.result]
+
+
+def test_before_there_are_contours_an_export_is_refused_in_words(bench: Bench) -> None:
+    bench.open()
+    bench.worker_thread.post(Start(2, 1, DOCUMENT))
+    export(bench)
+    bench.settle()
+    (failed,) = [report.sentence for report in bench.reports if isinstance(report, CommandFailed)]
+    assert "nothing to export yet" in failed
+    assert bench.written == []
+
+
+def test_no_forces_are_told_of_a_particle_that_a_new_region_takes_away(bench: Bench) -> None:
+    image = Image(disc())
+    engine = Engine(image, Parameters(scales=1))
+    bench.worker_thread.post(Adopt(1, Opened(image, engine, None, Path("disc.png"), Parameters(scales=1), ())))
+    document = Document(shapes=(Points(((32.0, 20.0), (32.0, 44.0), (20.0, 40.0))),), parameters=Parameters(scales=1))
+    bench.worker_thread.post(Start(2, 1, document))
+    right = Regions(interest=(((1, 30), (1, 62), (62, 62), (62, 30)),))
+    bench.worker_thread.post(Limit(2, right))
+    for place in ((32.0, 20.0), (20.0, 40.0)):
+        bench.worker_thread.post(Probe(2, place, 3.0))
+        bench.settle()
+    taken, stays = (report for report in bench.reports if isinstance(report, Probed))
+    assert (taken.identity, dict(taken.forces)) == (-1, {})
+    assert stays.identity == 2
+    alone = engine.with_regions(right)
+    expected = alone.forces(alone.start([(20.0, 40.0)]), Parameters(scales=1)).lorentz[0]
+    np.testing.assert_array_equal(stays.forces["lorentz"], expected)

@@ -104,7 +104,7 @@ def test_the_window_says_that_it_is_looking_for_places_and_what_went_wrong(windo
     def fail(*_: object) -> None:
         raise RuntimeError("out of places")
 
-    monkeypatch.setattr("app.session.worker.run.SeedCache.seeds_for", fail)
+    monkeypatch.setattr("app.session.worker.prepared_methods.SeedCache.seeds_for", fail)
     hand.key(*KEYS["centers"])
     assert window.panels["run"].status.state.startswith("Looking for places")
     hand.wait(lambda: window.session.idle)

@@ -248,3 +248,17 @@ def test_regions_without_edges_or_pixels_are_refused_when_they_are_moved(engine)
         )
     with pytest.raises(ValueError, match="region of interest 1 holds no pixel"):
         engine.with_regions(Regions(interest=(((300, 300), (300, 310), (310, 305)),)))
+
+
+def test_forces_are_those_of_the_particles_asked_for_after_a_region_was_drawn_on_a_held_run(engine):
+    held = walked(engine, engine.start(np.concatenate([LEFT, RIGHT])), ONE_SCALE, 10)[-1]
+    right = engine.with_regions(Regions(interest=(((0, 97), (0, 190), (95, 190), (95, 97)),)))
+    stays = held.position[:, 1] > 97.0
+    asked = np.flatnonzero(stays)[[-1, 0]]
+    alone = right.forces(right.erased(held, ~stays), ONE_SCALE)  # nobody there but those that the region leaves
+    found = right.forces(held, ONE_SCALE, index=[*asked, int(np.flatnonzero(~stays)[0])])
+    np.testing.assert_array_equal(found.total[:2], alone.total[[-1, 0]])
+    assert np.isnan(found.total[2]).all()
+    every = right.forces(held, ONE_SCALE)
+    np.testing.assert_array_equal(every.lorentz[stays], alone.lorentz)
+    assert np.isnan(every.lorentz[~stays]).all()

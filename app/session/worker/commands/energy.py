@@ -1,4 +1,4 @@
-"""Saying that somebody looks at what is not always worked out."""
+"""Asking for the energy where it is not always worked out."""
 
 from __future__ import annotations
 

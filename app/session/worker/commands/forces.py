@@ -13,6 +13,7 @@ from app.session.exchange.messages import Report
 from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from cpm_core.numerics.types import Array, Position
+from cpm_core.segmentation.method import Steerable
 
 NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
 """Forces that are told of: attributes of the core's `Forces`."""
@@ -63,9 +64,9 @@ class Probe(Command):
     activity = "working out the forces on a particle"
 
     def execute(self, context: CommandContext) -> None:
-        """Find it and ask the engine."""
-        engine, state = context.run.engine, context.run.state
-        if engine is None or state is None or self.generation != context.run.generation:
+        """Find it and ask the method."""
+        method, state = context.run.method, context.run.state
+        if not isinstance(method, Steerable) or state is None or self.generation != context.run.generation:
             context.report(Probed(self.generation, -1))
             return
         position = state.position
@@ -74,7 +75,10 @@ class Probe(Command):
         if nearest < 0 or distance[nearest] > self.reach:
             context.report(Probed(self.generation, state.step))
             return
-        found = engine.forces(state, context.run.parameters, state.charges, [nearest])
+        found = method.forces(state, context.run.parameters, context.run.charges, [nearest])
+        if np.isnan(found.total).any():  # new regions take it away at the next step
+            context.report(Probed(self.generation, state.step))
+            return
         size = 2.0**state.scale
         at = (float(position[nearest, 0]), float(position[nearest, 1]))
         forces = {name: size * getattr(found, name)[0] for name in NAMES}

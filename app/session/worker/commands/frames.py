@@ -57,7 +57,7 @@ class TakeFrame(Command):
         contours, beside = None, Compared(self.generation)
         if self.contours and moment.state.step > 0:
             result = run.result_of(moment.state)
-            contours = Reconstruction(self.generation, result, ContourTracker().track(result, thorough=False))
+            contours = Reconstruction.of(self.generation, result, ContourTracker(), thorough=False)
         if other is not None:
             found = run.result_of(other) if self.contours and other.step > 0 else None
             beside = Compared(self.generation, self.compared, other, other.position, found)

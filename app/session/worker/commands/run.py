@@ -13,10 +13,22 @@ from typing import ClassVar
 
 from app.model.document.document import Document
 from app.session.exchange.error_messages import sentence
-from app.session.exchange.messages import CommandFailed, Exported, Opened, Report, RunFailed, SeedsFound, WarmedUp
+from app.session.exchange.messages import (
+    CommandFailed,
+    Exported,
+    Opened,
+    Reconstruction,
+    Report,
+    RunFailed,
+    SeedsFound,
+    WarmedUp,
+)
 from app.session.tasks.tasks import Task
 from app.session.worker.command_context import CommandContext
+from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark, apply
+from cpm_core.formats import encoded
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters import Parameters
 from cpm_core.shapes.image_starts import NO_SEEDS
 
@@ -52,7 +64,7 @@ class Adopt(Command):
 
     def execute(self, context: CommandContext) -> None:
         """Change to it."""
-        context.run.use(self.generation, self.opened.engine, self.opened.parameters)
+        context.run.use(self.generation, self.opened.method, self.opened.parameters)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +76,7 @@ class Start(Command):
     document: Document
 
     def execute(self, context: CommandContext) -> None:
-        """Begin it; nobody moves yet."""
+        """Begin it; nothing moves yet."""
         if self.image_generation == context.run.image_generation:
             context.run.start(self.generation, self.document)
 
@@ -162,27 +174,79 @@ class FindSeeds(Command):
         return SeedsFound(self.image_generation, NO_SEEDS, sentence(error, "looking for places to start from"))
 
 
-@dataclass(frozen=True, slots=True)
-class Export(Command):
-    """Reconstruct and write what has not been rejected to a file whose suffix tells the format, unless given up."""
+@dataclass(frozen=True, eq=False, slots=True)
+class Deliver(Command):
+    """Give the contours that are seen, without those that have been rejected, to a file or to the clipboard.
 
-    path: Path
+    Attributes
+    ----------
+    task : Task
+        By which it can be given up.
+    shown : Reconstruction or None
+        The contours that the window shows, which count while the run goes on; of a run that is held those of its very
+        last state count, which the window shows as soon as they are made.
+    marks : tuple of Mark
+        What has been said about them.
+    """
+
     task: Task
+    shown: Reconstruction | None = None
     marks: tuple[Mark, ...] = ()
 
     def execute(self, context: CommandContext) -> None:
-        """Write it."""
+        """Deliver them, unless it has been given up."""
+
+        def wanted() -> bool:
+            return not (self.task.over or context.closing())
+
         try:
-            result = None if self.task.cancelled else context.run.result()
-            if result is not None and not self.task.cancelled:
-                context.core.export(apply(result, self.marks), self.path)
-                context.report(Exported(self.path))
+            found = context.run.reconstruction(self.shown, wanted) if wanted() else None
+            if found is not None and wanted():
+                result = found.result
+                self.deliver(context, result if isinstance(result, Skeleton) else apply(result, self.marks))
         finally:
             self.task.end()
+
+    def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
+        """Write them."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Export(Deliver):
+    """Write the contours to a file whose suffix tells the format."""
+
+    path: Path = Path()
+
+    def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
+        """Write them."""
+        context.core.export(result, self.path)
+        context.report(Exported(self.path))
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has been written."""
         return CommandFailed(sentence(error, f"writing {self.path.name}"))
+
+
+@dataclass(frozen=True, slots=True)
+class Copied(Report):
+    """What is to be put on the clipboard, as a file of this suffix would hold it."""
+
+    suffix: str
+    content: bytes
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Copy(Deliver):
+    """Make the contours ready for the clipboard, as a file of this suffix would hold them."""
+
+    suffix: str = ""
+
+    activity = "copying contours"
+
+    def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
+        """Make them ready."""
+        context.report(Copied(self.suffix, encoded(result, self.suffix)))
 
 
 @dataclass(frozen=True, slots=True)

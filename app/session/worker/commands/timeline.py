@@ -10,8 +10,9 @@ from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from cpm_core.contours.agreement import Agreement, agreement
 from cpm_core.contours.result import Result
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
-from cpm_core.particles.state import State
+from cpm_core.segmentation.method import MethodState
 
 
 def _always() -> bool:
@@ -20,7 +21,7 @@ def _always() -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Seek(Command):
-    """Hold the run and go to a step of a branch, unless by then somebody wants to be elsewhere."""
+    """Hold the run and go to a step of a branch, unless by then another step is wanted."""
 
     generation: int
     branch: int
@@ -116,11 +117,9 @@ class Compare(Command):
         if state is None:
             return
         result = run.result_of(state) if self.against is not None and state.step > 0 else None
-        apart = (
-            agreement(self.against.contours, result.contours)
-            if self.against is not None and result is not None
-            else None
-        )
+        apart = None
+        if self.against is not None and isinstance(result, Result):
+            apart = agreement(self.against.contours, result.contours)
         context.report(Compared(self.generation, self.branch, state, state.position, result, apart))
 
 
@@ -134,11 +133,11 @@ class Compared(Report):
         The run.
     branch : int or None
         The branch; None for nothing.
-    state : State or None
+    state : MethodState or None
         Its state.
     position : ndarray, shape (N, 2), or None
         Its particles (row, col) [px of the image].
-    result : Result or None
+    result : Result or Skeleton or None
         Its contours, where they were asked for.
     apart : Agreement or None
         How far they lie from those that are shown.
@@ -146,7 +145,7 @@ class Compared(Report):
 
     generation: int
     branch: int | None = None
-    state: State | None = None
+    state: MethodState | None = None
     position: Array | None = None
-    result: Result | None = None
+    result: Result | Skeleton | None = None
     apart: Agreement | None = None

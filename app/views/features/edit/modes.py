@@ -8,7 +8,7 @@ from pathlib import Path
 
 from app.model.document.document import Mode
 from app.model.document.modes import MODES, use_mode
-from app.model.state.situation import Condition
+from app.model.state.situation import Condition, has_contours
 from app.model.text.language import tr
 from app.views.widgets.entry import STATE, ActionSpec
 from app.views.window.dialogs import ask_for_export
@@ -46,7 +46,7 @@ class ModesFeature(Feature):
             shortcuts=("Ctrl+Shift+K",),
             tip=tr("Write the branches of the skeleton and their radii to a file."),
             icon="mode_skeleton",
-            when=lambda situation: situation.has_skeleton,
+            when=lambda situation: situation.status.method == "skeleton" and has_contours(situation),
         )
         return (*modes, export)
 
@@ -63,7 +63,7 @@ class ModesFeature(Feature):
         stem = Path(image.name).stem if image else "image"
         chosen = ask_for_export(self.context.window, f"{stem}_skeleton.svg")
         if chosen:
-            self.context.workspace.skeletons.export(chosen)
+            self.context.session.export(chosen)
 
 
 def _is(mode: Mode) -> Condition:

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.model.state.situation import has_contours, has_image
 from app.model.text.language import tr
-from app.session.features.copy_contours import Copied, copy_contours
+from app.session.worker.commands.run import Copied
 from app.views.widgets.entry import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 
@@ -37,7 +37,7 @@ class ClipboardFeature(Feature):
                 name=name,
                 menu="Edit",
                 text=text,
-                do=partial(copy_contours, self.context.session, suffix),
+                do=partial(self.context.session.copy_contours, suffix),
                 shortcuts=shortcuts,
                 tip=tr("Put the contours on the clipboard, for another program."),
                 gap=suffix == ".svg",

@@ -48,7 +48,7 @@ class RunningFeature(Feature):
                 name="run",
                 menu="Run",
                 text=tr("Run"),
-                do=self.context.workspace.toggle,
+                do=self.context.session.toggle,
                 shortcuts=("Space",),
                 tip=tr("Let the particles move, or hold them."),
                 icon="run",

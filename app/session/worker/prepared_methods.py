@@ -1,0 +1,67 @@
+"""The methods that are ready for an image, and what they start from there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from app.model.document.document import Document
+from app.model.document.modes import MODES
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
+from cpm_core.numerics.types import Array
+from cpm_core.parameters import Parameters
+from cpm_core.segmentation.method import METHODS, Method
+from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, SeedCache
+
+
+class PreparedMethods:
+    """Methods by name for the image that is open: made when a run needs them, and kept as long as the image.
+
+    Parameters
+    ----------
+    makers : mapping
+        For every name what makes a method of image, parameters and regions.
+    """
+
+    def __init__(self, makers: Mapping[str, Callable[[Image, Parameters, Regions | None], Method[Any]]]) -> None:
+        self._makers = makers
+        self._ready: dict[str, Method[Any]] = {}
+        self._image: Image | None = None
+        self._seed_cache: SeedCache | None = None
+
+    def use(self, method: Method[Any]) -> None:
+        """Begin with another image and the one method that is ready for it."""
+        self._ready = {method.name: method}
+        self._image = method.image
+        self._seed_cache = SeedCache(method.image)
+
+    def keep(self, method: Method[Any]) -> None:
+        """Keep a method in place of the one with other regions."""
+        self._ready[method.name] = method
+
+    def method(self, document: Document) -> Method[Any]:
+        """The method of a document's mode, in its regions."""
+        assert self._image is not None
+        name = MODES[document.mode].method
+        method = self._ready.get(name)
+        if method is None or not method.suits(document.parameters):
+            method = self._makers[name](self._image, document.parameters, document.regions)
+        elif method.regions != document.regions:
+            method = method.with_regions(document.regions)
+        self.keep(method)
+        return method
+
+    def seeds(self, document: Document) -> Array:
+        """Where a run of a document starts, shape (N, 2) [px]: nowhere if its method needs no seeds."""
+        if not METHODS[MODES[document.mode].method].seeded:
+            return np.zeros((0, 2))
+        return document.seeds(self.image_seeds(document))
+
+    def image_seeds(self, document: Document) -> ImageSeeds:
+        """Positions from which a document starts all over the image."""
+        if self._seed_cache is None:
+            return NO_SEEDS
+        return self._seed_cache.seeds_for(document.sowable, document.parameters.smoothing, document.regions)

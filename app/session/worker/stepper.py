@@ -1,0 +1,168 @@
+"""The state of a run and how it advances: steps, the way to others, and what is sent up after each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from app.session.exchange.mailbox import Mailbox
+from app.session.exchange.messages import Reconstruction, Snapshot
+from app.session.exchange.pacing import Pacer
+from app.session.timeline.run_actions import Stepped
+from app.session.worker.potential_energy import PotentialEnergySampler
+from app.session.worker.reconstruction import Reconstructor, Request
+from app.session.worker.recorded_run import RecordedRun
+from app.session.worker.run_record import RunRecord
+from cpm_core.contours.result import Result
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.parameters import Parameters
+from cpm_core.segmentation.method import Method, MethodState
+
+RESTING_SPEED = 0.1
+"""Speed under which a particle is shown as resting [px per unit of time]."""
+
+
+class Stepper:
+    """A method, its state and its parameters, stepped on the worker thread; only that thread touches it.
+
+    Parameters
+    ----------
+    snapshots : Mailbox
+        Where the newest particles are left.
+    reconstructor : Reconstructor
+        What makes contours of them.
+    """
+
+    def __init__(self, snapshots: Mailbox[Snapshot], reconstructor: Reconstructor) -> None:
+        self.pacer = Pacer()
+        self.recorded = RecordedRun()
+        self.energy_sampler = PotentialEnergySampler()
+        self.generation = 0
+        self.method: Method[Any] | None = None
+        self.state: MethodState | None = None
+        self.parameters = Parameters()
+        self.charges: tuple[PlacedCharge, ...] = ()
+        self._snapshots = snapshots
+        self._reconstructor = reconstructor
+        self._record = RunRecord()
+        self._remaining = 0.0
+
+    @property
+    def stepping(self) -> bool:
+        """Whether steps are to be taken."""
+        return self._remaining > 0
+
+    def go(self, steps: int | None) -> None:
+        """Step from now on, `steps` times or until told otherwise; a run that has ended only with other parameters."""
+        if self.method is None or self.state is None:
+            return
+        if self.state.stop_reason and self.state.steering != self.method.steering(self.parameters):
+            self.state = self.state.resumed()
+        if not self.state.stop_reason:
+            self._remaining = float("inf") if steps is None else self._remaining + steps
+            self.pacer.begin()
+
+    def halt(self) -> None:
+        """Stop and keep the particles."""
+        self._remaining = 0.0
+        self._reconstruct()
+
+    def discard(self, generation: int) -> None:
+        """Stop and forget the particles."""
+        self.generation = generation
+        self._remaining = 0.0
+        self.state = None
+        self._record = RunRecord()
+        self.recorded.clear()
+        self._reconstructor.forget()
+
+    def step(self) -> None:
+        """Take one step and send up what came of it."""
+        if self.method is None or self.state is None:
+            self._remaining = 0.0
+            return
+        method, parameters = self.method, self.parameters
+        state = self.state = method.step(self.state, parameters, self.charges)
+        self._remaining = 0.0 if state.stop_reason else self._remaining - 1
+        self.pacer.stepped()
+        thorough = self.energy_sampler.due(state.step, method.image.shape)
+        self._record.record(state.step, method.measures(state, parameters, thorough))
+        self.recorded.record(Stepped(parameters, self.charges, method.regions), state, self._record)
+        self._send()
+
+    def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
+        """Hold, and stand at another step of the timeline; nothing but that changes when it is no longer wanted."""
+        self._remaining = 0.0
+        there = self.recorded.go(branch, step, wanted)
+        if there is not None:
+            self.state, self._record = there
+            self._send(looking_back=True)
+
+    def drop_branch(self, branch: int) -> None:
+        """Forget a branch of the timeline; a run that stands on it goes back to where it began."""
+        before = self.state
+        self.state, self._record = self.recorded.drop(branch)
+        if self.state is not before:
+            self._remaining = 0.0
+        self._send(looking_back=True)
+
+    def tell(self) -> None:
+        """Send up how things stand, where there is anything."""
+        self._send()
+
+    def reconstruction(self, shown: Reconstruction | None, wanted: Callable[[], bool]) -> Reconstruction | None:
+        """The contours that a person sees: while a run goes on those `shown`, else those of its very last state.
+
+        Where these are still being made it waits for them; None when they are no longer wanted.
+        """
+        if self.stepping and shown is not None and shown.generation == self.generation:
+            return shown
+        found = self._reconstructor.latest(self.generation, wanted)
+        if found is None and wanted():
+            raise ValueError("There is nothing to export yet: let the particles run first.")
+        return found
+
+    def result_of(self, state: MethodState) -> Result | Skeleton:
+        """Contours of another state of the run."""
+        if self.method is None:
+            raise ValueError("There is no image to run on: open one first.")
+        return self.method.result(state, self.parameters)
+
+    def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
+        """Another moment of the run as it would be shown, without going there; None when no longer wanted."""
+        found = self.recorded.moment(branch, step, wanted)
+        return None if found is None else self._snapshot(*found)
+
+    def _keep_going(self) -> bool:
+        self._remaining = float("inf")
+        self.pacer.begin()
+        return True
+
+    def _send(self, looking_back: bool = False) -> None:
+        if self.state is not None:
+            self._snapshots.put(self._snapshot(self.state, self._record))
+            self._reconstruct(looking_back)
+
+    def _snapshot(self, state: MethodState, record: RunRecord) -> Snapshot:
+        assert self.method is not None
+        speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
+        return Snapshot(
+            generation=self.generation,
+            method=self.method.name,
+            state=state,
+            position=self.method.positions(state),
+            resting=speed < RESTING_SPEED,
+            steps_per_second=self.pacer.per_second,
+            metrics=record.metrics(),
+            timeline=self.recorded.outline,
+        )
+
+    def _reconstruct(self, looking_back: bool = False) -> None:
+        """Ask for contours; of the first state only to show that there are none, when the run goes back to it."""
+        if self.method is not None and self.state is not None and (self.state.step > 0 or looking_back):
+            # While a person scrubs, the next moment counts, and contours only of the one where that ends.
+            last = not self.stepping and not looking_back
+            self._reconstructor.ask(Request(self.generation, self.method, self.state, self.parameters, last))

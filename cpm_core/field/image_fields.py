@@ -1,0 +1,132 @@
+"""The fields of one image: edge map, Lorentz force and potential at every scale, built when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from typing import Self
+
+from numpy.typing import ArrayLike
+
+from cpm_core.field.placed_charge_cache import PlacedChargeCache, charged_force, charged_potential
+from cpm_core.field.placed_charges import Charges, PlacedCharge, at_scale, in_order
+from cpm_core.field.scale_field import ScaleField
+from cpm_core.field.scale_space import ScaleSpace
+from cpm_core.image.image import Image, as_plane
+from cpm_core.image.regions import Regions
+from cpm_core.numerics.types import Array
+from cpm_core.parameters import Parameters
+
+
+class ImageFields:
+    """An image and what it makes particles feel.
+
+    Parameters
+    ----------
+    values : array_like, shape (H, W), or Image
+        Image.
+    parameters : Parameters, optional
+        For the number of scales, and the fields to prepare at once.
+    regions : Regions, optional
+        Regions of interest, which particles stay in, and barriers, which they do not cross; the whole image by default.
+
+    Raises
+    ------
+    ValueError
+        When the image has no edges in the regions of interest, or fewer scales than asked for.
+    """
+
+    def __init__(
+        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
+    ) -> None:
+        parameters = parameters or Parameters()
+        self.image = as_plane(values)
+        array = self.image.values
+        if array.min() == array.max():
+            raise ValueError(
+                f"{self.image.source} is constant ({array.flat[0]:g} everywhere) and has no edges: "
+                "open an image that shows something."
+            )
+        self.regions = regions
+        if regions is not None:
+            regions.check(array.shape)
+        self._scale_space = ScaleSpace(array, parameters.scales, regions)
+        self._scale_space.prepare(parameters)
+        self._charged = PlacedChargeCache(array.shape)
+        self._latest = parameters
+        if regions is not None:
+            self._check_edges()
+
+    def with_regions(self, regions: Regions | None) -> Self:
+        """The same for other regions.
+
+        Parameters
+        ----------
+        regions : Regions or None
+            Regions of interest and barriers. Where only the barriers are others, nothing of the fields is built anew;
+            where the regions of interest are others, the image's gradient is taken over. A state of a run in the former
+            regions can be stepped in the new ones.
+
+        Returns
+        -------
+        Self
+            For as many scales.
+
+        Raises
+        ------
+        ValueError
+            When the image has no edges in the regions of interest, or one of them holds no pixel.
+        """
+        others = regions is not None and (self.regions is None or regions.interest != self.regions.interest)
+        if regions is not None and others:
+            regions.check(self.image.values.shape)
+        other = copy(self)
+        other.regions = regions
+        other._scale_space = self._scale_space.with_regions(regions)
+        other._charged = PlacedChargeCache(self.image.values.shape)
+        if others:
+            other._check_edges()
+        return other
+
+    @property
+    def scales(self) -> int:
+        """Levels of the pyramid."""
+        return len(self._scale_space)
+
+    def suits(self, parameters: Parameters) -> bool:
+        """Whether a run with these parameters can start in these fields, which have a fixed number of scales."""
+        return parameters.scales == self.scales
+
+    def scale_field(self, parameters: Parameters, scale: int = 0) -> ScaleField:
+        """Fields of a scale, built when they are first asked for."""
+        self._latest = parameters
+        return self._scale_space.at(scale, parameters)
+
+    def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
+        """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
+        return self.scale_field(parameters, scale).charges
+
+    def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
+        """Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.
+
+        Without any the vectors have at most unit length. The charges are in px of the image, whatever the scale.
+        """
+        return charged_force(
+            self.scale_field(parameters, scale), at_scale(in_order(charges), scale, self.image.shape), scale
+        )
+
+    def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
+        """Potential on the pixels of the image, shape (H, W) [grey levels], lowest where particles are drawn to.
+
+        That of the fixed charges, eq. (7), and that of placed ones, whose unit of force counts as the mean slope of the
+        former. The former is made when it is first asked for, and kept as long as the field.
+        """
+        return charged_potential(self.scale_field(parameters), at_scale(in_order(charges), 0, self.image.shape))
+
+    def _charged_field(self, parameters: Parameters, scale: int, charges: Charges) -> ScaleField:
+        """Fields of a scale with those of placed charges, which are in order."""
+        return self._charged.of(self.scale_field(parameters, scale), scale, charges)
+
+    def _check_edges(self) -> None:
+        if not self.scale_field(self._latest).edge_map.any():
+            raise ValueError("there are no edges in the regions of interest: draw them around what is to be found.")
