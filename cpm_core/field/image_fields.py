@@ -104,7 +104,7 @@ class ImageFields:
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
         """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
-        return self.scale_field(parameters, scale).charges
+        return self.scale_field(parameters, scale).fixed_charges
 
     def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.
