@@ -15,14 +15,14 @@ from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas_area import CanvasArea
 from app.views.canvas.pointer_readout import PointerReadout
 from app.views.features import FEATURES
-from app.views.features.file.files import FilesFeature
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
 from app.views.features.run.parameters import ParametersFeature
-from app.views.features.run.running import RunningFeature
-from app.views.features.view.looks import LooksFeature
+from app.views.features.run.run_control import RunControlFeature
+from app.views.features.view.appearance import AppearanceFeature
 from app.views.theme import theme
+from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.actions import Actions
-from app.views.widgets.entry import ActionSpec
 from app.views.window.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.garbage import GarbageCollector
@@ -72,8 +72,8 @@ class MainWindow(QMainWindow):
         )
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
         entries = [entry for feature in self.features.values() for entry in feature.entries()]
-        self.feature(FilesFeature).bring_in = self.feature(ParametersFeature).preset_files.take_in
-        self.feature(RecoveryFeature).keep(self.feature(FilesFeature).document_file)
+        self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.take_in
+        self.feature(RecoveryFeature).keep(self.feature(OpenSaveFeature).document_file)
         self.actions_by_name = Actions(self, (entry for entry in entries if isinstance(entry, ActionSpec)))
         self.menus = Menus(self.menuBar(), entries, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels()]
@@ -84,13 +84,13 @@ class MainWindow(QMainWindow):
         restore.triggered.connect(self.docks.restore)
         self.menus.add_section("View", (*(dock.toggleViewAction() for dock in self.docks), restore))
         self._palette_of_tools = ToolPalette(self.actions_by_name)
-        self._bar = ToolBar(self.actions_by_name, self.feature(RunningFeature).speed)
+        self._bar = ToolBar(self.actions_by_name, self.feature(RunControlFeature).speed)
         self.addToolBar(self._bar)
         self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, self._palette_of_tools)
         self.pointer_readout = PointerReadout(session, self.canvas_area.canvas)
         self.statusBar().addPermanentWidget(self.pointer_readout)
         session.status_changed.connect(self._show)
-        self.use_theme(self.feature(LooksFeature).theme())
+        self.use_theme(self.feature(AppearanceFeature).theme())
         self._show()
         self._restore_places()
         self.canvas_area.canvas.setFocus()
@@ -104,7 +104,7 @@ class MainWindow(QMainWindow):
 
     def open_image(self, path: str) -> None:
         """Open an image or a session; what was said about an earlier one is over."""
-        self.feature(FilesFeature).take([Path(path)])
+        self.feature(OpenSaveFeature).take([Path(path)])
 
     def use_theme(self, used: theme.Theme) -> None:
         """Take on a theme."""
@@ -152,7 +152,7 @@ class MainWindow(QMainWindow):
     def dropEvent(self, event: QDropEvent) -> None:
         """Take in the files dropped."""
         event.acceptProposedAction()
-        self.feature(FilesFeature).take_dropped(event.mimeData().urls())
+        self.feature(OpenSaveFeature).take_dropped(event.mimeData().urls())
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)

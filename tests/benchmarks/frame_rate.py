@@ -30,7 +30,7 @@ from app.session.core_functions import Core
 from app.session.exchange.messages import Snapshot
 from app.session.session import FRAME, Session
 from app.views.application import make_application
-from app.views.features.file.files import FilesFeature
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.result import Result
 from cpm_core.particles.initialization import uniform_grid
@@ -189,7 +189,7 @@ def measure(seconds: float, count: int | None = None, colour: str = "state") -> 
         f"canvas {window.canvas_area.canvas.width()} x {window.canvas_area.canvas.height()}, "
         f"at the end: {session.resolved.state}"
     )
-    window.feature(FilesFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
+    window.feature(OpenSaveFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
     window.close()
     return times
 

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.menus import MENUS
 
 BranchTree = Sequence[tuple[tuple[str, ...], str]]

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QListWidge
 from app.model.text.assets import asset
 from app.model.text.language import tr
 from app.views.help.guide_pages import PAGES, Page
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 
 _SIZE = QSize(780, 640)
 _PICTURE = 300

@@ -19,8 +19,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.model.display.display_image import DisplayImage
 from app.model.display.mosaic import COUNTS, Plan, Tile, pick, plan
-from app.model.display.shades import DisplayImage
 from app.model.document.document import NOTHING_TO_START_FROM
 from app.model.parameters.controls import controls
 from app.model.state.time_left import in_words

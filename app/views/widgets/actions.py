@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 from app.model.state.situation import Situation
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import STATE, TOGGLE, ActionSpec
+from app.views.widgets.action_spec import STATE, TOGGLE, ActionSpec
 
 PRIMARY = "run"
 """The action whose icon lies on the accent colour."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from PySide6.QtWidgets import QComboBox, QWidget
 
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 
 
 def choice(entries: Iterable[ActionSpec], current: str) -> QWidget:

@@ -15,7 +15,7 @@ from app.session.session import Session
 from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import ActionSpec, Submenu
+from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
 
 Area = Literal["left", "right", "bottom"]

@@ -9,8 +9,8 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QMenuBar
 
 from app.model.text.language import tr
+from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
-from app.views.widgets.entry import ActionSpec, Submenu
 
 MENUS = {
     "File": tr("&File"),

@@ -10,9 +10,9 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
-from app.model.display.shades import of_edge_map
+from app.model.display.display_image import of_edge_map
 from app.model.document import edits
-from app.views.features.run.running import RunningFeature
+from app.views.features.run.run_control import RunControlFeature
 from cpm_core import Engine, Parameters
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Circle
@@ -81,7 +81,7 @@ def test_single_steps_are_counted_one_by_one_and_none_is_lost(ready, hand) -> No
     hand.wait(lambda: ready.session.idle)
     assert ready.session.status.step == 7
     assert ready.session.status.phase == "paused"
-    assert len(ready.feature(RunningFeature)._snapshot.metrics.step) == 7
+    assert len(ready.feature(RunControlFeature)._snapshot.metrics.step) == 7
 
 
 def test_single_steps_are_the_engines_own(ready, hand) -> None:
@@ -92,7 +92,7 @@ def test_single_steps_are_the_engines_own(ready, hand) -> None:
         hand.key(KEY.Key_Period)
         state = engine.step(state, Parameters())
     hand.wait(lambda: ready.session.idle)
-    np.testing.assert_array_equal(ready.feature(RunningFeature)._snapshot.position, state.position)
+    np.testing.assert_array_equal(ready.feature(RunControlFeature)._snapshot.position, state.position)
 
 
 def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -> None:
@@ -111,7 +111,7 @@ def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -
     state = engine.step(state, changed)
     hand.wait(lambda: ready.session.idle)
     assert ready.session.generation == generation
-    np.testing.assert_array_equal(ready.feature(RunningFeature)._snapshot.position, state.position)
+    np.testing.assert_array_equal(ready.feature(RunControlFeature)._snapshot.position, state.position)
 
 
 def test_reset_leaves_the_drawing_and_nothing_of_the_run(ready, hand) -> None:
@@ -290,12 +290,12 @@ def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand) -> 
 
 
 def test_the_speed_control_offers_full_speed_and_limits_the_engine(ready, hand) -> None:
-    slider = ready.feature(RunningFeature).speed.slider
-    assert ready.feature(RunningFeature).speed._label.text() == "60 steps/s"
+    slider = ready.feature(RunControlFeature).speed.slider
+    assert ready.feature(RunControlFeature).speed._label.text() == "60 steps/s"
     slider.setValue(slider.maximum())
-    assert ready.feature(RunningFeature).speed._label.text() == "full speed"
+    assert ready.feature(RunControlFeature).speed._label.text() == "full speed"
     hand.key(KEY.Key_BracketLeft)
-    assert ready.feature(RunningFeature).speed._label.text() == "120 steps/s"
+    assert ready.feature(RunControlFeature).speed._label.text() == "120 steps/s"
 
 
 @pytest.mark.parametrize("name", ["beta", "ratio", "annealing"])

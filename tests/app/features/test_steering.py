@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.session.worker.commands.timeline import SetTimelineBudget
-from app.views.features.run.running import RunningFeature
+from app.views.features.run.run_control import RunControlFeature
 from app.views.features.run.timeline import TimelineFeature
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
@@ -22,7 +22,7 @@ CONTROL = Qt.KeyboardModifier.ControlModifier
 @pytest.fixture
 def shown(ready):
     """The newest snapshot."""
-    return lambda: ready.feature(RunningFeature)._snapshot
+    return lambda: ready.feature(RunControlFeature)._snapshot
 
 
 @pytest.fixture

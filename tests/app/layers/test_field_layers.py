@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app.model.display.display_image import of_potential
 from app.model.display.flow_lines import Seen, flow_lines
 from app.model.display.iso_lines import LINES, iso_lines
-from app.model.display.shades import of_potential
 from app.views.canvas.layers.fields.field import line_points
 
 SIDE = 120

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PySide6.QtCore import QPoint, Qt
 
-from app.model.display.shades import Window, of_image, window_without, windowed
+from app.model.display.display_image import Window, of_image, window_without, windowed
 from app.views.canvas.layers.image import image as image_layer
 
 IMAGES = arrays(np.float64, (5, 9), elements=st.floats(-1e4, 1e5, allow_subnormal=False, width=32))

@@ -7,16 +7,16 @@ from PySide6.QtCore import Qt
 
 from app.model.parameters.controls import controls
 from app.model.text.wording import WORDS, rich
-from app.views.features.file.preferring import PreferringFeature
-from app.views.panels.parameters.drawings import DRAWINGS
-from app.views.panels.parameters.parameter_drawing import ParameterDrawing
+from app.views.features.file.preferences import PreferencesFeature
+from app.views.panels.parameters.illustration import Illustration
+from app.views.panels.parameters.illustrations import ILLUSTRATIONS
 from cpm_core.parameters import PARAMETERS
 
 CONTROLS = {control.name: control for control in controls()}
 
 
 def test_every_control_has_words_and_a_drawing_and_nothing_else_has() -> None:
-    assert set(WORDS) == set(DRAWINGS) == set(CONTROLS) == {*PARAMETERS, "ratio"} - {"w1"}
+    assert set(WORDS) == set(ILLUSTRATIONS) == set(CONTROLS) == {*PARAMETERS, "ratio"} - {"w1"}
 
 
 def test_no_two_controls_are_called_the_same() -> None:
@@ -26,7 +26,7 @@ def test_no_two_controls_are_called_the_same() -> None:
 
 @pytest.mark.parametrize("name", CONTROLS)
 def test_a_drawing_changes_with_the_value_and_with_time(qtbot, name) -> None:
-    drawing, control = ParameterDrawing(), CONTROLS[name]
+    drawing, control = Illustration(), CONTROLS[name]
     qtbot.addWidget(drawing)
     span = control.slider_high - control.slider_low
     pictures = []
@@ -40,7 +40,7 @@ def test_a_drawing_changes_with_the_value_and_with_time(qtbot, name) -> None:
 
 @pytest.mark.parametrize("name", CONTROLS)
 def test_a_drawing_bears_every_value_that_may_be_typed(qtbot, name) -> None:
-    drawing, control = ParameterDrawing(), CONTROLS[name]
+    drawing, control = Illustration(), CONTROLS[name]
     qtbot.addWidget(drawing)
     for value in (control.low, control.high, "auto"):
         drawing.show_control(name, value)
@@ -117,7 +117,7 @@ def test_symbols_are_set_with_what_stands_lower() -> None:
 
 
 def test_the_preferences_offer_wording_motion_and_colours(window, hand) -> None:
-    dialog = window.feature(PreferringFeature).show()
+    dialog = window.feature(PreferencesFeature).show()
     wording, motion, colours = (dialog.rows[label] for label in ("Wording", "Drawings", "Colours"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
     wording.activated.emit(1)

@@ -13,8 +13,8 @@ from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
-from app.views.features.file.preferring import PreferringFeature
-from app.views.features.run.running import RunningFeature
+from app.views.features.file.preferences import PreferencesFeature
+from app.views.features.run.run_control import RunControlFeature
 from app.views.features.run.timeline import BUDGET, TimelineFeature
 from app.views.window.preferences_dialog import PreferencesDialog
 from cpm_core import Engine, Parameters
@@ -93,7 +93,7 @@ def test_scrubbing_back_shows_the_very_particles_of_that_step(rested, hand, fres
     assert rested.session.status.phase == "paused"
     np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
     assert rested.panels["run"].status.value("Step") == str(step)
-    assert len(rested.feature(RunningFeature)._snapshot.metrics.step) == step
+    assert len(rested.feature(RunControlFeature)._snapshot.metrics.step) == step
 
 
 def test_going_on_otherwise_from_an_earlier_step_keeps_both_branches(rested, hand, fresh) -> None:
@@ -333,7 +333,7 @@ def test_with_hardly_any_memory_every_step_is_still_exact(rested, hand, fresh) -
 
 
 def test_every_part_of_the_window_has_the_rows_that_it_brings(rested) -> None:
-    dialog = rested.feature(PreferringFeature).show()
+    dialog = rested.feature(PreferencesFeature).show()
     labels = {row.label for feature in rested.features.values() for row in feature.preferences()}
     assert {"Memory for steps", "In use now"} <= labels == set(dialog.rows)
     dialog.reject()
@@ -342,7 +342,7 @@ def test_every_part_of_the_window_has_the_rows_that_it_brings(rested) -> None:
 def test_the_state_gone_back_to_is_the_whole_state(rested, hand, fresh) -> None:
     navigation(rested).go(1, 33)
     settle(rested, hand, 33)
-    state = rested.feature(RunningFeature)._snapshot.state
+    state = rested.feature(RunControlFeature)._snapshot.state
     for name in ("position", "velocity", "force", "distance", "identity"):
         np.testing.assert_array_equal(getattr(state.particles, name), getattr(fresh[33].particles, name))
     assert replace(state, particles=fresh[33].particles).annealed == fresh[33].annealed

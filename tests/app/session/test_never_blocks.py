@@ -26,7 +26,7 @@ from app.model.document import edits
 from app.session.session import Session
 from app.views.application import make_application
 from app.views.canvas.layers.layer import Layer
-from app.views.features.file.files import FilesFeature
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core import Parameters, uniform_grid
 from cpm_core.shapes import Circle, Points
@@ -234,7 +234,7 @@ def test_nothing_blocks_the_window_while_it_runs(large: MainWindow, hand, qtbot)
 
 def test_nothing_blocks_the_window_while_it_is_worked_with(large: MainWindow, hand, qtbot, tmp_path: Path) -> None:
     session = large.session
-    document_file = large.feature(FilesFeature).document_file
+    document_file = large.feature(OpenSaveFeature).document_file
 
     def edit() -> None:
         for row in range(5):

@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
-from app.views.features.run.running import RunningFeature
+from app.views.features.run.run_control import RunControlFeature
 from cpm_core import Regions
 from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Region, Stroke
@@ -205,8 +205,8 @@ def test_a_limit_drawn_during_a_run_acts_in_it_at_once(ready, hand) -> None:
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
     assert session.generation == generation
-    assert len(ready.feature(RunningFeature)._snapshot.position) > 10
-    assert ready.feature(RunningFeature)._snapshot.position[:, 0].max() < 40.0 + PIXEL
+    assert len(ready.feature(RunControlFeature)._snapshot.position) > 10
+    assert ready.feature(RunControlFeature)._snapshot.position[:, 0].max() < 40.0 + PIXEL
 
 
 def test_a_region_beside_the_image_is_refused_in_a_sentence(ready, hand) -> None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from app.views.window.feature import Panel
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QMainWindow, QTabBar, QToolButton
 
 from app.session.storage.preferences import Preferences
 from app.views.main_window import MainWindow
 from app.views.window.docks import Docks
+from app.views.window.feature import Panel
 
 SIX = ("Parameters", "Layers", "Contours", "History", "Truth", "Mosaic")
 

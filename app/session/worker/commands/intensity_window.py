@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.model.display import shades
-from app.model.display.shades import DisplayImage, Window
+from app.model.display import display_image
+from app.model.display.display_image import DisplayImage, Window
 from app.session.exchange.messages import Report
 from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
@@ -43,7 +43,7 @@ class FindWindow(Command):
 
     def execute(self, context: CommandContext) -> None:
         """Find it."""
-        low, high = shades.window_without(self.image.values, self.percent)
+        low, high = display_image.window_without(self.image.values, self.percent)
         context.report(WindowFound(self.image, self.percent, low, high))
 
 
@@ -59,4 +59,4 @@ class Shade(Command):
 
     def execute(self, context: CommandContext) -> None:
         """Make them."""
-        context.report(Shaded(self.image, self.window, shades.windowed(self.image.values, self.window)))
+        context.report(Shaded(self.image, self.window, display_image.windowed(self.image.values, self.window)))

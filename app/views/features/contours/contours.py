@@ -14,7 +14,7 @@ from app.model.text.language import tr
 from app.views.canvas.naming import NameField
 from app.views.panels.contour_table import ContourPanel
 from app.views.theme.colours import fill_colours
-from app.views.widgets.entry import STATE, ActionSpec, Submenu
+from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)

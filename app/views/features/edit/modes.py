@@ -10,7 +10,7 @@ from app.model.document.document import Mode
 from app.model.document.modes import MODES, use_mode
 from app.model.state.situation import Condition
 from app.model.text.language import tr
-from app.views.widgets.entry import STATE, ActionSpec
+from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.dialogs import ask_for_export
 from app.views.window.feature import Feature
 

@@ -12,7 +12,7 @@ from app.model.state.situation import has_contours, has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.features.copy_contours import Copied, copy_contours
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 
 _KINDS = (

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from app.model.text.language import tr
 from app.views.help.cheat_sheet import CheatSheet
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature
 
 

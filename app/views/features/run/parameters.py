@@ -15,8 +15,8 @@ from app.session.storage.presets import PresetStore
 from app.views.panels.parameters.parameters import ParametersPanel
 from app.views.presets.preset_files import PresetFiles
 from app.views.theme.theme import Theme
+from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
 from app.views.widgets.choice import choice
-from app.views.widgets.entry import STATE, ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext, Panel
 

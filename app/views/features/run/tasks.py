@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from app.model.text.language import tr
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.task_bar import TaskBar
 

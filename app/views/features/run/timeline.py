@@ -15,7 +15,7 @@ from app.session.worker.commands.timeline import SetTimelineBudget
 from app.session.worker.recorded_run import MEGABYTE, MEGABYTES
 from app.views.panels.timeline.timeline_panel import TimelinePanel
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext, Panel
 

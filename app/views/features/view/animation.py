@@ -21,7 +21,7 @@ from app.views.film.filming import Filming
 from app.views.film.frame_renderer import FrameRenderer, frame_size, seen_part
 from app.views.film.strip_dialog import StripDialog, StripPlan
 from app.views.film.understudy import Told
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
 from cpm_core.formats.animations.snapshot_strip import strip, write_picture

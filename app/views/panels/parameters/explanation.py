@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWi
 from app.model.parameters.controls import Control
 from app.model.text.language import tr
 from app.model.text.wording import FIRST_WORDING, Wording
-from app.views.panels.parameters.parameter_drawing import ParameterDrawing
+from app.views.panels.parameters.illustration import Illustration
 
 _FULL_CONTRAST = 255.0
 
@@ -23,7 +23,7 @@ class Explanation(QWidget):
         super().__init__()
         self.setObjectName("explanation")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self.drawing = ParameterDrawing()
+        self.drawing = Illustration()
         self._control: Control | None = None
         self._wording: Wording = FIRST_WORDING
         self._brief = False

@@ -11,7 +11,7 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtWidgets import QCheckBox, QVBoxLayout, QWidget
 
-from app.model.display.shades import DisplayImage
+from app.model.display.display_image import DisplayImage
 from app.model.text.language import tr
 from app.session.features.contour_review import Item
 from app.session.session import Session

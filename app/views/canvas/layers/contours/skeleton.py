@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from app.model.display.shades import DisplayImage
+from app.model.display.display_image import DisplayImage
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.items.curves import Curves

@@ -8,7 +8,7 @@ import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
 
-from app.model.display.shades import DisplayImage
+from app.model.display.display_image import DisplayImage
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.items.curves import Curves

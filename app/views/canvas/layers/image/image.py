@@ -7,7 +7,7 @@ import math
 import pyqtgraph as pg
 from PySide6.QtWidgets import QWidget
 
-from app.model.display.shades import DisplayImage, Window, windowed
+from app.model.display.display_image import DisplayImage, Window, windowed
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.session import Session

@@ -6,8 +6,8 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
+from app.model.display.display_image import DisplayImage
 from app.model.display.lengths import Bar, bar
-from app.model.display.shades import DisplayImage
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.items.pinned import INK, MARGIN, Pinned

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pyqtgraph as pg
 
-from app.model.display.shades import DisplayImage
+from app.model.display.display_image import DisplayImage
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.session import Session

@@ -8,7 +8,7 @@ import pyqtgraph as pg
 from PySide6.QtGui import QColor
 
 from app.model.display.colouring import QUANTITIES, SHADES, Births, coloured
-from app.model.display.shades import DisplayImage
+from app.model.display.display_image import DisplayImage
 from app.model.text.language import tr
 from app.session.exchange.messages import Snapshot
 from app.session.session import Session

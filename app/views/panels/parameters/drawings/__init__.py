@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from app.views.panels.parameters.drawings import choosing, looking, moving
-from app.views.panels.parameters.drawings.sketch import Sketch
+from app.views.panels.parameters.illustrations import contours, image, particles
+from app.views.panels.parameters.illustrations.sketch import Sketch
 
 Drawing = Callable[[Sketch, float, float], None]
 
-DRAWINGS: Mapping[str, Drawing] = MappingProxyType(
+ILLUSTRATIONS: Mapping[str, Drawing] = MappingProxyType(
     {
         "beta": moving.damping,
         "ratio": moving.ratio,

@@ -13,14 +13,14 @@ from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.panels.layer_list.layers_panel import LayersPanel
-from app.views.widgets.entry import STATE, ActionSpec
+from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 _KEY = "layers/{layer}"
 """Preference that keeps what has been chosen about a layer."""
 
 
-class ViewingFeature(Feature):
+class LayersFeature(Feature):
     """What is seen of the image and of what lies over it."""
 
     def __init__(self, context: FeatureContext) -> None:

@@ -17,7 +17,7 @@ from app.session.exchange.messages import Exported, Opened, Report
 from app.session.features.import_points import PointsRead, read_points
 from app.session.storage.session_file import DocumentFile, Written
 from app.views.canvas.view_state import use_view_state, view_state
-from app.views.widgets.entry import ActionSpec, Submenu
+from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window import unsaved
 from app.views.window.dialogs import ask_for_export, ask_for_file, ask_where_to_save
 from app.views.window.feature import Feature, FeatureContext
@@ -29,7 +29,7 @@ _FOLDER, _EXPORTS = "files/folder", "files/exports"
 POINTS = ".csv"
 
 
-class FilesFeature(Feature):
+class OpenSaveFeature(Feature):
     """What is read and written."""
 
     def __init__(self, context: FeatureContext) -> None:

@@ -12,7 +12,7 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Snapshot
 from app.session.worker.commands.energy import WatchEnergy
 from app.views.panels.run.run_panel import RunPanel
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.speed import SpeedControl
 from app.views.window.feature import Feature, FeatureContext, Panel
 
@@ -24,7 +24,7 @@ _PLOTS = "run/plots"
 """Preference that keeps which plots are shown."""
 
 
-class RunningFeature(Feature):
+class RunControlFeature(Feature):
     """What drives a run and tells of it."""
 
     def __init__(self, context: FeatureContext) -> None:

@@ -10,14 +10,14 @@ from app.views.help.guide import Guide
 from app.views.help.help import show_about
 from app.views.help.tour import Tour
 from app.views.help.tour_stops import stops
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 
 SEEN = "tour/seen"
 """Preference: whether the tour has been shown."""
 
 
-class HelpingFeature(Feature):
+class HelpFeature(Feature):
     """What explains the program."""
 
     def __init__(self, context: FeatureContext) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from app.views.panels.parameters.drawings.sketch import CONTOUR, EDGE, LOST, MARK, WIDTH, Sketch, ease
+from app.views.panels.parameters.illustrations.sketch import CONTOUR, EDGE, LOST, MARK, WIDTH, Sketch, ease
 
 
 def max_gap(sketch: Sketch, value: float, t: float) -> None:

@@ -11,7 +11,7 @@ from app.model.state.situation import Condition, has_image
 from app.model.text.language import tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
-from app.views.widgets.entry import STATE, ActionSpec
+from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature
 from cpm_core.shapes import Everywhere, Kind
 
@@ -27,7 +27,7 @@ _STARTS: tuple[tuple[Kind, str, str, str], ...] = (
 )
 
 
-class DrawingFeature(Feature):
+class DrawFeature(Feature):
     """What the initialization and its limits are drawn with."""
 
     def entries(self) -> Sequence[ActionSpec]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from app.views.panels.parameters.drawings.sketch import EDGE, MARK, PARTICLE, REST, WIDTH, Sketch, ease
+from app.views.panels.parameters.illustrations.sketch import EDGE, MARK, PARTICLE, REST, WIDTH, Sketch, ease
 
 _FRAMES = 160
 

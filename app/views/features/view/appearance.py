@@ -10,8 +10,8 @@ from PySide6.QtGui import QGuiApplication
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.views.theme import theme
+from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.widgets.choice import choice
-from app.views.widgets.entry import STATE, ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
 
@@ -23,7 +23,7 @@ _CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
 _KEY = "theme"
 
 
-class LooksFeature(Feature):
+class AppearanceFeature(Feature):
     """The colours of the window."""
 
     def __init__(self, context: FeatureContext) -> None:

@@ -8,11 +8,11 @@ from app.model.document import edits
 from app.model.state.resolve import resolve
 from app.model.state.situation import can_redo, can_undo, has_selection, has_shapes
 from app.model.text.language import tr
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature
 
 
-class EditingFeature(Feature):
+class UndoSelectionFeature(Feature):
     """What changes the document without the pointer."""
 
     def entries(self) -> Sequence[ActionSpec]:
