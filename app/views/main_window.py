@@ -65,17 +65,17 @@ class MainWindow(QMainWindow):
             session=session,
             canvas_area=self.canvas_area,
             preferences=self.preferences,
-            entries=lambda: self.actions_by_name.entries,
+            action_specs=lambda: self.actions_by_name.specs,
             preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
             reveal=self._reveal,
             use_theme=self.use_theme,
         )
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
-        entries = [entry for feature in self.features.values() for entry in feature.entries()]
+        specs = [spec for feature in self.features.values() for spec in feature.action_specs()]
         self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.take_in
         self.feature(RecoveryFeature).keep(self.feature(OpenSaveFeature).document_file)
-        self.actions_by_name = Actions(self, (entry for entry in entries if isinstance(entry, ActionSpec)))
-        self.menus = Menus(self.menuBar(), entries, self.actions_by_name)
+        self.actions_by_name = Actions(self, (spec for spec in specs if isinstance(spec, ActionSpec)))
+        self.menus = Menus(self.menuBar(), specs, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels()]
         self.panels = {panel.name: panel.widget for panel in panels}
         self.docks = Docks(self, panels)
@@ -97,7 +97,7 @@ class MainWindow(QMainWindow):
         self._garbage.start()
 
     def feature(self, kind: type[P]) -> P:
-        """A part by its class."""
+        """A feature by its class."""
         feature = self.features[kind]
         assert isinstance(feature, kind)
         return feature
@@ -132,7 +132,7 @@ class MainWindow(QMainWindow):
         return super().event(event)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Disappear at once, then stop the worker; a part that has a reason may keep the window open."""
+        """Disappear at once, then stop the worker; a feature that has a reason may keep the window open."""
         if not all(feature.close() for feature in self.features.values()):
             event.ignore()
             return

@@ -11,7 +11,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.display import display_image
+from app.model.display.display_image import display_of_edge_map, display_of_potential
 from app.model.display.iso_lines import iso_lines
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.parameters import Parameters
@@ -21,11 +21,9 @@ Overlay = Callable[[Engine, Parameters, Sequence[PlacedCharge]], NDArray[np.gene
 
 OVERLAYS: Mapping[str, Overlay] = MappingProxyType(
     {
-        "edge_map": lambda engine, parameters, _: display_image.of_edge_map(engine.edge_map(parameters)),
+        "edge_map": lambda engine, parameters, _: display_of_edge_map(engine.edge_map(parameters)),
         "field": lambda engine, parameters, charges: engine.field(parameters, 0, charges),
-        "potential": lambda engine, parameters, charges: display_image.of_potential(
-            engine.potential(parameters, charges)
-        ),
+        "potential": lambda engine, parameters, charges: display_of_potential(engine.potential(parameters, charges)),
         "iso_lines": lambda engine, parameters, charges: iso_lines(engine.potential(parameters, charges)),
     }
 )

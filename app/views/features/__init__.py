@@ -1,4 +1,4 @@
-"""The parts of the window, in the order in which their entries stand in the menus."""
+"""The features of the window, in the order of their actions in the menus."""
 
 from __future__ import annotations
 

@@ -9,21 +9,21 @@ from PySide6.QtWidgets import QComboBox, QWidget
 from app.views.widgets.action_spec import ActionSpec
 
 
-def choice(entries: Iterable[ActionSpec], current: str) -> QWidget:
-    """A field that offers entries by their texts and does what the one chosen does.
+def choice(specs: Iterable[ActionSpec], current: str) -> QWidget:
+    """A field that offers actions by their texts and does what the one chosen does.
 
     Parameters
     ----------
-    entries : iterable of ActionSpec
+    specs : iterable of ActionSpec
         Alternatives.
     current : str
         Name of the one that holds.
     """
-    offered = list(entries)
+    offered = list(specs)
     field = QComboBox()
-    for entry in offered:
-        field.addItem(entry.text.replace("&", ""))
-    names = [entry.name for entry in offered]
+    for spec in offered:
+        field.addItem(spec.text.replace("&", ""))
+    names = [spec.name for spec in offered]
     field.setCurrentIndex(names.index(current) if current in names else 0)
     field.activated.connect(lambda index: offered[index].do())
     return field

@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
-from app.model.display.display_image import of_edge_map
+from app.model.display.display_image import display_of_edge_map
 from app.model.document import edits
 from app.views.features.run.run_control import RunControlFeature
 from cpm_core import Engine, Parameters
@@ -274,12 +274,12 @@ def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand) -> 
     hand.key(KEY.Key_4, CONTROL)
     hand.wait(lambda: len(seen) == 1)
     engine = Engine(window.pointer_readout._image, Parameters())
-    np.testing.assert_array_equal(seen[0].arrays.get("edge_map"), of_edge_map(engine.edge_map(Parameters())))
+    np.testing.assert_array_equal(seen[0].arrays.get("edge_map"), display_of_edge_map(engine.edge_map(Parameters())))
     assert seen[0].arrays.get("field") is None
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
     hand.wait(lambda: len(seen) == 2)
     np.testing.assert_array_equal(
-        seen[1].arrays.get("edge_map"), of_edge_map(engine.edge_map(Parameters(smoothing=2.0)))
+        seen[1].arrays.get("edge_map"), display_of_edge_map(engine.edge_map(Parameters(smoothing=2.0)))
     )
     window.panels["layers"].boxes["field"].click()
     hand.wait(lambda: len(seen) == 3)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.model.display.display_image import of_potential
+from app.model.display.display_image import display_of_potential
 from app.model.display.flow_lines import Seen, flow_lines
 from app.model.display.iso_lines import LINES, iso_lines
 from app.views.canvas.layers.fields.field import line_points
@@ -88,7 +88,7 @@ def test_lines_of_equal_potential_of_a_bowl_are_circles():
 
 def test_where_the_potential_is_higher_it_is_shown_no_darker():
     potential = ROW + 0.3 * COL
-    shown = of_potential(potential).ravel()[np.argsort(potential, axis=None)]
+    shown = display_of_potential(potential).ravel()[np.argsort(potential, axis=None)]
     assert (np.diff(shown.astype(int)) >= 0).all()
     assert (shown[0], shown[-1]) == (0, 255)
 
@@ -99,7 +99,7 @@ def test_potential_and_flow_lines_are_shown_when_asked_for(ready, hand):
     ready.actions_by_name["layer_potential"].trigger()
     hand.wait(lambda: potential._item.isVisible() and potential._lines.isVisible())
     engine = session._worker_thread._run.engine
-    assert np.array_equal(potential._item.image, of_potential(engine.potential(session.document.parameters)))
+    assert np.array_equal(potential._item.image, display_of_potential(engine.potential(session.document.parameters)))
     potential.choose("lines", False)
     assert not potential._lines.isVisible() or not session.idle
     hand.wait(lambda: session.idle)

@@ -1,4 +1,4 @@
-"""Every parameter is named, explained and drawn; the drawing follows its value and rests when nobody looks."""
+"""Every parameter is named, explained and drawn; the illustration follows its value and rests when nobody looks."""
 
 from __future__ import annotations
 
@@ -26,38 +26,38 @@ def test_no_two_controls_are_called_the_same() -> None:
 
 @pytest.mark.parametrize("name", CONTROLS)
 def test_a_drawing_changes_with_the_value_and_with_time(qtbot, name) -> None:
-    drawing, control = Illustration(), CONTROLS[name]
-    qtbot.addWidget(drawing)
+    illustration, control = Illustration(), CONTROLS[name]
+    qtbot.addWidget(illustration)
     span = control.slider_high - control.slider_low
     pictures = []
     for share in (0.02, 0.35, 0.98):
         value = control.slider_low + share * span
-        drawing.show_control(name, round(value) if control.whole else value)
-        pictures.append(drawing.picture(0.8))
+        illustration.show_control(name, round(value) if control.whole else value)
+        pictures.append(illustration.picture(0.8))
     assert all(one != other for index, one in enumerate(pictures) for other in pictures[:index]), name
-    assert drawing.picture(0.1) != drawing.picture(0.8)
+    assert illustration.picture(0.1) != illustration.picture(0.8)
 
 
 @pytest.mark.parametrize("name", CONTROLS)
 def test_a_drawing_bears_every_value_that_may_be_typed(qtbot, name) -> None:
-    drawing, control = Illustration(), CONTROLS[name]
-    qtbot.addWidget(drawing)
+    illustration, control = Illustration(), CONTROLS[name]
+    qtbot.addWidget(illustration)
     for value in (control.low, control.high, "auto"):
-        drawing.show_control(name, value)
+        illustration.show_control(name, value)
         for moment in (0.0, 0.5, 1.0):
-            assert not drawing.picture(moment).isNull()
+            assert not illustration.picture(moment).isNull()
 
 
 def test_a_drawing_moves_only_while_it_is_seen_and_motion_is_wanted(window, hand) -> None:
-    drawing = window.panels["parameters"].explanation.drawing
-    hand.wait(lambda: drawing.moving)
+    illustration = window.panels["parameters"].explanation.illustration
+    hand.wait(lambda: illustration.moving)
     window.actions_by_name["motion"].trigger()
-    assert not drawing.moving
+    assert not illustration.moving
     assert window.preferences.get("motion", True) is False
     window.actions_by_name["motion"].trigger()
-    assert drawing.moving
+    assert illustration.moving
     window.docks["layers"].raise_()
-    hand.wait(lambda: not drawing.moving)
+    hand.wait(lambda: not illustration.moving)
 
 
 @pytest.mark.parametrize("size", [(1000, 700), (1500, 1000)])
@@ -92,11 +92,11 @@ def test_the_drawing_follows_the_slider(window, hand) -> None:
     panel = window.panels["parameters"]
     row = panel.rows["annealing"]
     row.explained.emit(row.control)
-    before = panel.explanation.drawing.picture(0.8)
+    before = panel.explanation.illustration.picture(0.8)
     row.slider.setFocus()
     hand.qtbot.keyClick(row.slider, Qt.Key.Key_Home)
     assert window.session.document.parameters.annealing == pytest.approx(0.9)
-    assert panel.explanation.drawing.picture(0.8) != before
+    assert panel.explanation.illustration.picture(0.8) != before
 
 
 def test_words_and_formulas_are_switched_from_the_menu_and_kept(window, hand) -> None:
@@ -118,7 +118,7 @@ def test_symbols_are_set_with_what_stands_lower() -> None:
 
 def test_the_preferences_offer_wording_motion_and_colours(window, hand) -> None:
     dialog = window.feature(PreferencesFeature).show()
-    wording, motion, colours = (dialog.rows[label] for label in ("Wording", "Drawings", "Colours"))
+    wording, motion, colours = (dialog.rows[label] for label in ("Wording", "Illustrations", "Colours"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
     wording.activated.emit(1)
     assert window.actions_by_name["wording_formula"].isChecked()

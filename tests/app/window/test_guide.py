@@ -69,7 +69,7 @@ def test_a_link_opens_a_sample_and_another_a_page(window, hand, guide) -> None:
 def test_all_keys_are_listed(window, guide) -> None:
     guide.turn_to(KEYS)
     text = guide.text.toPlainText()
-    for entry in window.actions_by_name.entries:
+    for entry in window.actions_by_name.specs:
         if entry.shortcuts:
             assert entry.tip in text, entry.name
 

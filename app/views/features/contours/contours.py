@@ -39,7 +39,7 @@ class ContoursFeature(Feature):
         self.panel.buttons["reject"].clicked.connect(lambda: self._review.judge("rejected"))
         self.panel.buttons["name"].clicked.connect(self.panel.table.name_selected)
 
-    def entries(self) -> Sequence[ActionSpec | Submenu]:
+    def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, selection, verdicts, names, colours."""
         return (
             ActionSpec(

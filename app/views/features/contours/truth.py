@@ -33,7 +33,7 @@ class TruthFeature(Feature):
         self.truth.changed.connect(context.session.status_changed)
         self.truth.compared.connect(context.session.status_changed)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Load, forget, look at the worst."""
         return (
             ActionSpec(

@@ -30,7 +30,7 @@ _STARTS: tuple[tuple[Kind, str, str, str], ...] = (
 class DrawFeature(Feature):
     """What the initialization and its limits are drawn with."""
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Tools, starts everywhere, and a circle for those who have no pointer."""
         tools = [
             ActionSpec(

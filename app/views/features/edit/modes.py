@@ -20,7 +20,7 @@ _KEYS = {"shape": "Alt+1", "automatic": "Alt+2", "skeleton": "Alt+3"}
 class ModesFeature(Feature):
     """What a person is after, and the skeleton."""
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """One mode each, and the export of the skeleton."""
         modes = [
             ActionSpec(

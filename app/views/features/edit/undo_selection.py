@@ -15,7 +15,7 @@ from app.views.window.feature import Feature
 class UndoSelectionFeature(Feature):
     """What changes the document without the pointer."""
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Undo, redo, selection, deletion."""
         session = self.context.session
         return (

@@ -31,7 +31,7 @@ class ClipboardFeature(Feature):
         super().__init__(context)
         context.session.reported.connect(self._hear)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Contours in several formats, and the view."""
         contours = [
             ActionSpec(

@@ -46,7 +46,7 @@ class OpenSaveFeature(Feature):
         context.session.reported.connect(self._hear)
         self._name_window()
 
-    def entries(self) -> Sequence[ActionSpec | Submenu]:
+    def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Open, save, export, quit."""
         return (
             ActionSpec(

@@ -13,7 +13,7 @@ from app.views.window.preferences_dialog import PreferencesDialog
 class PreferencesFeature(Feature):
     """Opens the dialog of the preferences."""
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """The dialog."""
         return (
             ActionSpec(

@@ -25,7 +25,7 @@ class HelpFeature(Feature):
         self.guide: Guide | None = None
         self.tour: Tour | None = None
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Guide, keys, tour and about."""
         window = self.context.window
         return (
@@ -70,7 +70,7 @@ class HelpFeature(Feature):
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a page if one is named, or bring it to the front."""
         if self.guide is None:
-            self.guide = Guide(self.context.window, self.context.entries(), self._open_sample)
+            self.guide = Guide(self.context.window, self.context.action_specs(), self._open_sample)
             self.guide.destroyed.connect(self._forget_guide)
         if page:
             self.guide.turn_to(page)

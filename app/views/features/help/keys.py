@@ -13,7 +13,7 @@ from app.views.window.feature import Feature
 class KeysFeature(Feature):
     """What shows all keys."""
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """The cheat sheet."""
         return (
             ActionSpec(
@@ -31,6 +31,6 @@ class KeysFeature(Feature):
         for sheet in open_ones:
             sheet.close()
         if not open_ones:
-            sheet = CheatSheet(self.context.window, self.context.entries())
+            sheet = CheatSheet(self.context.window, self.context.action_specs())
             sheet.show()
             sheet.activateWindow()

@@ -43,7 +43,7 @@ class RunControlFeature(Feature):
         context.session.status_changed.connect(self._show)
         context.session.snapshot_changed.connect(self._keep)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Run, step, reset, speed."""
         session = self.context.session
         return (

@@ -20,7 +20,7 @@ class TasksFeature(Feature):
         context.window.statusBar().addPermanentWidget(self.bar)
         context.session.tasks.changed.connect(context.session.status_changed)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Give up."""
         tasks = self.context.session.tasks
         return (

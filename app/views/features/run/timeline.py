@@ -41,7 +41,7 @@ class TimelineFeature(Feature):
         context.preferences.changed.connect(lambda key: self._use_budget() if key == BUDGET else None)
         self._use_budget()
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Ways through the timeline."""
         return (*self._single_steps(), *self._far())
 

@@ -55,7 +55,7 @@ class AnimationFeature(Feature):
         self._strip_dialog: StripDialog | None = None
         context.session.reported.connect(self._hear)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Both exports."""
         return (
             ActionSpec(

@@ -32,7 +32,7 @@ class AppearanceFeature(Feature):
         self._following = True
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._follow_desktop)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """The choices."""
         return [
             ActionSpec(
@@ -51,9 +51,9 @@ class AppearanceFeature(Feature):
 
     def preferences(self) -> Sequence[PreferenceRow]:
         """Light or dark."""
-        section, entries = tr("Looks"), self.entries()
+        section, specs = tr("Appearance"), self.action_specs()
         return (
-            PreferenceRow(section=section, label=tr("Colours"), make=lambda: choice(entries, f"theme_{self._chosen}")),
+            PreferenceRow(section=section, label=tr("Colours"), make=lambda: choice(specs, f"theme_{self._chosen}")),
         )
 
     def theme(self) -> theme.Theme:

@@ -29,7 +29,7 @@ class MosaicFeature(Feature):
         self._shades: DisplayImage | None = None
         context.session.image_changed.connect(self._keep)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Open it."""
         return (
             ActionSpec(

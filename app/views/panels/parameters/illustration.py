@@ -1,4 +1,4 @@
-"""The small animated drawing that shows what a parameter does at the value that it has."""
+"""The small animated illustration that shows what a parameter does at the value that it has."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ import math
 import pyqtgraph as pg
 from PySide6.QtWidgets import QWidget
 
-from app.model.display.display_image import DisplayImage, Window, windowed
+from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.session import Session
@@ -148,15 +148,15 @@ class ImageLayer(Layer):
         if self._image is None or self._whole is None:
             return
         window = self._wanted()
-        if window == Window(*self._ends):
+        if window == IntensityWindow(*self._ends):
             self._draw(self._whole)
         elif self._image.values.size <= _AT_ONCE:
-            self._draw(windowed(self._image.values, window))
+            self._draw(apply_window(self._image.values, window))
         else:
             self.session.post(Shade(self._image, window))
 
-    def _wanted(self) -> Window:
-        return Window(*self._window, self.number("gamma"))
+    def _wanted(self) -> IntensityWindow:
+        return IntensityWindow(*self._window, self.number("gamma"))
 
     def _hear(self, report: Report) -> None:
         match report:

@@ -1,4 +1,4 @@
-"""Drawings of which contours are kept: gaps, strength, contrast, length."""
+"""Illustrations of which contours are kept: gaps, strength, contrast, length."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drawings of what is taken from the image: smoothing, scales, the floor of edges, the frame."""
+"""Illustrations of what is taken from the image: smoothing, scales, the floor of edges, the frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drawings of what the particles obey: damping, weights, annealing, time step, spacing."""
+"""Illustrations of what the particles obey: damping, weights, annealing, time step, spacing."""
 
 from __future__ import annotations
 
