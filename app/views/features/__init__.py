@@ -9,6 +9,7 @@ from app.views.features.edit.history import HistoryFeature
 from app.views.features.edit.modes import ModesFeature
 from app.views.features.edit.undo_selection import UndoSelectionFeature
 from app.views.features.file.clipboard import ClipboardFeature
+from app.views.features.file.export import ExportFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature
@@ -26,6 +27,7 @@ from app.views.window.feature import Feature
 
 FEATURES: tuple[type[Feature], ...] = (
     OpenSaveFeature,
+    ExportFeature,
     RecoveryFeature,
     AnimationFeature,
     UndoSelectionFeature,

@@ -149,3 +149,12 @@ def test_about_names_the_paper(window, qtbot) -> None:
     about = show_about(window)
     assert "charged particles" in about.text()
     about.close()
+
+
+def test_a_change_of_a_parameter_is_shown_once(window, monkeypatch) -> None:
+    panel = window.panels["parameters"]
+    shown = []
+    show = panel.rows["beta"].show_value
+    monkeypatch.setattr(panel.rows["beta"], "show_value", lambda *values: (shown.append(values), show(*values)))
+    panel.rows["beta"].slider.setValue(panel.rows["beta"].slider.maximum())
+    assert [value for value, _ in shown] == [window.session.document.parameters.beta]

@@ -41,6 +41,9 @@ class ContoursFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, selection, verdicts, names, colours."""
+        return (*self._selection(), *self._verdicts(), *self._marks())
+
+    def _selection(self) -> Sequence[ActionSpec]:
         return (
             ActionSpec(
                 name="contour_table",
@@ -69,6 +72,10 @@ class ContoursFeature(Feature):
                 tip=tr("Select all contours."),
                 when=self._any,
             ),
+        )
+
+    def _verdicts(self) -> Sequence[ActionSpec]:
+        return (
             ActionSpec(
                 name="keep",
                 menu="Contours",
@@ -88,6 +95,10 @@ class ContoursFeature(Feature):
                 tip=tr("Leave the selected contours out of what is exported; once more takes it back."),
                 when=self._chosen,
             ),
+        )
+
+    def _marks(self) -> Sequence[ActionSpec | Submenu]:
+        return (
             ActionSpec(
                 name="name_contour",
                 menu="Contours",

@@ -32,7 +32,10 @@ class DrawFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Tools, starts everywhere, and a circle for those who have no pointer."""
-        tools = [
+        return (*self._tools(), *self._starts(), *self._by_keys())
+
+    def _tools(self) -> Sequence[ActionSpec]:
+        return [
             ActionSpec(
                 name=tool.name,
                 menu="Draw",
@@ -48,7 +51,9 @@ class DrawFeature(Feature):
             )
             for index, tool in enumerate(TOOLS)
         ]
-        starts = [
+
+    def _starts(self) -> Sequence[ActionSpec]:
+        return [
             ActionSpec(
                 name=f"start_{kind}",
                 menu="Draw",
@@ -64,6 +69,8 @@ class DrawFeature(Feature):
             )
             for index, (kind, text, keys, tip) in enumerate(_STARTS)
         ]
+
+    def _by_keys(self) -> Sequence[ActionSpec]:
         middle = ActionSpec(
             name="add_circle",
             menu="Draw",
@@ -82,7 +89,7 @@ class DrawFeature(Feature):
             tip=tr("Show a cross-hair that arrow keys move, for the tool in use; Enter on the image does the same."),
             when=has_image,
         )
-        return (*tools, *starts, middle, keyed)
+        return middle, keyed
 
     def _toggle(self, start: Everywhere) -> None:
         session = self.context.session

@@ -17,6 +17,9 @@ class UndoSelectionFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Undo, redo, selection, deletion."""
+        return (*self._undo(), *self._selection())
+
+    def _undo(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
             ActionSpec(
@@ -43,6 +46,11 @@ class UndoSelectionFeature(Feature):
                 when=can_redo,
                 worded=lambda situation: resolve(situation).redo_text,
             ),
+        )
+
+    def _selection(self) -> Sequence[ActionSpec]:
+        session = self.context.session
+        return (
             ActionSpec(
                 name="select_next",
                 menu="Edit",

@@ -1,4 +1,4 @@
-"""Opening, saving, exporting."""
+"""Opening and saving."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from PySide6.QtWidgets import QMenu
 from app.model.document import edits
 from app.model.document.samples import sample_at, samples
 from app.model.parameters.presets import SUFFIX as PRESET
-from app.model.state.situation import has_contours, has_image
+from app.model.state.situation import has_image
 from app.model.text.language import tr
-from app.session.exchange.messages import Exported, Opened, Report
+from app.session.exchange.messages import Opened, Report
 from app.session.features.import_points import PointsRead, read_points
 from app.session.storage.session_file import DocumentFile, Written
 from app.views.canvas.view_state import use_view_state, view_state
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window import unsaved
-from app.views.window.dialogs import ask_for_export, ask_for_file, ask_where_to_save
+from app.views.window.dialogs import ask_for_file, ask_where_to_save
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.recent_files import RecentFiles
 
-_FOLDER, _EXPORTS = "files/folder", "files/exports"
-"""Preferences: folders of what was opened or saved, and exported, last."""
+_FOLDER = "files/folder"
+"""Preference: folder of what was opened or saved last."""
 
 POINTS = ".csv"
 
 
 class OpenSaveFeature(Feature):
-    """What is read and written."""
+    """What is read, and the session file."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -39,7 +39,6 @@ class OpenSaveFeature(Feature):
         self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
         self.bring_in: Callable[[Path], None] | None = None
         """Takes in the file of a preset; the window knows who does."""
-        self._exported: Path | None = None
         self.document_file.changed.connect(self._name_window)
         self.document_file.restored.connect(lambda state: use_view_state(canvas, state))
         context.session.document_changed.connect(lambda _: self._name_window())
@@ -47,7 +46,7 @@ class OpenSaveFeature(Feature):
         self._name_window()
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
-        """Open, save, export, quit."""
+        """Open, save, quit."""
         return (
             ActionSpec(
                 name="open",
@@ -82,7 +81,6 @@ class OpenSaveFeature(Feature):
                 tip=tr("Save the session to another file, and keep to that."),
                 when=has_image,
             ),
-            *self._exports(),
             ActionSpec(
                 name="quit",
                 menu="File",
@@ -146,37 +144,6 @@ class OpenSaveFeature(Feature):
 
     # Inside
 
-    def _exports(self) -> Sequence[ActionSpec]:
-        return (
-            ActionSpec(
-                name="export",
-                menu="File",
-                text=tr("&Export contours…"),
-                short=tr("Export"),
-                do=self._export,
-                shortcuts=("Ctrl+E",),
-                tip=tr("Write the contours to a file."),
-                icon="export",
-                gap=True,
-                when=has_contours,
-            ),
-            ActionSpec(
-                name="export_again",
-                menu="File",
-                text=tr("Export a&gain"),
-                do=self._export_again,
-                shortcuts=("Ctrl+Shift+E",),
-                tip=tr("Write the contours to the same file as the last time."),
-                when=lambda situation: has_contours(situation) and self._exported is not None,
-                worded=lambda situation: self._again_text(),
-            ),
-        )
-
-    def _again_text(self) -> str:
-        if self._exported is None:
-            return tr("Export a&gain")
-        return tr("Export a&gain to {name}").format(name=self._exported.name.replace("&", "&&"))
-
     def _fill_samples(self, menu: QMenu) -> None:
         for sample in samples():
             action = menu.addAction(sample.title)
@@ -197,19 +164,6 @@ class OpenSaveFeature(Feature):
         chosen = ask_where_to_save(self.context.window, str(folder / self.document_file.name))
         return Path(chosen) if chosen else None
 
-    def _export(self) -> None:
-        image, last = self.context.session.document.image, self._exported
-        suffix = "".join(last.suffixes[-1:]) if last else ".svg"
-        stem = Path(image.name).stem if image else "contours"
-        folder = Path(self.context.preferences.get(_EXPORTS, ""))
-        chosen = ask_for_export(self.context.window, str(folder / f"{stem}_contours{suffix}"))
-        if chosen:
-            self.context.session.export(chosen)
-
-    def _export_again(self) -> None:
-        if self._exported is not None:
-            self.context.session.export(self._exported)
-
     def _draw(self, path: Path) -> None:
         if self.context.session.document.image is None:
             self.context.session.say(tr("Open an image first; then {name} can be drawn.").format(name=path.name), True)
@@ -223,15 +177,10 @@ class OpenSaveFeature(Feature):
     def _hear(self, report: Report) -> None:
         if isinstance(report, Opened):
             path = report.saved.path if report.saved and report.saved.path else report.path
-            self._exported = None
             if sample_at(report.path) is None or report.saved:
                 self._remember(path)
         elif isinstance(report, Written):
             self._remember(report.path)
-        elif isinstance(report, Exported):
-            self._exported = report.path
-            self.context.preferences.put(_EXPORTS, str(report.path.absolute().parent))
-            self.context.session.status_changed.emit()
         elif isinstance(report, PointsRead):
             name = tr("draw {name}").format(name=report.path.name)
             self.context.session.edit(name, lambda document: edits.add_shape(document, report.points))

@@ -45,6 +45,9 @@ class RunControlFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Run, step, reset, speed."""
+        return (*self._run(), *self._speeds())
+
+    def _run(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
             ActionSpec(
@@ -81,6 +84,10 @@ class RunControlFeature(Feature):
                 icon="reset",
                 when=is_started,
             ),
+        )
+
+    def _speeds(self) -> Sequence[ActionSpec]:
+        return (
             ActionSpec(
                 name="faster",
                 menu="Run",
