@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import Qt
 
 from app.model.display.plots import PLOTS, figure
 from app.session.exchange.messages import RunMetrics
@@ -82,8 +82,7 @@ def test_pointer_and_keys_read_the_figures_of_a_step(panel, qtbot):
     chart, metrics = panel.chart, trace_of(61)
     panel.show_plots([plot.name for plot in PLOTS])
     panel.show_metrics(metrics)
-    left, width = chart._sides()
-    qtbot.mouseMove(chart, QPoint(round(left + 0.5 * width), 40))
+    qtbot.mouseMove(chart, chart.point(30).toPoint())
     qtbot.waitUntil(lambda: chart.reading != "")
     assert chart.reading == (
         f"step 31, ε {figure(1 / 31)}, kinetic energy {figure(1 / 31**2)}, potential energy -31, "
