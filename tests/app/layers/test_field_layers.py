@@ -101,9 +101,8 @@ def test_potential_and_flow_lines_are_shown_when_asked_for(ready, hand):
     engine = session._worker_thread._run.engine
     assert np.array_equal(potential._item.image, display_of_potential(engine.potential(session.document.parameters)))
     potential.choose("lines", False)
-    assert not potential._lines.isVisible() or not session.idle
-    hand.wait(lambda: session.idle)
-    assert not potential._lines.isVisible()
+    hand.wait(lambda: not potential._lines.isVisible() and session.idle)
+    assert potential._item.isVisible()
     ready.actions_by_name["layer_field"].trigger()
     hand.wait(lambda: len(field.drawn) > 0)
     arrows = field.drawn
