@@ -291,11 +291,11 @@ def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand) -> 
 
 def test_the_speed_control_offers_full_speed_and_limits_the_engine(ready, hand) -> None:
     slider = ready.feature(RunControlFeature).speed.slider
-    assert ready.feature(RunControlFeature).speed._label.text() == "60 steps/s"
+    assert ready.feature(RunControlFeature).speed.label.text() == "60 steps/s"
     slider.setValue(slider.maximum())
-    assert ready.feature(RunControlFeature).speed._label.text() == "full speed"
+    assert ready.feature(RunControlFeature).speed.label.text() == "full speed"
     hand.key(KEY.Key_BracketLeft)
-    assert ready.feature(RunControlFeature).speed._label.text() == "120 steps/s"
+    assert ready.feature(RunControlFeature).speed.label.text() == "120 steps/s"
 
 
 @pytest.mark.parametrize("name", ["beta", "ratio", "annealing"])

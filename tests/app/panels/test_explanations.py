@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QCheckBox, QLabel
 
 from app.model.parameters.controls import controls
 from app.model.text.wording import WORDS, rich
@@ -101,14 +102,14 @@ def test_the_drawing_follows_the_slider(window, hand) -> None:
 
 def test_words_and_formulas_are_switched_from_the_menu_and_kept(window, hand) -> None:
     row = window.panels["parameters"].rows["beta"]
-    assert "Calm" in row._label.text()
+    assert "Calm" in row.findChild(QLabel).text()
     window.actions_by_name["wording_formula"].trigger()
-    assert "Calm" not in row._label.text()
-    assert row._label.text().startswith("<i>β</i>")
+    assert "Calm" not in row.findChild(QLabel).text()
+    assert row.findChild(QLabel).text().startswith("<i>β</i>")
     assert row.slider.accessibleName() == "Damping"
     assert window.preferences.get("parameters/wording", "") == "formula"
     window.actions_by_name["wording_intuitive"].trigger()
-    assert "Calm" in row._label.text()
+    assert "Calm" in row.findChild(QLabel).text()
 
 
 def test_symbols_are_set_with_what_stands_lower() -> None:
@@ -132,7 +133,7 @@ def test_the_preferences_offer_wording_motion_and_colours(window, hand) -> None:
 
 
 def test_space_presses_what_has_the_focus_and_runs_nothing(ready, hand) -> None:
-    box = ready.panels["parameters"].rows["smoothing"]._automatic
+    box = ready.panels["parameters"].rows["smoothing"].findChild(QCheckBox)
     ready.panels["parameters"].advanced.fold.click()
     hand.wait(box.isVisible)
     box.setFocus(Qt.FocusReason.TabFocusReason)

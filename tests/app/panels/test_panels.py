@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QRectF, Qt
-from PySide6.QtWidgets import QLabel, QToolButton
+from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 
 from app.model.parameters.controls import controls
 from app.model.state.resolve import resolve
@@ -35,10 +35,10 @@ def test_a_double_click_on_a_slider_and_the_button_bring_the_default_back(window
     panel = window.panels["parameters"]
     panel.advanced.fold.click()
     row = panel.rows[name]
-    hand.wait(lambda: row._restore.height() > 8)
+    hand.wait(lambda: row.findChild(QToolButton, "restore").height() > 8)
     for restore in (
         lambda: hand.qtbot.mouseDClick(row.slider, Qt.MouseButton.LeftButton),
-        lambda: hand.qtbot.mouseClick(row._restore, Qt.MouseButton.LeftButton),
+        lambda: hand.qtbot.mouseClick(row.findChild(QToolButton, "restore"), Qt.MouseButton.LeftButton),
     ):
         row.slider.setValue(row.slider.maximum())
         assert window.session.document.parameters != Parameters()
@@ -51,10 +51,10 @@ def test_a_double_click_on_a_slider_and_the_button_bring_the_default_back(window
 
 def test_smoothing_can_be_left_to_the_program_and_taken_back(window, hand) -> None:
     row = window.panels["parameters"].rows["smoothing"]
-    row._automatic.click()
+    row.findChild(QCheckBox).click()
     assert window.session.document.parameters.smoothing == "auto"
     assert not row.slider.isEnabled()
-    row._automatic.click()
+    row.findChild(QCheckBox).click()
     assert window.session.document.parameters.smoothing == 1.0
     assert row.slider.isEnabled()
 
