@@ -5,16 +5,14 @@ from __future__ import annotations
 from app.views.features.contours.contours import ContoursFeature
 from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
-from app.views.features.edit.history import HistoryFeature
 from app.views.features.edit.modes import ModesFeature
-from app.views.features.edit.undo_selection import UndoSelectionFeature
+from app.views.features.edit.undo_selection import HistoryFeature, UndoSelectionFeature
 from app.views.features.file.clipboard import ClipboardFeature
 from app.views.features.file.export import ExportFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature
 from app.views.features.help.help import HelpFeature
-from app.views.features.help.keys import KeysFeature
 from app.views.features.run.parameters import ParametersFeature
 from app.views.features.run.run_control import RunControlFeature
 from app.views.features.run.tasks import TasksFeature
@@ -45,6 +43,5 @@ FEATURES: tuple[type[Feature], ...] = (
     LayersFeature,
     AppearanceFeature,
     PreferencesFeature,
-    KeysFeature,
     HelpFeature,
 )

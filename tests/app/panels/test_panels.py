@@ -16,7 +16,7 @@ from app.model.state.status import RunStatus
 from app.session.exchange.messages import RunMetrics
 from app.views.canvas.items.curves import pieces
 from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
-from app.views.help.help import show_about
+from app.views.features.help.help import show_about
 from app.views.panels.run.plot import PlotPanel
 from cpm_core import Parameters
 

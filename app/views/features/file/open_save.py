@@ -18,7 +18,7 @@ from app.session.features.import_points import PointsRead, read_points
 from app.session.storage.session_file import DocumentFile, Written
 from app.views.canvas.view_state import use_view_state, view_state
 from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.window import unsaved
+from app.views.window import dialogs
 from app.views.window.dialogs import ask_for_file, ask_where_to_save
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.recent_files import RecentFiles
@@ -132,7 +132,7 @@ class OpenSaveFeature(Feature):
         """Whether what is open may be closed; unsaved work is asked about, and saved if that is wished."""
         if not self.document_file.unsaved:
             return True
-        answer = unsaved.ask(self.context.window, self.document_file.name)
+        answer = dialogs.ask_about_unsaved(self.context.window, self.document_file.name)
         if answer != "save":
             return answer == "discard"
         path = self.document_file.path or self._ask_where()

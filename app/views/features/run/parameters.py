@@ -16,8 +16,7 @@ from app.views.panels.parameters.parameters import ParametersPanel
 from app.views.presets.preset_files import PresetFiles
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
-from app.views.widgets.choice import choice
-from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.preference_row import PreferenceRow, choice
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 WORDING, MOTION = "parameters/wording", "motion"

@@ -11,8 +11,7 @@ from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.views.theme import theme
 from app.views.widgets.action_spec import STATE, ActionSpec
-from app.views.widgets.choice import choice
-from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.preference_row import PreferenceRow, choice
 from app.views.window.feature import Feature, FeatureContext
 
 _CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
