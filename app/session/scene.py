@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.display.differences import Difference
-from app.model.display.shades import DisplayImage
+from app.model.display.display_image import DisplayImage
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import TrackedContours

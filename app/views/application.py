@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QApplication
 from app.model.document.samples import samples
 from app.session.workspace import Workspace
 from app.views.features.file.recovery import RecoveryFeature
-from app.views.features.help.helping import HelpingFeature
+from app.views.features.help.help import HelpFeature
 from app.views.main_window import MainWindow
 from app.views.theme.icons import program_icon
 
@@ -56,7 +56,7 @@ def run(path: str | None = None) -> int:
     application = make_application()
     window = open_window(path)
     # Once it has its size; somebody who is here for the first time is shown around.
-    QTimer.singleShot(0, window, window.feature(HelpingFeature).welcome)
+    QTimer.singleShot(0, window, window.feature(HelpFeature).welcome)
     # Ctrl+C in the terminal closes the window like its own button; Python looks for signals only when it is woken.
     signal.signal(signal.SIGINT, lambda *_: window.close())
     wake = QTimer()

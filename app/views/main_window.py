@@ -15,14 +15,14 @@ from app.session.workspace import Workspace
 from app.views.canvas.canvas_area import CanvasArea
 from app.views.canvas.pointer_readout import PointerReadout
 from app.views.features import FEATURES
-from app.views.features.file.files import FilesFeature
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
 from app.views.features.run.parameters import ParametersFeature
-from app.views.features.run.running import RunningFeature
-from app.views.features.view.looks import LooksFeature
+from app.views.features.run.run_control import RunControlFeature
+from app.views.features.view.appearance import AppearanceFeature
 from app.views.theme import theme
+from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.actions import Actions
-from app.views.widgets.entry import ActionSpec
 from app.views.window.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.garbage import GarbageCollector
@@ -66,18 +66,18 @@ class MainWindow(QMainWindow):
             workspace=workspace,
             canvas_area=self.canvas_area,
             preferences=self.preferences,
-            entries=lambda: self.actions_by_name.entries,
+            action_specs=lambda: self.actions_by_name.specs,
             preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
             reveal=self._reveal,
             use_theme=self.use_theme,
             refresh=self.refresh,
         )
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
-        entries = [entry for feature in self.features.values() for entry in feature.entries()]
-        self.feature(FilesFeature).bring_in = self.feature(ParametersFeature).preset_files.take_in
-        self.feature(RecoveryFeature).keep(self.feature(FilesFeature).document_file)
-        self.actions_by_name = Actions(self, (entry for entry in entries if isinstance(entry, ActionSpec)))
-        self.menus = Menus(self.menuBar(), entries, self.actions_by_name)
+        specs = [spec for feature in self.features.values() for spec in feature.action_specs()]
+        self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.take_in
+        self.feature(RecoveryFeature).keep(self.feature(OpenSaveFeature).document_file)
+        self.actions_by_name = Actions(self, (spec for spec in specs if isinstance(spec, ActionSpec)))
+        self.menus = Menus(self.menuBar(), specs, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels()]
         self.panels = {panel.name: panel.widget for panel in panels}
         self.docks = Docks(self, panels)
@@ -86,20 +86,20 @@ class MainWindow(QMainWindow):
         restore.triggered.connect(self.docks.restore)
         self.menus.add_section("View", (*(dock.toggleViewAction() for dock in self.docks), restore))
         self._palette_of_tools = ToolPalette(self.actions_by_name)
-        self._bar = ToolBar(self.actions_by_name, self.feature(RunningFeature).speed)
+        self._bar = ToolBar(self.actions_by_name, self.feature(RunControlFeature).speed)
         self.addToolBar(self._bar)
         self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, self._palette_of_tools)
         self.pointer_readout = PointerReadout(session, self.canvas_area.canvas)
         self.statusBar().addPermanentWidget(self.pointer_readout)
         session.status_changed.connect(self._show)
-        self.use_theme(self.feature(LooksFeature).theme())
+        self.use_theme(self.feature(AppearanceFeature).theme())
         self._show()
         self._restore_places()
         self.canvas_area.canvas.setFocus()
         self._garbage.start()
 
     def feature(self, kind: type[P]) -> P:
-        """A part by its class."""
+        """A feature by its class."""
         feature = self.features[kind]
         assert isinstance(feature, kind)
         return feature
@@ -111,7 +111,7 @@ class MainWindow(QMainWindow):
 
     def open_image(self, path: str) -> None:
         """Open an image or a session; what was said about an earlier one is over."""
-        self.feature(FilesFeature).take([Path(path)])
+        self.feature(OpenSaveFeature).take([Path(path)])
 
     def use_theme(self, used: theme.Theme) -> None:
         """Take on a theme."""
@@ -139,7 +139,7 @@ class MainWindow(QMainWindow):
         return super().event(event)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Disappear at once, then stop the worker; a part that has a reason may keep the window open."""
+        """Disappear at once, then stop the worker; a feature that has a reason may keep the window open."""
         if not all(feature.close() for feature in self.features.values()):
             event.ignore()
             return
@@ -159,7 +159,7 @@ class MainWindow(QMainWindow):
     def dropEvent(self, event: QDropEvent) -> None:
         """Take in the files dropped."""
         event.acceptProposedAction()
-        self.feature(FilesFeature).take_dropped(event.mimeData().urls())
+        self.feature(OpenSaveFeature).take_dropped(event.mimeData().urls())
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)

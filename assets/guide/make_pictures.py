@@ -14,7 +14,7 @@ from PySide6.QtCore import QDeadlineTimer, QEventLoop, Qt
 from app.model.document import edits
 from app.model.document.samples import sample_called
 from app.views.application import make_application, open_window
-from app.views.features.file.files import FilesFeature
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core.shapes import Region
 
@@ -104,7 +104,7 @@ def main() -> None:
     session.edit("everywhere", lambda document: edits.toggle_everywhere(document, "grid"))
     run(window)
     take(window, "hand_finger")
-    window.feature(FilesFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
+    window.feature(OpenSaveFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
     window.close()
 
 

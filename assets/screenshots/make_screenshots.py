@@ -23,7 +23,7 @@ from app.model.document import edits
 from app.model.document.samples import sample_called
 from app.session.features.timeline_navigation import navigation_of
 from app.views.application import make_application, open_window
-from app.views.features.file.files import FilesFeature
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.main_window import MainWindow
 from app.views.theme import theme
@@ -203,7 +203,7 @@ def main(names: list[str]) -> None:
             stand = Stand(window)
             stand.settle()
             PICTURES[name](stand)
-            window.feature(FilesFeature).document_file.forget()
+            window.feature(OpenSaveFeature).document_file.forget()
             window.close()
 
 

@@ -20,7 +20,7 @@ from app.session.session import Session
 from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.main_window import MainWindow
-from app.views.window import unsaved
+from app.views.window import dialogs
 from cpm_core.shapes import Circle
 
 SIDE = 64
@@ -28,7 +28,7 @@ SIDE = 64
 _sessions = itertools.count(1)
 _COLLECTED_EVERY = 10
 """Sessions after which what is left of them is collected, which takes as long as to make one."""
-ASK = unsaved.ask
+ASK = dialogs.ask_about_unsaved
 
 
 class Hand:
@@ -130,13 +130,13 @@ def own_preferences(tmp_path: Path) -> None:
 @pytest.fixture(autouse=True)
 def nobody_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     """Windows close without asking about unsaved work; who tests the question asks for `asked`."""
-    monkeypatch.setattr(unsaved, "ask", lambda parent, name: "discard")
+    monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda parent, name: "discard")
 
 
 @pytest.fixture
 def asked(nobody_is_asked: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Unsaved work is asked about, as it is outside of tests."""
-    monkeypatch.setattr(unsaved, "ask", ASK)
+    monkeypatch.setattr(dialogs, "ask_about_unsaved", ASK)
 
 
 @pytest.fixture

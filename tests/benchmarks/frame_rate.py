@@ -31,7 +31,7 @@ from app.session.exchange.messages import Snapshot
 from app.session.run_control import FRAME
 from app.session.workspace import Workspace
 from app.views.application import make_application
-from app.views.features.file.files import FilesFeature
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.result import Result
 from cpm_core.particles.initialization import uniform_grid
@@ -188,7 +188,7 @@ def measure(seconds: float, count: int | None = None, colour: str = "state") -> 
         f"canvas {window.canvas_area.canvas.width()} x {window.canvas_area.canvas.height()}, "
         f"at the end: {session.resolved.state}"
     )
-    window.feature(FilesFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
+    window.feature(OpenSaveFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
     window.close()
     return times
 

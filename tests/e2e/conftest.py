@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import QSettings
 
-from app.views.window import unsaved
+from app.views.window import dialogs
 
 
 @pytest.fixture(autouse=True)
 def own_preferences(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "preferences"))
-    monkeypatch.setattr(unsaved, "ask", lambda parent, name: "discard")
+    monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda parent, name: "discard")

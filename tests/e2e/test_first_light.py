@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from PIL import Image as Picture
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.document.samples import samples
@@ -52,20 +53,24 @@ def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbo
     assert (inside != bright).sum() < 0.03 * bright.sum()
 
 
-def test_what_is_seen_changes_as_the_particles_move(window, qtbot) -> None:
+def test_the_contour_is_drawn_in_its_color_and_the_image_in_its_gray(window, qtbot) -> None:
     canvas = window.canvas_area.canvas
-    before = canvas.grab().toImage()
     qtbot.keyClick(canvas, Qt.Key.Key_Space)
     qtbot.waitUntil(lambda: window.session.status.phase == "finished", timeout=PATIENCE)
     qtbot.waitUntil(lambda: window.session.idle, timeout=PATIENCE)
-    assert canvas.grab().toImage() != before
+    picture, ratio = canvas.grab().toImage(), canvas.devicePixelRatioF()
+
+    def color(row: float, col: float) -> QColor:
+        return picture.pixelColor(canvas.point((row, col)).toPoint() * ratio)
+
+    (found,) = window.session.review.items
+    drawn = [color(row, col) for row, col in found.contour.points[::10]]
+    assert np.mean([seen.saturation() > 60 for seen in drawn]) > 0.9
     row, col = window.session.document.shapes[0].center
-    point = canvas.point((row, col)).toPoint()
-    ratio = canvas.devicePixelRatioF()
-    shown = canvas.grab().toImage().pixelColor(QPoint(point) * ratio)
-    value = window.session.image.values[round(row), round(col)]
-    low, high = window.session.image.values.min(), window.session.image.values.max()
-    assert shown.value() == pytest.approx(255 * (value - low) / (high - low), abs=2)
+    values = window.session.image.values
+    shade = 255 * (values[round(row), round(col)] - values.min()) / (values.max() - values.min())
+    assert color(row, col).value() == pytest.approx(shade, abs=2)
+    assert color(row, col).saturation() == 0
 
 
 def test_no_particle_crosses_a_barrier_drawn_by_hand(window, qtbot) -> None:

@@ -26,7 +26,7 @@ _USUAL = 99.0
 
 
 @dataclass(frozen=True, slots=True)
-class Births:
+class InsertionTimes:
     """When which particles of a run were born.
 
     Attributes
@@ -41,26 +41,26 @@ class Births:
     numbered: Array
 
 
-def speed(state: MethodState, _: Births) -> Array:
+def speed(state: MethodState, _: InsertionTimes) -> Array:
     """Speed [px of the image / unit of time]."""
     return np.asarray(np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale)
 
 
-def force(state: MethodState, _: Births) -> Array:
+def force(state: MethodState, _: InsertionTimes) -> Array:
     """Force without damping at the last step, whatever the scale: the Lorentz force is at most 1."""
     return np.asarray(np.linalg.norm(state.particles.force[:, 0], axis=1))
 
 
-def age(state: MethodState, births: Births) -> Array:
+def age(state: MethodState, inserted: InsertionTimes) -> Array:
     """Steps since birth or, for those that a scale began with, since it began; NaN when the record does not say."""
-    born = np.searchsorted(births.numbered, state.particles.identity, side="right")
-    known = born < len(births.step)
+    born = np.searchsorted(inserted.numbered, state.particles.identity, side="right")
+    known = born < len(inserted.step)
     steps = np.full(state.count, np.nan)
-    steps[known] = state.step - births.step[born[known]]
+    steps[known] = state.step - inserted.step[born[known]]
     return steps
 
 
-def convergence(state: MethodState, _: Births) -> Array:
+def convergence(state: MethodState, _: InsertionTimes) -> Array:
     """What each particle adds to ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
     distance = state.particles.distance
     signs = np.where(np.arange(distance.shape[1]) % 2, 1.0, -1.0)
@@ -83,7 +83,7 @@ class Quantity:
 
     title: str
     tip: str
-    of: Callable[[MethodState, Births], Array]
+    of: Callable[[MethodState, InsertionTimes], Array]
     range: tuple[float, float] | None = None
 
 
@@ -119,9 +119,9 @@ class Coloured:
     high: float
 
 
-def coloured(quantity: Quantity, state: MethodState, births: Births) -> Coloured:
+def coloured(quantity: Quantity, state: MethodState, inserted: InsertionTimes) -> Coloured:
     """Shades of all particles of a state; more of the quantity never gives a lower one."""
-    values = quantity.of(state, births)
+    values = quantity.of(state, inserted)
     unknown = np.isnan(values)
     if quantity.range is not None:
         low, high = quantity.range

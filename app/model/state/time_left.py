@@ -31,8 +31,8 @@ def in_words(seconds: float | None) -> str:
         return ""
     if seconds < 10.0:
         return tr("a few seconds left")
-    if seconds < 55.0:
+    if seconds < 100.0:
         return tr("about {seconds} s left").format(seconds=5 * round(seconds / 5))
-    if seconds < 5400.0:
-        return tr("about {minutes} min left").format(minutes=max(1, round(seconds / 60)))
+    if seconds < 6000.0:
+        return tr("about {minutes} min left").format(minutes=round(seconds / 60))
     return tr("about {hours} h left").format(hours=round(seconds / 3600))

@@ -1,4 +1,7 @@
-"""The language of the window: every sentence that a person reads passes through `tr`.
+"""The language of the window: the texts of menus, panels, dialogs and hints pass through `tr`.
+
+In English whatever the language are the sentences of the core (each `ValueError`, notes on a file that was read) and
+the phrases of `app.session` that say in an error message what was being done.
 
 English is written in the source. A catalogue ``cpm.mo`` of gettext in ``assets/languages/<language>/LC_MESSAGES`` gives
 the sentences of another language, chosen by the environment (``LANGUAGE``, ``LC_ALL``, ``LC_MESSAGES``, ``LANG``).

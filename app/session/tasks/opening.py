@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from app.model.display import shades
+from app.model.display.display_image import display_of_image
 from app.model.text.language import tr
 from app.session.core_functions import Core
 from app.session.exchange.messages import NotOpened, Opened, Report, Saved
@@ -82,7 +82,7 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
     method = core.methods["cpm"](image, parameters, None)
     go_on()
-    told, shown = (*image.notes, *notes), shades.of_image(image.values)
+    told, shown = (*image.notes, *notes), display_of_image(image.values)
     return Opened(image, method, shown, path, parameters, told, sha256, saved)
 
 

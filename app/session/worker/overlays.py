@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.display import shades
+from app.model.display.display_image import display_of_edge_map, display_of_potential
 from app.model.display.iso_lines import iso_lines
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays
@@ -24,9 +24,9 @@ Overlay = Callable[[Method[Any], Parameters, Sequence[PlacedCharge]], NDArray[np
 
 OVERLAYS: Mapping[str, Overlay] = MappingProxyType(
     {
-        "edge_map": lambda method, parameters, _: shades.of_edge_map(method.edge_map(parameters)),
+        "edge_map": lambda method, parameters, _: display_of_edge_map(method.edge_map(parameters)),
         "field": lambda method, parameters, charges: method.field(parameters, 0, charges),
-        "potential": lambda method, parameters, charges: shades.of_potential(method.potential(parameters, charges)),
+        "potential": lambda method, parameters, charges: display_of_potential(method.potential(parameters, charges)),
         "iso_lines": lambda method, parameters, charges: iso_lines(method.potential(parameters, charges)),
     }
 )

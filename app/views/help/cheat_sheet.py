@@ -1,4 +1,4 @@
-"""The cheat sheet: all keys at a glance, gathered from the entries of the menus, the panels and the canvas."""
+"""The cheat sheet: all keys at a glance, gathered from the menus, the panels and the canvas."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.menus import MENUS
 
 BranchTree = Sequence[tuple[tuple[str, ...], str]]
@@ -65,11 +65,11 @@ class CheatSheet(QDialog):
     ----------
     window : QMainWindow
         Over which it lies.
-    entries : iterable of ActionSpec
+    specs : iterable of ActionSpec
         All actions there are.
     """
 
-    def __init__(self, window: QMainWindow, entries: Iterable[ActionSpec]) -> None:
+    def __init__(self, window: QMainWindow, specs: Iterable[ActionSpec]) -> None:
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Keys"))
@@ -80,7 +80,7 @@ class CheatSheet(QDialog):
         columns.setSpacing(20)
         room = window.size() - QSize(_MARGIN, _MARGIN)
         many = min(max(room.width() // _WIDTH, 1), _COLUMNS)
-        for blocks in _balanced(groups(window, entries), many):
+        for blocks in _balanced(groups(window, specs), many):
             column = QVBoxLayout()
             column.setSpacing(14)
             for title, lines in blocks:
@@ -113,15 +113,15 @@ class CheatSheet(QDialog):
             super().keyPressEvent(event)
 
 
-def groups(window: QMainWindow, entries: Iterable[ActionSpec]) -> list[tuple[str, BranchTree]]:
+def groups(window: QMainWindow, specs: Iterable[ActionSpec]) -> list[tuple[str, BranchTree]]:
     """All keys by what they are for: those of each menu, of the panels, and of the canvas."""
     titles = {_TOOLS: tr("Tools"), **{name: _plain(title) for name, title in MENUS.items()}}
     found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in titles}
-    for entry in entries:
-        if entry.shortcuts:
-            keys = tuple(_shown(key) for key in entry.shortcuts[:2])
-            group = _TOOLS if entry.group == "tool" else entry.menu.partition(">")[0]
-            found[group].append((keys, _plain(entry.text)))
+    for spec in specs:
+        if spec.shortcuts:
+            keys = tuple(_shown(key) for key in spec.shortcuts[:2])
+            group = _TOOLS if spec.group == "tool" else spec.menu.partition(">")[0]
+            found[group].append((keys, _plain(spec.text)))
     panels = sorted(
         ((_shown(dock.toggleViewAction().shortcut().toString()),), dock.windowTitle())
         for dock in window.findChildren(QDockWidget)

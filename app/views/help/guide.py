@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QListWidge
 from app.model.text.assets import asset
 from app.model.text.language import tr
 from app.views.help.guide_pages import PAGES, Page
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 
 _SIZE = QSize(780, 640)
 _PICTURE = 300
@@ -29,17 +29,17 @@ class Guide(QDialog):
     ----------
     parent : QWidget
         Window beside which it lies.
-    entries : iterable of ActionSpec
+    specs : iterable of ActionSpec
         All actions, whose names and keys the pages tell.
     open_sample : callable
         Opens the sample of a file.
     """
 
-    def __init__(self, parent: QWidget, entries: Iterable[ActionSpec], open_sample: Callable[[str], None]) -> None:
+    def __init__(self, parent: QWidget, specs: Iterable[ActionSpec], open_sample: Callable[[str], None]) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Guide"))
-        self._entries = {entry.name: entry for entry in entries}
+        self._specs = {spec.name: spec for spec in specs}
         self._open_sample = open_sample
         self.contents = QListWidget()
         self.contents.setObjectName("contents")
@@ -94,18 +94,18 @@ class Guide(QDialog):
         return re.sub(r"\{(\w+)\}", lambda found: self._action(found.group(1)), text)
 
     def _action(self, name: str) -> str:
-        entry = self._entries[name]
-        words = html.escape(entry.text.replace("&", "").rstrip("…"))
-        keys = f" ({html.escape(entry.shortcuts[0])})" if entry.shortcuts else ""
+        spec = self._specs[name]
+        words = html.escape(spec.text.replace("&", "").rstrip("…"))
+        keys = f" ({html.escape(spec.shortcuts[0])})" if spec.shortcuts else ""
         return f"<b>{words}</b>{keys}"
 
     def _keys(self) -> str:
         cell = "<td style='padding: 2px 14px 2px 0'>"
         rows = [
-            f"<tr>{cell}<b>{html.escape(tr(' or ').join(entry.shortcuts[:2]))}</b></td>{cell}{html.escape(entry.tip)}"
+            f"<tr>{cell}<b>{html.escape(tr(' or ').join(spec.shortcuts[:2]))}</b></td>{cell}{html.escape(spec.tip)}"
             "</td></tr>"
-            for entry in self._entries.values()
-            if entry.shortcuts
+            for spec in self._specs.values()
+            if spec.shortcuts
         ]
         return f"<h2>{tr('All keys')}</h2><table>{''.join(rows)}</table>"
 

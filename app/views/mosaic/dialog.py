@@ -19,8 +19,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.model.display.display_image import DisplayImage
 from app.model.display.mosaic import COUNTS, Plan, Tile, pick, plan
-from app.model.display.shades import DisplayImage
 from app.model.document.document import NOTHING_TO_START_FROM
 from app.model.parameters.controls import controls
 from app.model.state.time_left import in_words
@@ -28,9 +28,9 @@ from app.model.text.language import tr
 from app.session.features.parameter_sweep import Done, Sweep
 from app.session.session import Session
 from app.views.mosaic.axis_row import AxisRow
+from app.views.mosaic.board import Board
 from app.views.mosaic.enlarged import EnlargedTile
 from app.views.mosaic.picture import Picture
-from app.views.mosaic.tile import TileView
 
 
 class MosaicDialog(QDialog):
@@ -58,7 +58,6 @@ class MosaicDialog(QDialog):
         self._sweep = sweep
         self._picture = Picture(shades, crop)
         self._plan: Plan | None = None
-        self.tiles: dict[tuple[int, int], TileView] = {}
         offered = controls()
         self.down = AxisRow(tr("Rows"), offered, "beta")
         self.across = AxisRow(tr("Columns"), offered, "ratio")
@@ -67,8 +66,8 @@ class MosaicDialog(QDialog):
         self.cancel_button = QPushButton(tr("Cancel"))
         self.bar = QProgressBar()
         self.words = QLabel()
-        self._board = QWidget()
-        self._grid = QGridLayout(self._board)
+        self._board = Board()
+        self.tiles = self._board.tiles
         self._lay_out()
         self._connect()
         self._suggest()
@@ -114,8 +113,6 @@ class MosaicDialog(QDialog):
         self.bar.setTextVisible(False)
         foot.addWidget(self.bar)
         foot.addWidget(self.cancel_button)
-        self._grid.setContentsMargins(0, 0, 0, 0)
-        self._grid.setSpacing(6)
         area = QScrollArea()
         area.setWidgetResizable(True)
         area.setWidget(self._board)
@@ -158,38 +155,22 @@ class MosaicDialog(QDialog):
             self._say(str(error))
             return
         self._plan = laid
-        self._clear()
         lines = 2 if self._session.scene.truth is None else 3
-        for tile in laid.tiles:
-            view = self.tiles[tile.row, tile.col] = TileView(tile, laid.caption(tile), self._picture, lines)
+        for view in self._board.lay(laid, self._picture, lines):
             view.picked.connect(self._pick)
             view.enlarged.connect(self._enlarge)
-            view.left.connect(self._go_to)
-            self._grid.addWidget(view, tile.row, tile.col)
         self._mark()
         self.tiles[0, 0].setFocus()
         self._sweep.start(laid, document)
         self._show_progress()
 
-    def _clear(self) -> None:
-        for view in self.tiles.values():
-            self._grid.removeWidget(view)
-            view.hide()
-            view.deleteLater()
-        self.tiles.clear()
-
-    def _view(self, tile: Tile) -> TileView | None:
-        """The view of a tile, unless it belongs to a mosaic before."""
-        view = self.tiles.get((tile.row, tile.col))
-        return view if view is not None and view.tile is tile else None
-
     def _begin(self, tile: Tile) -> None:
-        view = self._view(tile)
+        view = self._board.view_of(tile)
         if view is not None:
             view.begin()
 
     def _finish(self, done: Done) -> None:
-        view = self._view(done.tile)
+        view = self._board.view_of(done.tile)
         if view is not None:
             view.finish(done)
             self._show_progress()
@@ -207,10 +188,6 @@ class MosaicDialog(QDialog):
                 tr("take {values}").format(values=caption), lambda document: pick(document, chosen, tile)
             )
             self._say(tr("{values} are set now; Undo (Ctrl+Z in the window) takes it back.").format(values=caption))
-
-    def _go_to(self, row: int, col: int) -> None:
-        if (row, col) in self.tiles:
-            self.tiles[row, col].setFocus()
 
     def _enlarge(self, done: Done) -> None:
         if self._plan is not None:

@@ -9,7 +9,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QTransform
 
-from app.model.display.shades import DisplayImage
+from app.model.display.display_image import DisplayImage
 from app.views.canvas.coordinates import to_xy
 from app.views.theme import theme
 from cpm_core.contours.contour import Contour

@@ -63,7 +63,7 @@ class TileView(QWidget):
         self.state = tr("waiting")
         self._picture = picture
         self._lines = lines
-        self._chosen = False
+        self.chosen = False
         self._over = False
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
@@ -112,8 +112,8 @@ class TileView(QWidget):
 
     def mark(self, chosen: bool) -> None:
         """Show whether its parameters are in use."""
-        if chosen != self._chosen:
-            self._chosen = chosen
+        if chosen != self.chosen:
+            self.chosen = chosen
             self.update()
 
     # What Qt calls
@@ -162,8 +162,8 @@ class TileView(QWidget):
         palette = self.palette()
         role = QPalette.ColorRole
         rim = QRectF(self.rect()).adjusted(1.5, 1.5, -1.5, -1.5)
-        marked = self._chosen or self.hasFocus() or self._over
-        width = 3.0 if self._chosen else 1.6 if self.hasFocus() else 1.0
+        marked = self.chosen or self.hasFocus() or self._over
+        width = 3.0 if self.chosen else 1.6 if self.hasFocus() else 1.0
         painter.setPen(QPen(palette.color(role.Highlight if marked else role.Mid), width))
         painter.setBrush(palette.color(role.Base))
         painter.drawRoundedRect(rim, _ROUND, _ROUND)
@@ -177,7 +177,7 @@ class TileView(QWidget):
     # Inside
 
     def _write(self, painter: QPainter, room: QRectF) -> None:
-        caption = f"✓ {self.caption}" if self._chosen else self.caption
+        caption = f"✓ {self.caption}" if self.chosen else self.caption
         height = self.fontMetrics().height()
         for index, text in enumerate((caption, *self.state.splitlines())):
             role = QPalette.ColorRole.PlaceholderText if index else QPalette.ColorRole.Text

@@ -15,8 +15,7 @@ from app.model.parameters.presets import SUFFIX, Preset
 from app.model.text.language import tr
 from app.session.storage.presets import PresetStore
 from app.views.presets import preset_dialogs as dialogs
-from app.views.presets.preset_gallery import PresetGallery
-from app.views.presets.preset_picture import picture_of
+from app.views.presets.preset_gallery import PresetGallery, picture_of
 from app.views.window.feature import FeatureContext
 
 

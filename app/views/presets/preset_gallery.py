@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from PySide6.QtCore import QEvent, QPoint, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QIcon, QKeyEvent, QPixmap
+from PySide6.QtCore import QBuffer, QEvent, QIODevice, QPoint, QRect, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QColor, QIcon, QImage, QImageWriter, QKeyEvent, QPixmap
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
@@ -19,9 +19,10 @@ from PySide6.QtWidgets import (
 
 from app.model.parameters.presets import Preset
 from app.model.text.language import tr
-from app.views.presets.preset_picture import PICTURE, no_picture
+from app.views.theme import theme
 
 _COLUMNS, _CELL = 2, QSize(180, 124)
+PICTURE = QSize(160, 94)
 _MOST_HEIGHT = 440
 _OPENING = (Qt.Key.Key_Space, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Down)
 
@@ -174,3 +175,25 @@ def _picture(preset: Preset) -> QIcon:
     icon.addPixmap(pixmap, QIcon.Mode.Normal)
     icon.addPixmap(pixmap, QIcon.Mode.Selected)
     return icon
+
+
+def picture_of(canvas: QImage) -> bytes:
+    """A picture of the canvas at the size of the gallery, twice as fine (PNG)."""
+    size = QSize(2 * PICTURE.width(), 2 * PICTURE.height())
+    across = min(canvas.width(), canvas.height() * size.width() // size.height())
+    down = min(canvas.height(), canvas.width() * size.height() // size.width())
+    middle = QRect((canvas.width() - across) // 2, (canvas.height() - down) // 2, across, down)
+    scaled = canvas.copy(middle).scaled(
+        size, Qt.AspectRatioMode.IgnoreAspectRatio, Qt.TransformationMode.SmoothTransformation
+    )
+    buffer = QBuffer()
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    QImageWriter(buffer, b"png").write(scaled)
+    return bytes(buffer.data().data())
+
+
+def no_picture() -> QPixmap:
+    """What stands for a picture that is not there."""
+    pixmap = QPixmap(PICTURE)
+    pixmap.fill(QColor(theme.CANVAS))
+    return pixmap

@@ -1,4 +1,4 @@
-"""The Qt actions made from entries, shown as the situation demands."""
+"""The Qt actions made from their specifications, shown as the situation demands."""
 
 from __future__ import annotations
 
@@ -10,34 +10,34 @@ from PySide6.QtWidgets import QWidget
 from app.model.state.situation import Situation
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import STATE, TOGGLE, ActionSpec
+from app.views.widgets.action_spec import STATE, TOGGLE, ActionSpec
 
 PRIMARY = "run"
 """The action whose icon lies on the accent colour."""
 
 
 class Actions:
-    """One Qt action an entry.
+    """One Qt action for each specification.
 
     Parameters
     ----------
     parent : QWidget
         Window in which their keys work.
-    entries : iterable of ActionSpec
+    specs : iterable of ActionSpec
         What there is.
     """
 
-    def __init__(self, parent: QWidget, entries: Iterable[ActionSpec]) -> None:
+    def __init__(self, parent: QWidget, specs: Iterable[ActionSpec]) -> None:
         self._theme: Theme | None = None
         self._groups: dict[str, QActionGroup] = {}
         self._actions: dict[str, QAction] = {}
-        self._entries: dict[str, ActionSpec] = {}
+        self._specs: dict[str, ActionSpec] = {}
         self._icons: dict[str, str] = {}
-        for entry in entries:
-            assert entry.name not in self._entries, entry.name
-            self._entries[entry.name] = entry
-            self._actions[entry.name] = self._make(entry, parent)
-        self._changing = [entry for entry in self._entries.values() if entry.worded or entry.holds or entry.pictured]
+        for spec in specs:
+            assert spec.name not in self._specs, spec.name
+            self._specs[spec.name] = spec
+            self._actions[spec.name] = self._make(spec, parent)
+        self._changing = [spec for spec in self._specs.values() if spec.worded or spec.holds or spec.pictured]
 
     def __getitem__(self, name: str) -> QAction:
         return self._actions[name]
@@ -46,24 +46,24 @@ class Actions:
         return name in self._actions
 
     @property
-    def entries(self) -> Iterator[ActionSpec]:
-        """All entries in the order of the parts."""
-        return iter(self._entries.values())
+    def specs(self) -> Iterator[ActionSpec]:
+        """All of them, in the order of the features."""
+        return iter(self._specs.values())
 
     def show(self, situation: Situation) -> None:
         """Enable what makes sense and word it accordingly."""
-        for name, entry in self._entries.items():
-            self._actions[name].setEnabled(entry.when(situation))
-        for entry in self._changing:
-            action = self._actions[entry.name]
-            if entry.holds is not None:
-                action.setChecked(entry.holds(situation))
-            if entry.worded is not None and action.text() != (text := entry.worded(situation)):
+        for name, spec in self._specs.items():
+            self._actions[name].setEnabled(spec.when(situation))
+        for spec in self._changing:
+            action = self._actions[spec.name]
+            if spec.holds is not None:
+                action.setChecked(spec.holds(situation))
+            if spec.worded is not None and action.text() != (text := spec.worded(situation)):
                 action.setText(text)
-                action.setToolTip(tooltip(text, entry))
-            if entry.pictured is not None and self._icons[entry.name] != (wanted := entry.pictured(situation)):
-                self._icons[entry.name] = wanted
-                self._tint(entry.name)
+                action.setToolTip(tooltip(text, spec))
+            if spec.pictured is not None and self._icons[spec.name] != (wanted := spec.pictured(situation)):
+                self._icons[spec.name] = wanted
+                self._tint(spec.name)
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the icons."""
@@ -71,24 +71,24 @@ class Actions:
         for name in self._icons:
             self._tint(name)
 
-    def _make(self, entry: ActionSpec, parent: QWidget) -> QAction:
-        action = QAction(entry.text, parent)
-        action.setShortcuts([QKeySequence(keys) for keys in entry.shortcuts])
-        if entry.group:
+    def _make(self, spec: ActionSpec, parent: QWidget) -> QAction:
+        action = QAction(spec.text, parent)
+        action.setShortcuts([QKeySequence(keys) for keys in spec.shortcuts])
+        if spec.group:
             action.setCheckable(True)
-            action.setChecked(entry.checked)
-        if entry.group and entry.group not in (TOGGLE, STATE):
-            self._groups.setdefault(entry.group, QActionGroup(parent)).addAction(action)
-        if entry.group == TOGGLE:
-            action.toggled.connect(entry.do)
+            action.setChecked(spec.checked)
+        if spec.group and spec.group not in (TOGGLE, STATE):
+            self._groups.setdefault(spec.group, QActionGroup(parent)).addAction(action)
+        if spec.group == TOGGLE:
+            action.toggled.connect(spec.do)
         else:
-            action.triggered.connect(lambda checked=False: entry.do())
-        if entry.short:
-            action.setIconText(entry.short)
-        if entry.icon:
-            self._icons[entry.name] = entry.icon
-        action.setStatusTip(entry.tip)
-        action.setToolTip(tooltip(entry.text, entry))
+            action.triggered.connect(lambda checked=False: spec.do())
+        if spec.short:
+            action.setIconText(spec.short)
+        if spec.icon:
+            self._icons[spec.name] = spec.icon
+        action.setStatusTip(spec.tip)
+        action.setToolTip(tooltip(spec.text, spec))
         parent.addAction(action)
         return action
 
@@ -98,7 +98,7 @@ class Actions:
             self._actions[name].setIcon(icon(self._icons[name], colour, faded=self._theme.line))
 
 
-def tooltip(text: str, entry: ActionSpec) -> str:
-    """Name, key and meaning of an entry in one line."""
-    keys = f" ({entry.shortcuts[0]})" if entry.shortcuts else ""
-    return f"{text.replace('&', '').rstrip('…')}{keys}: {entry.tip}"
+def tooltip(text: str, spec: ActionSpec) -> str:
+    """Name, key and meaning of an action in one line."""
+    keys = f" ({spec.shortcuts[0]})" if spec.shortcuts else ""
+    return f"{text.replace('&', '').rstrip('…')}{keys}: {spec.tip}"

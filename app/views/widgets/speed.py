@@ -23,19 +23,17 @@ class SpeedControl(QWidget):
         self.slider.setFixedWidth(96)
         self.slider.setAccessibleName(tr("Speed"))
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self._label = QLabel(pace_text(PACES[FIRST_PACE]))
-        self._label.setMinimumWidth(
-            self._label.fontMetrics().horizontalAdvance(max(map(pace_text, PACES), key=len)) + 8
-        )
+        self.label = QLabel(pace_text(PACES[FIRST_PACE]))
+        self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(pace_text, PACES), key=len)) + 8)
         name = QLabel(tr("Speed"))
         name.setObjectName("dim")
-        for widget in (self, self.slider, self._label, name):
+        for widget in (self, self.slider, self.label, name):
             widget.setToolTip(tr("Most steps a second ([ slower, ] faster)."))
         layout = QHBoxLayout(self)
         layout.setContentsMargins(6, 0, 6, 0)
         layout.addWidget(name)
         layout.addWidget(self.slider)
-        layout.addWidget(self._label)
+        layout.addWidget(self.label)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
         self.slider.valueChanged.connect(self._change)
 
@@ -48,5 +46,5 @@ class SpeedControl(QWidget):
         self.slider.setValue(self.slider.value() - 1)
 
     def _change(self, index: int) -> None:
-        self._label.setText(pace_text(PACES[index]))
+        self.label.setText(pace_text(PACES[index]))
         self._session.set_pace(PACES[index])

@@ -1,14 +1,17 @@
-"""The dialogs that ask for a file."""
+"""The dialogs that ask for a file, and the question before unsaved work would be lost."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
-from PySide6.QtWidgets import QFileDialog, QWidget
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from app.model.text.language import tr
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.sessions.session_file import SUFFIX
+
+Answer = Literal["save", "discard", "cancel"]
 
 
 def ask_for_file(parent: QWidget, folder: str) -> str:
@@ -38,3 +41,22 @@ def ask_for_export(parent: QWidget, suggestion: str) -> str:
     if chosen and not Path(chosen).suffix:
         chosen += filters.get(used, next(iter(WRITABLE)))
     return chosen
+
+
+def ask_about_unsaved(parent: QWidget, name: str) -> Answer:
+    """What is to become of unsaved work called `name`."""
+    box = QMessageBox(QMessageBox.Icon.Warning, tr("Unsaved work"), tr("Save the work on “{name}”?").format(name=name))
+    box.setParent(parent, box.windowFlags())
+    box.setInformativeText(tr("What is drawn, the parameters and what was said about contours would be lost."))
+    standard = QMessageBox.StandardButton
+    box.setStandardButtons(standard.Save | standard.Discard | standard.Cancel)
+    box.setDefaultButton(standard.Save)
+    box.setEscapeButton(standard.Cancel)
+    box.button(standard.Save).setText(tr("&Save"))
+    box.button(standard.Discard).setText(tr("&Discard"))
+    box.button(standard.Cancel).setText(tr("Cancel"))
+    chosen = box.exec()
+    box.deleteLater()
+    if chosen == standard.Save:
+        return "save"
+    return "discard" if chosen == standard.Discard else "cancel"

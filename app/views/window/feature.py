@@ -1,4 +1,4 @@
-"""A part of the window: whatever belongs together of its actions, panels and what they do.
+"""A feature of the window: what belongs together of its actions, panels and what they do.
 
 A new one is a module in `app.views.features` and a line in its list.
 """
@@ -16,7 +16,7 @@ from app.session.storage.preferences import Preferences
 from app.session.workspace import Workspace
 from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import ActionSpec, Submenu
+from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
 
 Area = Literal["left", "right", "bottom"]
@@ -24,7 +24,7 @@ Area = Literal["left", "right", "bottom"]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FeatureContext:
-    """What every part works with.
+    """What every feature works with.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class FeatureContext:
         Canvas, layers and tools.
     preferences : Preferences
         What is kept from one start to the next.
-    entries : callable
+    action_specs : callable
         All actions there are, once the window is built.
     preference_rows : callable
         All that may be preferred, once the window is built.
@@ -52,7 +52,7 @@ class FeatureContext:
     workspace: Workspace
     canvas_area: CanvasArea
     preferences: Preferences
-    entries: Callable[[], Iterable[ActionSpec]]
+    action_specs: Callable[[], Iterable[ActionSpec]]
     preference_rows: Callable[[], Iterable[PreferenceRow]]
     reveal: Callable[[str], None]
     use_theme: Callable[[Theme], None]
@@ -96,7 +96,7 @@ class Panel:
 
 
 class Feature:
-    """What parts have in common.
+    """What features have in common.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class Feature:
     def __init__(self, context: FeatureContext) -> None:
         self.context = context
 
-    def entries(self) -> Sequence[ActionSpec | Submenu]:
+    def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Its actions, in the order in which they stand in the menus."""
         return ()
 

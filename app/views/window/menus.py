@@ -1,4 +1,4 @@
-"""The menus, filled with what the parts bring."""
+"""The menus, filled with what the features add."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QMenuBar
 
 from app.model.text.language import tr
+from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
-from app.views.widgets.entry import ActionSpec, Submenu
 
 MENUS = {
     "File": tr("&File"),
@@ -21,10 +21,10 @@ MENUS = {
     "Contours": tr("&Contours"),
     "Help": tr("&Help"),
 }
-"""Menus by the names that entries use, in the order in which they stand."""
+"""Menus by the names that the specifications use, in the order in which they stand."""
 
 QUIT = "quit"
-"""The entry that stands last in its menu, whatever parts bring more to it."""
+"""The action that stands last in its menu, whatever features add more to it."""
 
 
 class Menus:
@@ -34,28 +34,28 @@ class Menus:
     ----------
     bar : QMenuBar
         Where they hang.
-    entries : iterable of ActionSpec or Submenu
+    specs : iterable of ActionSpec or Submenu
         What stands in them.
     actions : Actions
-        The actions of the entries.
+        The actions of these specifications.
     """
 
-    def __init__(self, bar: QMenuBar, entries: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
+    def __init__(self, bar: QMenuBar, specs: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
         self._menus: dict[str, QMenu] = {}
-        listed = list(entries)
+        listed = list(specs)
         for name, title in MENUS.items():
-            if any(entry.menu.partition(">")[0] == name for entry in listed):
+            if any(spec.menu.partition(">")[0] == name for spec in listed):
                 self._menus[name] = bar.addMenu(title)
-        for entry in sorted(listed, key=lambda entry: entry.name == QUIT):
-            menu = self[entry.menu]
-            if entry.gap and not menu.isEmpty():
+        for spec in sorted(listed, key=lambda spec: spec.name == QUIT):
+            menu = self[spec.menu]
+            if spec.gap and not menu.isEmpty():
                 menu.addSeparator()
-            if isinstance(entry, Submenu):
-                inner = menu.addMenu(entry.text)
+            if isinstance(spec, Submenu):
+                inner = menu.addMenu(spec.text)
                 inner.setToolTipsVisible(True)
-                inner.aboutToShow.connect(partial(_refill, inner, entry))
+                inner.aboutToShow.connect(partial(_refill, inner, spec))
             else:
-                menu.addAction(actions[entry.name])
+                menu.addAction(actions[spec.name])
 
     def __getitem__(self, path: str) -> QMenu:
         """A menu by its name, made when it is not there and lies within another."""
@@ -70,6 +70,6 @@ class Menus:
         self[path].addActions(list(actions))
 
 
-def _refill(menu: QMenu, entry: Submenu) -> None:
+def _refill(menu: QMenu, spec: Submenu) -> None:
     menu.clear()
-    entry.fill(menu)
+    spec.fill(menu)

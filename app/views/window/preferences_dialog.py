@@ -1,4 +1,4 @@
-"""The dialog of the preferences, filled with what the parts of the window bring."""
+"""The dialog of the preferences, filled with what the features add."""
 
 from __future__ import annotations
 

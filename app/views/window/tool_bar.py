@@ -16,7 +16,7 @@ _PICTURES = ("undo", "redo", "fit")
 
 
 class ToolBar(QToolBar):
-    """Buttons for what is done most; an action that no part brings is left out.
+    """Buttons for what is done most; an action that no feature adds is left out.
 
     Parameters
     ----------

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QToolButton
 
 from app.model.document import edits
 from app.model.document.document import Document, ImageReference
@@ -61,7 +62,7 @@ def test_what_is_said_and_enabled_follows_the_mode() -> None:
 def test_modes_are_switched_with_mouse_and_keys_and_undone_in_one_step(ready, hand) -> None:
     session = ready.session
     before = session.document
-    button = ready._bar.findChild(object, "mode_automatic")
+    button = ready.findChild(QToolButton, "mode_automatic")
     hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert session.document == use_mode(before, "automatic")
     assert button.isChecked()

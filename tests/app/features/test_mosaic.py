@@ -44,7 +44,7 @@ def run(hand: Hand, dialog: MosaicDialog) -> None:
     """Run the mosaic to its end."""
     hand.qtbot.mouseClick(dialog.start_button, LEFT)
     hand.wait(lambda: bool(dialog.tiles) and all(view.done for view in dialog.tiles.values()))
-    hand.wait(lambda: not dialog._sweep.running)
+    hand.wait(lambda: not dialog.cancel_button.isEnabled())
 
 
 def mosaic_threads() -> list[threading.Thread]:
@@ -87,10 +87,10 @@ def test_a_click_takes_both_values_in_one_step_that_can_be_undone(ready, dialog,
     parameters = ready.session.document.parameters
     assert (parameters.beta, parameters.w1 / parameters.w2) == (0.9, pytest.approx(0.7))
     assert ready.session.situation.undo_name == "take β = 0.9, w₁/w₂ = 0.7"
-    assert [view._chosen for view in dialog.tiles.values()] == [False, False, True, False]
+    assert [view.chosen for view in dialog.tiles.values()] == [False, False, True, False]
     ready.session.undo()
     assert ready.session.document == before
-    assert not any(view._chosen for view in dialog.tiles.values())
+    assert not any(view.chosen for view in dialog.tiles.values())
 
 
 def test_tiles_are_reached_enlarged_and_taken_by_keys(ready, dialog, hand) -> None:
@@ -129,7 +129,7 @@ def test_cancel_ends_all_runs_and_keeps_what_has_been_done(ready, dialog, hand, 
     hand.wait(going.is_set)
     assert dialog.bar.isVisible()
     hand.qtbot.mouseClick(dialog.cancel_button, LEFT)
-    assert not dialog._sweep.running
+    assert not dialog.cancel_button.isEnabled()
     assert "Given up" in dialog.words.text()
     assert {view.state for view in dialog.tiles.values()} == {"given up"}
     hand.wait(lambda: not mosaic_threads())

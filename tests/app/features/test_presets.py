@@ -16,8 +16,7 @@ from app.model.parameters.presets import Preset, built_in, checked_name, read, w
 from app.session.storage.presets import PresetStore
 from app.views.features.run.parameters import ParametersFeature
 from app.views.presets import preset_dialogs as dialogs
-from app.views.presets.preset_gallery import PresetGallery
-from app.views.presets.preset_picture import PICTURE, picture_of
+from app.views.presets.preset_gallery import PICTURE, PresetGallery, picture_of
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 
 OWN = Preset("Mine & yours ‹1›", Parameters(beta=1.25, smoothing="auto", scales=2), "For tests.", b"\x89PNG")

@@ -10,9 +10,9 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
-from app.model.display.shades import of_edge_map
+from app.model.display.display_image import display_of_edge_map
 from app.model.document import edits
-from app.views.features.run.running import RunningFeature
+from app.views.features.run.run_control import RunControlFeature
 from cpm_core import Engine, Parameters
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Circle
@@ -272,11 +272,13 @@ def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand, rec
     hand.key(KEY.Key_4, CONTROL)
     hand.wait(lambda: len(seen) == 1)
     engine = Engine(window.session.image, Parameters())
-    np.testing.assert_array_equal(seen[0].get("edge_map"), of_edge_map(engine.edge_map(Parameters())))
+    np.testing.assert_array_equal(seen[0].get("edge_map"), display_of_edge_map(engine.edge_map(Parameters())))
     assert seen[0].get("field") is None
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
     hand.wait(lambda: len(seen) == 2)
-    np.testing.assert_array_equal(seen[1].get("edge_map"), of_edge_map(engine.edge_map(Parameters(smoothing=2.0))))
+    np.testing.assert_array_equal(
+        seen[1].get("edge_map"), display_of_edge_map(engine.edge_map(Parameters(smoothing=2.0)))
+    )
     window.panels["layers"].boxes["field"].click()
     hand.wait(lambda: len(seen) == 3)
     np.testing.assert_array_equal(seen[2].get("field"), engine.field(Parameters(smoothing=2.0)))
@@ -286,12 +288,12 @@ def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand, rec
 
 
 def test_the_speed_control_offers_full_speed_and_limits_the_engine(ready, hand) -> None:
-    slider = ready.feature(RunningFeature).speed.slider
-    assert ready.feature(RunningFeature).speed._label.text() == "60 steps/s"
+    slider = ready.feature(RunControlFeature).speed.slider
+    assert ready.feature(RunControlFeature).speed.label.text() == "60 steps/s"
     slider.setValue(slider.maximum())
-    assert ready.feature(RunningFeature).speed._label.text() == "full speed"
+    assert ready.feature(RunControlFeature).speed.label.text() == "full speed"
     hand.key(KEY.Key_BracketLeft)
-    assert ready.feature(RunningFeature).speed._label.text() == "120 steps/s"
+    assert ready.feature(RunControlFeature).speed.label.text() == "120 steps/s"
 
 
 @pytest.mark.parametrize("name", ["beta", "ratio", "annealing"])

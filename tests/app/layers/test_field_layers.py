@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app.model.display.display_image import display_of_potential
 from app.model.display.flow_lines import Seen, flow_lines
 from app.model.display.iso_lines import LINES, iso_lines
-from app.model.display.shades import of_potential
 from app.views.canvas.layers.fields.field import line_points
 from cpm_core.segmentation.engine import Engine
 
@@ -89,7 +89,7 @@ def test_lines_of_equal_potential_of_a_bowl_are_circles():
 
 def test_where_the_potential_is_higher_it_is_shown_no_darker():
     potential = ROW + 0.3 * COL
-    shown = of_potential(potential).ravel()[np.argsort(potential, axis=None)]
+    shown = display_of_potential(potential).ravel()[np.argsort(potential, axis=None)]
     assert (np.diff(shown.astype(int)) >= 0).all()
     assert (shown[0], shown[-1]) == (0, 255)
 
@@ -101,10 +101,9 @@ def test_potential_and_flow_lines_are_shown_when_asked_for(ready, hand):
     hand.wait(lambda: potential.shades is not None and potential.lined)
     parameters = session.document.parameters
     engine = Engine(session.image, parameters)
-    assert np.array_equal(potential.shades, of_potential(engine.potential(parameters)))
+    assert np.array_equal(potential.shades, display_of_potential(engine.potential(parameters)))
     potential.choose("lines", False)
-    hand.wait(lambda: session.idle)
-    assert not potential.lined
+    hand.wait(lambda: not potential.lined and session.idle)
     assert potential.shades is not None
     ready.actions_by_name["layer_field"].trigger()
     hand.wait(lambda: len(field.drawn) > 0)

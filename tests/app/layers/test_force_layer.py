@@ -96,7 +96,7 @@ def test_the_forces_follow_a_run_and_vanish_with_it(held, ready, hand):
     hand.move(*moment(ready)[1].position[0])
     hand.wait(lambda: held.probed is not None)
     ready.session.step()
-    hand.wait(lambda: held.probed is None or held.probed.step == 7)
+    hand.wait(lambda: held.probed is not None and held.probed.step == 7)
     ready.session.reset()
     hand.wait(lambda: ready.session.idle)
     assert held.probed is None

@@ -87,7 +87,7 @@ def test_space_on_a_check_box_does_not_run_the_particles(ready, hand):
 def test_layers_have_keys_of_their_own(window):
     keys = [layer.shortcut for layer in window.canvas_area.canvas.layers if layer.shortcut]
     assert len(set(keys)) == len(keys)
-    others = [key for entry in window.actions_by_name.entries for key in entry.shortcuts]
+    others = [key for entry in window.actions_by_name.specs for key in entry.shortcuts]
     assert len(set(others)) == len(others)
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PySide6.QtCore import QPoint, Qt
 
-from app.model.display.shades import Window, of_image, window_without, windowed
+from app.model.display.display_image import IntensityWindow, apply_window, display_of_image, percentile_window
 from app.views.canvas.layers.image import image as image_layer
 
 IMAGES = arrays(np.float64, (5, 9), elements=st.floats(-1e4, 1e5, allow_subnormal=False, width=32))
@@ -17,14 +17,14 @@ IMAGES = arrays(np.float64, (5, 9), elements=st.floats(-1e4, 1e5, allow_subnorma
 
 @given(IMAGES, st.sampled_from([0.0, 0.1, 1.0, 5.0]))
 def test_the_window_is_that_of_the_percentiles(values, percent):
-    low, high = window_without(values, percent)
+    low, high = percentile_window(values, percent)
     expected = tuple(np.percentile(values, [percent, 100.0 - percent]))
     assert (low, high) == (expected if expected[0] < expected[1] else (values.min(), values.max()))
 
 
 @given(IMAGES, st.floats(-1e4, 1e5), st.floats(0.1, 1e5), st.sampled_from([0.4, 1.0, 2.2]))
 def test_shades_are_the_share_of_the_window_bent_by_gamma(values, low, width, gamma):
-    shown = windowed(values, Window(low, low + width, gamma))
+    shown = apply_window(values, IntensityWindow(low, low + width, gamma))
     exact = 255.0 * np.clip((values - low) / (low + width - low), 0.0, 1.0) ** gamma
     # the table of bent shades is as coarse as 1 in 4095, where the curve is steepest
     assert (np.abs(shown - exact) <= 0.5 + (1e-6 if gamma == 1.0 else 255.0 * (1 / 8190.0) ** min(gamma, 1.0))).all()
@@ -32,8 +32,8 @@ def test_shades_are_the_share_of_the_window_bent_by_gamma(values, low, width, ga
 
 def test_256_neighbouring_values_of_16_bits_are_all_told_apart():
     values = np.arange(65536.0).reshape(256, 256)
-    assert len(np.unique(of_image(values)[40])) <= 2
-    assert windowed(values, Window(40 * 256.0, 40 * 256.0 + 255.0))[40].tolist() == list(range(256))
+    assert len(np.unique(display_of_image(values)[40])) <= 2
+    assert apply_window(values, IntensityWindow(40 * 256.0, 40 * 256.0 + 255.0))[40].tolist() == list(range(256))
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def test_handles_and_fields_choose_the_window_at_once_or_on_the_worker(deep, han
     high.selectAll()
     hand.qtbot.keyClicks(high, "3199")
     hand.qtbot.keyClick(high, Qt.Key.Key_Return)
-    expected = windowed(values, Window(3000.0, 3199.0))
+    expected = apply_window(values, IntensityWindow(3000.0, 3199.0))
     hand.wait(lambda: np.array_equal(layer.shades, expected))
     assert layer.word("range") == "hand"
     histogram = form.levels.histogram
@@ -85,7 +85,7 @@ def test_handles_and_fields_choose_the_window_at_once_or_on_the_worker(deep, han
     low = layer.window[0]
     pixel = 200.0 * 5 / histogram.width()
     assert abs(low - 3100.0) <= pixel
-    hand.wait(lambda: np.array_equal(layer.shades, windowed(values, Window(low, 3199.0))))
+    hand.wait(lambda: np.array_equal(layer.shades, apply_window(values, IntensityWindow(low, 3199.0))))
 
 
 def test_a_window_chosen_by_hand_is_kept_in_a_session_file_and_not_for_another_image(window, deep, hand, image_file):

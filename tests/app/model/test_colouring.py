@@ -13,7 +13,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
-from app.model.display.colouring import QUANTITIES, SHADES, Births, age, coloured, convergence, speed
+from app.model.display.colouring import QUANTITIES, SHADES, InsertionTimes, age, coloured, convergence, speed
 from app.model.display.round_numbers import round_down, round_up
 from app.session.worker.run_record import RunRecord
 from app.views.canvas.items.discs import Discs
@@ -24,7 +24,7 @@ from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.state import Particles, State
 from tests.app.conftest import disc
 
-NOBODY_BORN = Births(np.empty(0), np.empty(0))
+NOBODY_BORN = InsertionTimes(np.empty(0), np.empty(0))
 
 
 def moment(count: int = 0, seed: int = 0) -> State:
@@ -43,9 +43,11 @@ def moment(count: int = 0, seed: int = 0) -> State:
 @given(seed=st.integers(0, 2**16), count=st.integers(2, 60))
 def test_more_of_a_quantity_never_gives_a_lower_shade(name, seed, count):
     state = moment(count, seed)
-    births = Births(np.arange(1.0, 8.0), np.sort(np.random.default_rng(seed).integers(0, count + 1, 7)).astype(float))
-    values = QUANTITIES[name].of(state, births)
-    shown = coloured(QUANTITIES[name], state, births)
+    inserted = InsertionTimes(
+        np.arange(1.0, 8.0), np.sort(np.random.default_rng(seed).integers(0, count + 1, 7)).astype(float)
+    )
+    values = QUANTITIES[name].of(state, inserted)
+    shown = coloured(QUANTITIES[name], state, inserted)
     known = np.isfinite(values)
     assert (shown.marks[~known] == SHADES).all()
     assert (shown.marks[known] < SHADES).all()
@@ -85,7 +87,7 @@ def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(comp
         for identity in state.particles.identity.tolist():
             seen.setdefault(identity, state.step)
     metrics = recorder.metrics()
-    told = age(state, Births(metrics.step, metrics.numbered))
+    told = age(state, InsertionTimes(metrics.step, metrics.numbered))
     expected = [state.step - seen[identity] for identity in state.particles.identity.tolist()]
     assert len(set(expected)) > 2
     assert told.tolist() == expected

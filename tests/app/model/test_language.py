@@ -123,7 +123,7 @@ import re, sys
 import app.model.text.language as language
 language.tr = lambda said: f"⟦{said}⟧"
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QTabBar, QWidget
+from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QMenu, QTabBar, QWidget
 from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.main_window import MainWindow
@@ -165,7 +165,7 @@ for widget in (window, *window.findChildren(QWidget)):
         read = widget.itemText if isinstance(widget, QComboBox) else widget.tabText
         for index in range(widget.count()):
             look(read(index), f"{type(widget).__name__} {name}")
-for action in window.actions() + [action for menu in window.menus._menus.values() for action in menu.actions()]:
+for action in window.actions() + [action for menu in window.findChildren(QMenu) for action in menu.actions()]:
     for said in (action.text(), action.toolTip(), action.statusTip()):
         look(said, "action")
 window.close()

@@ -1,22 +1,23 @@
-"""Every parameter is named, explained and drawn; the drawing follows its value and rests when nobody looks."""
+"""Every parameter is named, explained and drawn; the illustration follows its value and rests when nobody looks."""
 
 from __future__ import annotations
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QCheckBox, QLabel
 
 from app.model.parameters.controls import controls
 from app.model.text.wording import WORDS, rich
-from app.views.features.file.preferring import PreferringFeature
-from app.views.panels.parameters.drawings import DRAWINGS
-from app.views.panels.parameters.parameter_drawing import ParameterDrawing
+from app.views.features.file.preferences import PreferencesFeature
+from app.views.panels.parameters.illustration import Illustration
+from app.views.panels.parameters.illustrations import ILLUSTRATIONS
 from cpm_core.parameters import PARAMETERS
 
 CONTROLS = {control.name: control for control in controls()}
 
 
 def test_every_control_has_words_and_a_drawing_and_nothing_else_has() -> None:
-    assert set(WORDS) == set(DRAWINGS) == set(CONTROLS) == {*PARAMETERS, "ratio"} - {"w1"}
+    assert set(WORDS) == set(ILLUSTRATIONS) == set(CONTROLS) == {*PARAMETERS, "ratio"} - {"w1"}
 
 
 def test_no_two_controls_are_called_the_same() -> None:
@@ -26,38 +27,38 @@ def test_no_two_controls_are_called_the_same() -> None:
 
 @pytest.mark.parametrize("name", CONTROLS)
 def test_a_drawing_changes_with_the_value_and_with_time(qtbot, name) -> None:
-    drawing, control = ParameterDrawing(), CONTROLS[name]
-    qtbot.addWidget(drawing)
+    illustration, control = Illustration(), CONTROLS[name]
+    qtbot.addWidget(illustration)
     span = control.slider_high - control.slider_low
     pictures = []
     for share in (0.02, 0.35, 0.98):
         value = control.slider_low + share * span
-        drawing.show_control(name, round(value) if control.whole else value)
-        pictures.append(drawing.picture(0.8))
+        illustration.show_control(name, round(value) if control.whole else value)
+        pictures.append(illustration.picture(0.8))
     assert all(one != other for index, one in enumerate(pictures) for other in pictures[:index]), name
-    assert drawing.picture(0.1) != drawing.picture(0.8)
+    assert illustration.picture(0.1) != illustration.picture(0.8)
 
 
 @pytest.mark.parametrize("name", CONTROLS)
 def test_a_drawing_bears_every_value_that_may_be_typed(qtbot, name) -> None:
-    drawing, control = ParameterDrawing(), CONTROLS[name]
-    qtbot.addWidget(drawing)
+    illustration, control = Illustration(), CONTROLS[name]
+    qtbot.addWidget(illustration)
     for value in (control.low, control.high, "auto"):
-        drawing.show_control(name, value)
+        illustration.show_control(name, value)
         for moment in (0.0, 0.5, 1.0):
-            assert not drawing.picture(moment).isNull()
+            assert not illustration.picture(moment).isNull()
 
 
 def test_a_drawing_moves_only_while_it_is_seen_and_motion_is_wanted(window, hand) -> None:
-    drawing = window.panels["parameters"].explanation.drawing
-    hand.wait(lambda: drawing.moving)
+    illustration = window.panels["parameters"].explanation.illustration
+    hand.wait(lambda: illustration.moving)
     window.actions_by_name["motion"].trigger()
-    assert not drawing.moving
+    assert not illustration.moving
     assert window.preferences.get("motion", True) is False
     window.actions_by_name["motion"].trigger()
-    assert drawing.moving
+    assert illustration.moving
     window.docks["layers"].raise_()
-    hand.wait(lambda: not drawing.moving)
+    hand.wait(lambda: not illustration.moving)
 
 
 @pytest.mark.parametrize("size", [(1000, 700), (1500, 1000)])
@@ -92,23 +93,23 @@ def test_the_drawing_follows_the_slider(window, hand) -> None:
     panel = window.panels["parameters"]
     row = panel.rows["annealing"]
     row.explained.emit(row.control)
-    before = panel.explanation.drawing.picture(0.8)
+    before = panel.explanation.illustration.picture(0.8)
     row.slider.setFocus()
     hand.qtbot.keyClick(row.slider, Qt.Key.Key_Home)
     assert window.session.document.parameters.annealing == pytest.approx(0.9)
-    assert panel.explanation.drawing.picture(0.8) != before
+    assert panel.explanation.illustration.picture(0.8) != before
 
 
 def test_words_and_formulas_are_switched_from_the_menu_and_kept(window, hand) -> None:
     row = window.panels["parameters"].rows["beta"]
-    assert "Calm" in row._label.text()
+    assert "Calm" in row.findChild(QLabel).text()
     window.actions_by_name["wording_formula"].trigger()
-    assert "Calm" not in row._label.text()
-    assert row._label.text().startswith("<i>β</i>")
+    assert "Calm" not in row.findChild(QLabel).text()
+    assert row.findChild(QLabel).text().startswith("<i>β</i>")
     assert row.slider.accessibleName() == "Damping"
     assert window.preferences.get("parameters/wording", "") == "formula"
     window.actions_by_name["wording_intuitive"].trigger()
-    assert "Calm" in row._label.text()
+    assert "Calm" in row.findChild(QLabel).text()
 
 
 def test_symbols_are_set_with_what_stands_lower() -> None:
@@ -117,8 +118,8 @@ def test_symbols_are_set_with_what_stands_lower() -> None:
 
 
 def test_the_preferences_offer_wording_motion_and_colours(window, hand) -> None:
-    dialog = window.feature(PreferringFeature).show()
-    wording, motion, colours = (dialog.rows[label] for label in ("Wording", "Drawings", "Colours"))
+    dialog = window.feature(PreferencesFeature).show()
+    wording, motion, colours = (dialog.rows[label] for label in ("Wording", "Illustrations", "Colours"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
     wording.activated.emit(1)
     assert window.actions_by_name["wording_formula"].isChecked()
@@ -132,7 +133,7 @@ def test_the_preferences_offer_wording_motion_and_colours(window, hand) -> None:
 
 
 def test_space_presses_what_has_the_focus_and_runs_nothing(ready, hand) -> None:
-    box = ready.panels["parameters"].rows["smoothing"]._automatic
+    box = ready.panels["parameters"].rows["smoothing"].findChild(QCheckBox)
     ready.panels["parameters"].advanced.fold.click()
     hand.wait(box.isVisible)
     box.setFocus(Qt.FocusReason.TabFocusReason)

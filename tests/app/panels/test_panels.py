@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QRectF, Qt
-from PySide6.QtWidgets import QLabel, QToolButton
+from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 
 from app.model.parameters.controls import controls
 from app.model.state.resolve import resolve
@@ -16,7 +16,7 @@ from app.model.state.status import RunStatus
 from app.session.exchange.messages import RunMetrics
 from app.views.canvas.items.curves import pieces
 from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
-from app.views.help.help import show_about
+from app.views.features.help.help import show_about
 from app.views.panels.run.plot import PlotPanel
 from cpm_core import Parameters
 
@@ -35,10 +35,10 @@ def test_a_double_click_on_a_slider_and_the_button_bring_the_default_back(window
     panel = window.panels["parameters"]
     panel.advanced.fold.click()
     row = panel.rows[name]
-    hand.wait(lambda: row._restore.height() > 8)
+    hand.wait(lambda: row.findChild(QToolButton, "restore").height() > 8)
     for restore in (
         lambda: hand.qtbot.mouseDClick(row.slider, Qt.MouseButton.LeftButton),
-        lambda: hand.qtbot.mouseClick(row._restore, Qt.MouseButton.LeftButton),
+        lambda: hand.qtbot.mouseClick(row.findChild(QToolButton, "restore"), Qt.MouseButton.LeftButton),
     ):
         row.slider.setValue(row.slider.maximum())
         assert window.session.document.parameters != Parameters()
@@ -51,10 +51,10 @@ def test_a_double_click_on_a_slider_and_the_button_bring_the_default_back(window
 
 def test_smoothing_can_be_left_to_the_program_and_taken_back(window, hand) -> None:
     row = window.panels["parameters"].rows["smoothing"]
-    row._automatic.click()
+    row.findChild(QCheckBox).click()
     assert window.session.document.parameters.smoothing == "auto"
     assert not row.slider.isEnabled()
-    row._automatic.click()
+    row.findChild(QCheckBox).click()
     assert window.session.document.parameters.smoothing == 1.0
     assert row.slider.isEnabled()
 
@@ -149,3 +149,12 @@ def test_about_names_the_paper(window, qtbot) -> None:
     about = show_about(window)
     assert "charged particles" in about.text()
     about.close()
+
+
+def test_a_change_of_a_parameter_is_shown_once(window, monkeypatch) -> None:
+    panel = window.panels["parameters"]
+    shown = []
+    show = panel.rows["beta"].show_value
+    monkeypatch.setattr(panel.rows["beta"], "show_value", lambda *values: (shown.append(values), show(*values)))
+    panel.rows["beta"].slider.setValue(panel.rows["beta"].slider.maximum())
+    assert [value for value, _ in shown] == [window.session.document.parameters.beta]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import Qt
 
 from app.model.display.plots import PLOTS, figure
 from app.session.exchange.messages import RunMetrics
@@ -81,8 +83,7 @@ def test_pointer_and_keys_read_the_figures_of_a_step(panel, qtbot):
     chart, metrics = panel.chart, trace_of(61)
     panel.show_plots([plot.name for plot in PLOTS])
     panel.show_metrics(metrics)
-    left, width = chart._sides()
-    qtbot.mouseMove(chart, QPoint(round(left + 0.5 * width), 40))
+    qtbot.mouseMove(chart, chart.point(30).toPoint())
     qtbot.waitUntil(lambda: chart.reading != "")
     assert chart.reading == (
         f"step 31, ε {figure(1 / 31)}, kinetic energy {figure(1 / 31**2)}, potential energy -31, "
@@ -105,18 +106,22 @@ def test_what_is_read_may_be_gone_when_a_run_is_taken_back(panel):
     panel.grab()
 
 
-def test_curves_are_chosen_by_keys_and_stay_chosen(window, hand, qtbot):
-    plot = window.panels["run"].plot
+def test_curves_are_chosen_by_keys_and_stay_chosen(ready, hand, qtbot):
+    window, plot = ready, ready.panels["run"].plot
     assert plot.shown == ("epsilon", "count")
     button = plot.buttons["potential"]
     button.setFocus()
     hand.key(Qt.Key.Key_Space)
     assert plot.shown == ("epsilon", "potential", "count")
     assert window.preferences.get("run/plots", [""]) == ["epsilon", "potential", "count"]
-    hand.wait(lambda: window.session._worker_thread._run.energy_sampler.wanted)
-    before = plot.chart.grab().toImage()
+    for step in range(1, 9):
+        window.session.step()
+        hand.wait(lambda step=step: window.session.status.step == step and window.session.idle)
+    plot.chart.read(7)
+    assert re.search(r"potential energy -?\d", plot.chart.reading)
     hand.key(Qt.Key.Key_Space)
-    assert plot.chart.grab().toImage() != before
+    assert plot.shown == ("epsilon", "count")
+    assert "potential energy" not in plot.chart.reading
 
 
 def test_each_curve_and_each_change_of_scale_is_drawn(panel):

@@ -13,7 +13,7 @@ from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
-from app.views.features.file.preferring import PreferringFeature
+from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.run.timeline import BUDGET, TimelineFeature
 from app.views.window.preferences_dialog import PreferencesDialog
 from cpm_core import Engine, Parameters
@@ -126,22 +126,22 @@ def test_a_branch_compared_with_is_seen_beside_and_the_difference_told(rested, h
     go_on_otherwise(rested, hand)
     panel, ghost = rested.panels["timeline"], rested.canvas_area.canvas.layers["ghost"]
     assert (ghost.count, ghost.contours) == (0, 0)
-    panel.compare.setFocus()
-    hand.qtbot.keyClick(panel.compare, KEY.Key_Down)
+    panel.branch.compare.setFocus()
+    hand.qtbot.keyClick(panel.branch.compare, KEY.Key_Down)
     hand.wait(lambda: ghost.contours > 0)
     end = min(rested.session.status.step, fresh[-1].step)
     np.testing.assert_array_equal(np.sort(ghost.position, axis=0), np.sort(fresh[end].position, axis=0))
-    assert "px apart on average" in panel.difference
-    assert f"{fresh[end].count} particles " in panel.difference
+    assert "px apart on average" in panel.branch.difference
+    assert f"{fresh[end].count} particles " in panel.branch.difference
     hand.canvas.setFocus()
     for _ in range(3):
         hand.key(KEY.Key_Comma)
     step = navigation(rested).place[1]
     settle(rested, hand, step)
     hand.wait(lambda: ghost.count == fresh[step].count)
-    hand.qtbot.keyClick(panel.compare, KEY.Key_Up)
+    hand.qtbot.keyClick(panel.branch.compare, KEY.Key_Up)
     hand.wait(lambda: ghost.count == 0)
-    assert panel.difference == ""
+    assert panel.branch.difference == ""
 
 
 def test_steps_backwards_return_exactly_and_forwards_repeat_the_branch(rested, hand, fresh) -> None:
@@ -236,19 +236,19 @@ def test_branches_are_named_and_deleted(rested, hand, fresh) -> None:
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
     panel = rested.panels["timeline"]
-    assert not panel.delete.isEnabled()
+    assert not panel.branch.delete.isEnabled()
     go_on_otherwise(rested, hand)
-    panel.name.setFocus()
-    panel.name.selectAll()
-    hand.qtbot.keyClicks(panel.name, "stiffer")
-    hand.qtbot.keyClick(panel.name, KEY.Key_Return)
+    panel.branch.name.setFocus()
+    panel.branch.name.selectAll()
+    hand.qtbot.keyClicks(panel.branch.name, "stiffer")
+    hand.qtbot.keyClick(panel.branch.name, KEY.Key_Return)
     hand.wait(lambda: [branch.name for branch in navigation(rested).outline.branches] == ["Branch 1", "stiffer"])
     fork = navigation(rested).outline.branches[1].first
-    hand.qtbot.mouseClick(panel.delete, LEFT)
+    hand.qtbot.mouseClick(panel.branch.delete, LEFT)
     hand.wait(lambda: len(navigation(rested).outline.branches) == 1 and rested.session.idle)
     assert rested.session.status.step == fork
     np.testing.assert_array_equal(shown(rested), ordered(fresh[fork]))
-    assert not panel.delete.isEnabled()
+    assert not panel.branch.delete.isEnabled()
 
 
 def test_a_reset_forgets_the_timeline(rested, hand) -> None:
@@ -330,7 +330,7 @@ def test_with_hardly_any_memory_every_step_is_still_exact(rested, hand, fresh) -
 
 
 def test_every_part_of_the_window_has_the_rows_that_it_brings(rested) -> None:
-    dialog = rested.feature(PreferringFeature).show()
+    dialog = rested.feature(PreferencesFeature).show()
     labels = {row.label for feature in rested.features.values() for row in feature.preferences()}
     assert {"Memory for steps", "In use now"} <= labels == set(dialog.rows)
     dialog.reject()

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QMessageBox
 from app.model.document import edits
 from app.session.storage.autosave import KEY, folder_of_journals, lock_of
 from app.session.storage.recovery import left_behind
-from app.views.features.file.files import FilesFeature
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
@@ -73,8 +73,8 @@ def test_the_journal_goes_when_the_work_is_saved_taken_back_or_closed(window, ha
     assert not written(window).exists()
     window.session.redo()
     assert written(window).exists()
-    window.feature(FilesFeature).document_file.save(tmp_path / "a.cpm")
-    hand.wait(lambda: not window.feature(FilesFeature).document_file.unsaved)
+    window.feature(OpenSaveFeature).document_file.save(tmp_path / "a.cpm")
+    hand.wait(lambda: not window.feature(OpenSaveFeature).document_file.unsaved)
     assert not written(window).exists()
     draw(window, 40.0)
     assert written(window).exists()
@@ -103,7 +103,7 @@ def test_what_was_left_is_restored_with_its_file_and_counts_as_unsaved(window, h
     assert str(session_file) in box.informativeText()
     press(box, "Restore")
     hand.wait(lambda: len(window.session.document.shapes) == 2 and window.session.idle)
-    document_file = window.feature(FilesFeature).document_file
+    document_file = window.feature(OpenSaveFeature).document_file
     assert document_file.path == session_file
     assert document_file.unsaved
     assert "restored" in window.canvas_area.messages.text
@@ -203,7 +203,7 @@ def test_a_process_that_is_killed_leaves_its_work_to_the_next_window(window, han
     hand.wait(lambda: window.session.document.image.name == "killed.npy")
     assert window.session.document.shapes == tuple(Circle((30.0, 31.0), radius) for radius in (5.0, 6.0, 7.0))
     assert hand.canvas.layers["image"].opacity == 0.25
-    assert window.feature(FilesFeature).document_file.unsaved
+    assert window.feature(OpenSaveFeature).document_file.unsaved
 
 
 def _journals_with_three_shapes() -> bool:

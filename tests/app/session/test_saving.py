@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMe
 
 from app.model.document import edits
 from app.model.parameters.presets import Preset
-from app.views.features.file.files import FilesFeature
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.run.parameters import ParametersFeature
 from app.views.main_window import MainWindow
 from app.views.theme import theme
@@ -39,7 +39,7 @@ def saved_to(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 
 def document_file(window: MainWindow):
-    return window.feature(FilesFeature).document_file
+    return window.feature(OpenSaveFeature).document_file
 
 
 def draw(window: MainWindow, row: float = 20.0) -> None:
@@ -83,7 +83,7 @@ def test_what_is_saved_by_a_key_is_restored_with_marks_and_view(ready, hand, sav
     hand.wait(lambda: not document_file(ready).unsaved)
     document = session.document
     np.save(tmp_path / "other.npy", np.eye(30))
-    ready.feature(FilesFeature).take([tmp_path / "other.npy"])
+    ready.feature(OpenSaveFeature).take([tmp_path / "other.npy"])
     hand.wait(lambda: session.document.image.name == "other.npy")
     canvas.layers["edge_map"].set_shown(False)
     canvas.layers["image"].set_opacity(1.0)
@@ -217,7 +217,7 @@ def test_cancel_keeps_the_window_and_the_image(ready, hand, asked, tmp_path) -> 
     assert ready.isVisible()
     hand.wait(lambda: ready.session.idle)
     assert ready.session.document.image.name == "disc.npy"
-    ready.feature(FilesFeature).document_file.forget()
+    ready.feature(OpenSaveFeature).document_file.forget()
 
 
 def test_discard_lets_go_of_it(ready, asked) -> None:
@@ -239,7 +239,7 @@ def test_save_that_fails_or_is_not_told_where_to_keeps_the_window(ready, asked, 
         assert not ready.close()
         assert ready.isVisible()
     assert "none" in ready.canvas_area.messages.text
-    ready.feature(FilesFeature).document_file.forget()
+    ready.feature(OpenSaveFeature).document_file.forget()
 
 
 def test_nothing_is_asked_where_nothing_would_be_lost(window, asked, hand, saved_to) -> None:
@@ -281,7 +281,7 @@ def test_of_several_images_dropped_the_first_is_opened_and_that_is_said(window, 
 
 def recent(window: MainWindow) -> list[tuple[str, bool]]:
     menu = QMenu()
-    window.feature(FilesFeature).recent.fill(menu)
+    window.feature(OpenSaveFeature).recent.fill(menu)
     return [(action.text().partition(" ")[2], action.isEnabled()) for action in menu.actions() if "." in action.text()]
 
 
@@ -293,7 +293,7 @@ def test_files_that_were_open_are_listed_newest_first_and_grey_when_gone(window,
     (tmp_path / "a.npy").unlink()
     assert recent(window) == [("b.npy", True), ("a.npy", False), ("disc.npy", True)]
     menu = QMenu()
-    window.feature(FilesFeature).recent.fill(menu)
+    window.feature(OpenSaveFeature).recent.fill(menu)
     next(action for action in menu.actions() if "disc" in action.text()).trigger()
     hand.wait(lambda: window.session.document.image.name == "disc.npy")
     menu.actions()[-1].trigger()
@@ -301,7 +301,7 @@ def test_files_that_were_open_are_listed_newest_first_and_grey_when_gone(window,
 
 
 def test_the_list_of_files_stays_short(window, tmp_path) -> None:
-    files = window.feature(FilesFeature).recent
+    files = window.feature(OpenSaveFeature).recent
     for number in range(MOST + 5):
         files.add(tmp_path / f"{number}.png")
     assert [path.stem for path in files.paths] == [str(number) for number in range(MOST + 4, 4, -1)]

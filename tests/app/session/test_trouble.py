@@ -9,6 +9,7 @@ import pytest
 from PIL import Image as Picture
 from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDropEvent
+from PySide6.QtWidgets import QToolButton
 
 from app.model.document import edits
 from cpm_core.shapes import Circle
@@ -112,7 +113,7 @@ def test_a_circle_wholly_outside_is_told_and_can_be_put_right(window, hand) -> N
 
 
 def test_a_refused_parameter_is_told_and_the_old_value_is_shown_again(window) -> None:
-    window.panels["parameters"]._change("scales", 0)
+    window.panels["parameters"].rows["scales"].changed.emit("scales", 0)
     assert "scales" in window.canvas_area.messages.text.lower()
     assert window.panels["parameters"].rows["scales"].number.value() == window.session.document.parameters.scales
 
@@ -140,7 +141,7 @@ def test_trouble_stays_until_dismissed_and_news_does_not_hide_it(window) -> None
     window.session.say("Something is wrong.", True)
     window.session.say("By the way.", False)
     assert window.canvas_area.messages.text == "Something is wrong."
-    window.canvas_area.messages._button.click()
+    window.canvas_area.messages.findChild(QToolButton).click()
     assert window.canvas_area.messages.text == ""
     window.session.say("By the way.", False)
     assert window.canvas_area.messages.text == "By the way."

@@ -183,7 +183,7 @@ def test_a_question_mark_opens_the_sheet_of_all_keys_and_closes_it(window, hand)
         hand.key(KEY.Key_Question)
         (sheet,) = sheets()
         text = sheet.text()
-        for entry in window.actions_by_name.entries:
+        for entry in window.actions_by_name.specs:
             if entry.shortcuts:
                 assert entry.text.replace("&", "").rstrip("…") in text
         for word in ("Ctrl+Z", "cross-hair", "wheel", "Layers", "Tools"):

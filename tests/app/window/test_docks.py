@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt
 from PySide6.QtWidgets import QLabel, QMainWindow, QTabBar, QToolButton
 
 from app.session.storage.preferences import Preferences
@@ -101,15 +101,30 @@ def test_every_button_of_the_tool_bar_has_room_at_1280(window, hand) -> None:
     window.resize(1280, 720)
     hand.wait(lambda: window.width() == 1280)
     for name in ("open", "save", "undo", "redo", "primary", "step", "reset", "fit", "export", "mode_skeleton"):
-        hand.wait(window._bar.findChild(QToolButton, name).isVisible)
+        hand.wait(window.findChild(QToolButton, name).isVisible)
 
 
-def test_a_window_that_is_left_alone_does_not_tidy_its_panels_over_and_over(window, hand) -> None:
-    tidied: list[int] = []
-    window.docks._tidying.timeout.connect(lambda: tidied.append(1))
+class Requests(QObject):
+    """Counts the requests of a window to be laid out anew."""
+
+    count = 0
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        self.count += event.type() == QEvent.Type.LayoutRequest
+        return False
+
+
+def test_a_window_that_is_left_alone_comes_to_rest(window, hand) -> None:
+    requests = Requests()
+    window.installEventFilter(requests)
     window.docks.reveal("contours")
     window.docks.restore()
-    hand.qtbot.wait(100)
-    tidied.clear()
-    hand.qtbot.wait(300)
-    assert len(tidied) <= 2
+
+    def at_rest() -> bool:
+        before = requests.count
+        for _ in range(20):
+            QCoreApplication.processEvents()
+        return requests.count == before
+
+    assert not at_rest()
+    hand.wait(at_rest)

@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt, QUrl
 
 from app.model.document.samples import sample_called
 from app.model.text.assets import asset
-from app.views.features.help.helping import HelpingFeature
+from app.views.features.help.help import HelpFeature
 from app.views.help.guide import KEYS, Guide
 from app.views.help.guide_pages import PAGES
 
@@ -25,7 +25,7 @@ LINKS = sorted({link for texts in TEXTS.values() for text in texts for link in r
 @pytest.fixture
 def guide(window, hand) -> Guide:
     hand.key(Qt.Key.Key_F1)
-    return window.feature(HelpingFeature).guide
+    return window.feature(HelpFeature).guide
 
 
 def test_three_real_tasks_are_walked_through() -> None:
@@ -69,18 +69,18 @@ def test_a_link_opens_a_sample_and_another_a_page(window, hand, guide) -> None:
 def test_all_keys_are_listed(window, guide) -> None:
     guide.turn_to(KEYS)
     text = guide.text.toPlainText()
-    for entry in window.actions_by_name.entries:
+    for entry in window.actions_by_name.specs:
         if entry.shortcuts:
             assert entry.tip in text, entry.name
 
 
 def test_the_guide_is_one_window_that_can_be_closed_and_opened_again(window, hand, guide) -> None:
     hand.key(Qt.Key.Key_F1)
-    assert window.feature(HelpingFeature).guide is guide
+    assert window.feature(HelpFeature).guide is guide
     guide.close()
-    hand.wait(lambda: window.feature(HelpingFeature).guide is None)
-    window.feature(HelpingFeature).show_guide(KEYS)
-    assert window.feature(HelpingFeature).guide.page == KEYS
+    hand.wait(lambda: window.feature(HelpFeature).guide is None)
+    window.feature(HelpFeature).show_guide(KEYS)
+    assert window.feature(HelpFeature).guide.page == KEYS
 
 
 def test_the_narrow_place_of_the_artery_stands_out_in_its_skeleton(window, hand) -> None:

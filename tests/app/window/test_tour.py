@@ -6,14 +6,14 @@ import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
 
 from app.views.application import open_window
-from app.views.features.help.helping import SEEN, HelpingFeature
+from app.views.features.help.help import SEEN, HelpFeature
 from app.views.help.tour import Tour
 
 
 @pytest.fixture
 def tour(window, hand) -> Tour:
     window.actions_by_name["tour"].trigger()
-    return window.feature(HelpingFeature).tour
+    return window.feature(HelpFeature).tour
 
 
 def place(widget, window) -> QRect:
@@ -30,7 +30,7 @@ def test_the_bubble_points_at_each_of_five_and_covers_none_of_them(window, hand,
         assert window.rect().contains(tour.geometry())
         hand.qtbot.mouseClick(tour.onward, Qt.MouseButton.LeftButton)
     assert number == 4
-    assert window.feature(HelpingFeature).tour is None
+    assert window.feature(HelpFeature).tour is None
 
 
 def test_no_text_of_a_bubble_is_cut_off(window, hand, tour) -> None:
@@ -44,13 +44,13 @@ def test_no_text_of_a_bubble_is_cut_off(window, hand, tour) -> None:
 
 def test_the_tour_is_led_by_keys_and_does_not_run_anything(ready, hand) -> None:
     ready.actions_by_name["tour"].trigger()
-    tour = ready.feature(HelpingFeature).tour
+    tour = ready.feature(HelpFeature).tour
     for key, at in ((Qt.Key.Key_Right, 1), (Qt.Key.Key_Return, 2), (Qt.Key.Key_Left, 1), (Qt.Key.Key_Space, 2)):
         hand.key(key)
         assert tour.at == at
     assert ready.session.status.phase == "ready"
     hand.key(Qt.Key.Key_Escape)
-    assert ready.feature(HelpingFeature).tour is None
+    assert ready.feature(HelpFeature).tour is None
     assert ready.preferences.get(SEEN, False)
 
 
@@ -60,7 +60,7 @@ def test_back_and_skip_do_what_they_say(window, hand, tour) -> None:
     hand.qtbot.mouseClick(tour.back, Qt.MouseButton.LeftButton)
     assert tour.at == 0
     hand.qtbot.mouseClick(tour.skip, Qt.MouseButton.LeftButton)
-    assert window.feature(HelpingFeature).tour is None
+    assert window.feature(HelpFeature).tour is None
 
 
 def test_the_bubble_stays_with_its_target_when_the_window_changes_its_size(window, hand, tour) -> None:
@@ -81,7 +81,7 @@ def test_it_is_shown_once_and_only_when_a_person_starts_the_program(qtbot, compi
     for seen_before in (False, True):
         window = open_window(str(image_file))
         qtbot.waitUntil(lambda window=window: window.session.document.image is not None)
-        feature = window.feature(HelpingFeature)
+        feature = window.feature(HelpFeature)
         assert feature.tour is None
         feature.welcome()
         assert (feature.tour is None) == seen_before

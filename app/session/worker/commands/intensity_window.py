@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.model.display import shades
-from app.model.display.shades import DisplayImage, Window
+from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window, percentile_window
 from app.session.exchange.messages import Report
 from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
@@ -27,7 +26,7 @@ class Shaded(Report):
     """An image as it looks in a window of grey values."""
 
     image: Image
-    window: Window
+    window: IntensityWindow
     shades: DisplayImage
 
 
@@ -43,7 +42,7 @@ class FindWindow(Command):
 
     def execute(self, context: CommandContext) -> None:
         """Find it."""
-        low, high = shades.window_without(self.image.values, self.percent)
+        low, high = percentile_window(self.image.values, self.percent)
         context.report(WindowFound(self.image, self.percent, low, high))
 
 
@@ -52,11 +51,11 @@ class Shade(Command):
     """Make the shades of an image in a window."""
 
     image: Image
-    window: Window
+    window: IntensityWindow
 
     latest_only = True
     activity = "changing the levels"
 
     def execute(self, context: CommandContext) -> None:
         """Make them."""
-        context.report(Shaded(self.image, self.window, shades.windowed(self.image.values, self.window)))
+        context.report(Shaded(self.image, self.window, apply_window(self.image.values, self.window)))

@@ -14,7 +14,7 @@ from app.model.text.language import tr
 from app.views.canvas.naming import NameField
 from app.views.panels.contour_table import ContourPanel
 from app.views.theme.colours import fill_colours
-from app.views.widgets.entry import STATE, ActionSpec, Submenu
+from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -39,8 +39,11 @@ class ContoursFeature(Feature):
         self.panel.buttons["reject"].clicked.connect(lambda: self._review.judge("rejected"))
         self.panel.buttons["name"].clicked.connect(self.panel.table.name_selected)
 
-    def entries(self) -> Sequence[ActionSpec | Submenu]:
+    def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, selection, verdicts, names, colours."""
+        return (*self._selection(), *self._verdicts(), *self._marks())
+
+    def _selection(self) -> Sequence[ActionSpec]:
         return (
             ActionSpec(
                 name="contour_table",
@@ -69,6 +72,10 @@ class ContoursFeature(Feature):
                 tip=tr("Select all contours."),
                 when=self._any,
             ),
+        )
+
+    def _verdicts(self) -> Sequence[ActionSpec]:
+        return (
             ActionSpec(
                 name="keep",
                 menu="Contours",
@@ -88,6 +95,10 @@ class ContoursFeature(Feature):
                 tip=tr("Leave the selected contours out of what is exported; once more takes it back."),
                 when=self._chosen,
             ),
+        )
+
+    def _marks(self) -> Sequence[ActionSpec | Submenu]:
+        return (
             ActionSpec(
                 name="name_contour",
                 menu="Contours",

@@ -11,7 +11,7 @@ from app.model.display.differences import Difference
 from app.model.state.situation import Situation, has_image
 from app.model.text.language import tr
 from app.views.panels.contour_table.truth_panel import TruthPanel
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.formats import READABLE
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE
@@ -33,7 +33,7 @@ class TruthFeature(Feature):
         self.truth.changed.connect(context.refresh)
         self.truth.compared.connect(context.refresh)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Load, forget, look at the worst."""
         return (
             ActionSpec(

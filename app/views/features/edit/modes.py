@@ -10,7 +10,7 @@ from app.model.document.document import Mode
 from app.model.document.modes import MODES, use_mode
 from app.model.state.situation import Condition, has_contours
 from app.model.text.language import tr
-from app.views.widgets.entry import STATE, ActionSpec
+from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.dialogs import ask_for_export
 from app.views.window.feature import Feature
 
@@ -20,7 +20,7 @@ _KEYS = {"shape": "Alt+1", "automatic": "Alt+2", "skeleton": "Alt+3"}
 class ModesFeature(Feature):
     """What a person is after, and the skeleton."""
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """One mode each, and the export of the skeleton."""
         modes = [
             ActionSpec(

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication
 from app.model.state.situation import has_contours, has_image
 from app.model.text.language import tr
 from app.session.worker.commands.run import Copied
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 
 _KINDS = (
@@ -30,7 +30,7 @@ class ClipboardFeature(Feature):
         super().__init__(context)
         context.session.listen(Copied, self._put_contours)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Contours in several formats, and the view."""
         contours = [
             ActionSpec(

@@ -15,13 +15,12 @@ from app.session.storage.presets import PresetStore
 from app.views.panels.parameters.parameters import ParametersPanel
 from app.views.presets.preset_files import PresetFiles
 from app.views.theme.theme import Theme
-from app.views.widgets.choice import choice
-from app.views.widgets.entry import STATE, ActionSpec, Submenu
-from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
+from app.views.widgets.preference_row import PreferenceRow, choice
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 WORDING, MOTION = "parameters/wording", "motion"
-"""Preferences: how parameters are called, and whether drawings move."""
+"""Preferences: how parameters are called, and whether illustrations move."""
 
 _WORDINGS: tuple[tuple[Wording, str, str], ...] = (
     ("intuitive", tr("Parameters in plain &words"), tr("Call parameters by what they do.")),
@@ -40,15 +39,15 @@ class ParametersFeature(Feature):
         self._follow(WORDING)
         self._follow(MOTION)
 
-    def entries(self) -> Sequence[ActionSpec | Submenu]:
+    def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Presets, and how parameters are called."""
         presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.preset_files.fill, gap=True)
         motion = ActionSpec(
             name="motion",
             menu="View",
-            text=tr("Drawings that mo&ve"),
+            text=tr("Illustrations that mo&ve"),
             do=lambda: self._prefer(MOTION, not self._moves),
-            tip=tr("Let the small drawings of the parameters move, or stand still."),
+            tip=tr("Let the small illustrations of the parameters move, or stand still."),
             group=STATE,
             checked=self._moves,
             holds=lambda _: self._moves,
@@ -56,13 +55,11 @@ class ParametersFeature(Feature):
         return (presets, *self._wordings(), motion)
 
     def preferences(self) -> Sequence[PreferenceRow]:
-        """How parameters are called, and whether drawings move."""
-        section, entries = tr("Parameters"), self._wordings()
+        """How parameters are called, and whether illustrations move."""
+        section, specs = tr("Parameters"), self._wordings()
         return (
-            PreferenceRow(
-                section=section, label=tr("Wording"), make=lambda: choice(entries, f"wording_{self._wording}")
-            ),
-            PreferenceRow(section=section, label=tr("Drawings"), make=self._make_motion),
+            PreferenceRow(section=section, label=tr("Wording"), make=lambda: choice(specs, f"wording_{self._wording}")),
+            PreferenceRow(section=section, label=tr("Illustrations"), make=self._make_motion),
         )
 
     def panels(self) -> Sequence[Panel]:
@@ -98,7 +95,7 @@ class ParametersFeature(Feature):
         ]
 
     def _make_motion(self) -> QCheckBox:
-        box = QCheckBox(tr("Let the small drawings move"))
+        box = QCheckBox(tr("Let the small illustrations move"))
         box.setChecked(self._moves)
         box.toggled.connect(partial(self._prefer, MOTION))
         return box
@@ -115,4 +112,4 @@ class ParametersFeature(Feature):
         if key == WORDING:
             self.panel.use_wording(self._wording)
         elif key == MOTION:
-            self.panel.explanation.drawing.set_motion(self._moves)
+            self.panel.explanation.illustration.set_motion(self._moves)

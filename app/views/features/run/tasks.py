@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from app.model.text.language import tr
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.task_bar import TaskBar
 
@@ -19,7 +19,7 @@ class TasksFeature(Feature):
         self.bar = TaskBar(context.session.tasks)
         context.window.statusBar().addPermanentWidget(self.bar)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Give up."""
         tasks = self.context.session.tasks
         return (

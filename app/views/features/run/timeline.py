@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent
@@ -15,7 +16,7 @@ from app.session.worker.commands.timeline import SetTimelineBudget
 from app.session.worker.recorded_run import MEGABYTE, MEGABYTES
 from app.views.panels.timeline.timeline_panel import TimelinePanel
 from app.views.theme.theme import Theme
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext, Panel
 
@@ -26,6 +27,60 @@ _LEAST, _MOST = 16, 16384
 """What may be preferred [MB]."""
 
 _MENU = "Run>" + tr("&Timeline")
+
+
+_WAYS: tuple[tuple[str, str, Callable[[TimelineNavigation], None], str, str, str], ...] = (
+    (
+        "back",
+        tr("One step &back"),
+        lambda to: to.by(-1),
+        ",",
+        tr("Go to the step before; the steps after it are kept."),
+        "back",
+    ),
+    (
+        "forward",
+        tr("One step &forward"),
+        lambda to: to.by(1),
+        "",
+        tr("Go to the next step that is recorded."),
+        "forward",
+    ),
+    ("back_ten", tr("Ten steps b&ack"), lambda to: to.by(-10), "Shift+,", tr("Go ten steps back."), ""),
+    (
+        "forward_ten",
+        tr("Ten steps f&orward"),
+        lambda to: to.by(10),
+        "Shift+.",
+        tr("Go ten recorded steps forward."),
+        "",
+    ),
+    (
+        "first",
+        tr("Fi&rst step"),
+        TimelineNavigation.to_first,
+        "Ctrl+Home",
+        tr("Go to the beginning of the run; on the canvas Home does so too."),
+        "first",
+    ),
+    (
+        "last",
+        tr("&Last step"),
+        TimelineNavigation.to_last,
+        "Ctrl+End",
+        tr("Go to the last step of the branch; on the canvas End does so too."),
+        "last",
+    ),
+    (
+        "play",
+        tr("&Play the recorded steps"),
+        TimelineNavigation.toggle_play,
+        "Shift+Space",
+        tr("Show one recorded step after the other, or hold."),
+        "play",
+    ),
+)
+"""Name, text, what it does, key, tip and icon of each way through the recorded steps."""
 
 
 class TimelineFeature(Feature):
@@ -41,85 +96,29 @@ class TimelineFeature(Feature):
         context.preferences.changed.connect(lambda key: self._use_budget() if key == BUDGET else None)
         self._use_budget()
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Ways through the timeline."""
-        return (*self._single_steps(), *self._far())
+        return (*self._ways(), *self._branch())
 
-    def _single_steps(self) -> Sequence[ActionSpec]:
+    def _ways(self) -> Sequence[ActionSpec]:
+        navigation = self.navigation
+        return [
+            ActionSpec(
+                name=f"timeline_{name}",
+                menu=_MENU,
+                text=text,
+                do=partial(go, navigation),
+                shortcuts=(keys,) if keys else (),
+                tip=tip,
+                icon=icon,
+                when=has_particles,
+            )
+            for name, text, go, keys, tip, icon in _WAYS
+        ]
+
+    def _branch(self) -> Sequence[ActionSpec]:
         navigation = self.navigation
         return (
-            ActionSpec(
-                name="timeline_back",
-                menu=_MENU,
-                text=tr("One step &back"),
-                do=lambda: navigation.by(-1),
-                shortcuts=(",",),
-                tip=tr("Go to the step before; the steps after it are kept."),
-                icon="back",
-                when=has_particles,
-            ),
-            ActionSpec(
-                name="timeline_forward",
-                menu=_MENU,
-                text=tr("One step &forward"),
-                do=lambda: navigation.by(1),
-                tip=tr("Go to the next step that is recorded."),
-                icon="forward",
-                when=has_particles,
-            ),
-            ActionSpec(
-                name="timeline_back_ten",
-                menu=_MENU,
-                text=tr("Ten steps b&ack"),
-                do=lambda: navigation.by(-10),
-                shortcuts=("Shift+,",),
-                tip=tr("Go ten steps back."),
-                when=has_particles,
-            ),
-            ActionSpec(
-                name="timeline_forward_ten",
-                menu=_MENU,
-                text=tr("Ten steps f&orward"),
-                do=lambda: navigation.by(10),
-                shortcuts=("Shift+.",),
-                tip=tr("Go ten recorded steps forward."),
-                when=has_particles,
-            ),
-        )
-
-    def _far(self) -> Sequence[ActionSpec]:
-        navigation = self.navigation
-        return (
-            ActionSpec(
-                name="timeline_first",
-                menu=_MENU,
-                text=tr("Fi&rst step"),
-                do=navigation.to_first,
-                shortcuts=("Ctrl+Home",),
-                tip=tr("Go to the beginning of the run; on the canvas Home does so too."),
-                icon="first",
-                when=has_particles,
-            ),
-            ActionSpec(
-                name="timeline_last",
-                menu=_MENU,
-                text=tr("&Last step"),
-                do=navigation.to_last,
-                shortcuts=("Ctrl+End",),
-                tip=tr("Go to the last step of the branch; on the canvas End does so too."),
-                icon="last",
-                when=has_particles,
-            ),
-            ActionSpec(
-                name="timeline_play",
-                menu=_MENU,
-                text=tr("&Play the recorded steps"),
-                do=navigation.toggle_play,
-                shortcuts=("Shift+Space",),
-                tip=tr("Show one recorded step after the other, or hold."),
-                icon="play",
-                when=has_particles,
-            ),
             ActionSpec(
                 name="timeline_parameters",
                 menu=_MENU,

@@ -1,1 +1,1 @@
-"""Menu View: layers, looks, mosaic, animations."""
+"""Menu View: layers, appearance, mosaic, animations."""

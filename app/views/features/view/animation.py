@@ -19,7 +19,7 @@ from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.film.filming import Filming
 from app.views.film.frame_renderer import FrameRenderer, frame_size, seen_part
 from app.views.film.strip_dialog import StripDialog, StripPlan
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
 from cpm_core.formats.animations.snapshot_strip import strip, write_picture
@@ -52,7 +52,7 @@ class AnimationFeature(Feature):
         self._strip_dialog: StripDialog | None = None
         context.session.listen(StripReady, self._show_strip)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Both exports."""
         return (
             ActionSpec(

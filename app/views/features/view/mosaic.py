@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import QRectF
 
-from app.model.display.shades import DisplayImage
+from app.model.display.display_image import DisplayImage
 from app.model.state.situation import has_image
 from app.model.text.language import tr
 from app.views.canvas.coordinates import image_rectangle
 from app.views.mosaic import MosaicDialog
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 
 _LEAST_SEEN = 0.02
@@ -26,7 +26,7 @@ class MosaicFeature(Feature):
         self.sweep = context.workspace.sweep
         self.dialog: MosaicDialog | None = None
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Open it."""
         return (
             ActionSpec(

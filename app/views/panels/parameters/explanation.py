@@ -1,4 +1,4 @@
-"""What is said and drawn of the parameter that a person looks at."""
+"""What is said and shown of the parameter that is looked at."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWi
 from app.model.parameters.controls import Control
 from app.model.text.language import tr
 from app.model.text.wording import FIRST_WORDING, Wording
-from app.views.panels.parameters.parameter_drawing import ParameterDrawing
+from app.views.panels.parameters.illustration import Illustration
 
 _FULL_CONTRAST = 255.0
 
 
 class Explanation(QWidget):
-    """The small drawing with symbol, name and range beside it, and below what the parameter is and does.
+    """The small illustration with symbol, name and range beside it, and below what the parameter is and does.
 
     Where there is little room only its name and what more of it does are said; the rest is in the tooltip of its row.
     """
@@ -23,7 +23,7 @@ class Explanation(QWidget):
         super().__init__()
         self.setObjectName("explanation")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self.drawing = ParameterDrawing()
+        self.illustration = Illustration()
         self._control: Control | None = None
         self._wording: Wording = FIRST_WORDING
         self._brief = False
@@ -36,7 +36,7 @@ class Explanation(QWidget):
         self.body.setObjectName("dim")
         above = QHBoxLayout()
         above.setSpacing(10)
-        above.addWidget(self.drawing, alignment=Qt.AlignmentFlag.AlignTop)
+        above.addWidget(self.illustration, alignment=Qt.AlignmentFlag.AlignTop)
         above.addWidget(self.head, 1)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 8, 0, 2)
@@ -67,7 +67,7 @@ class Explanation(QWidget):
             self._write()
         if control.in_grey_levels and not isinstance(value, str) and contrast > 0:
             value = value * _FULL_CONTRAST / contrast
-        self.drawing.show_control(control.name, value)
+        self.illustration.show_control(control.name, value)
 
     def use_wording(self, wording: Wording) -> None:
         """Begin with plain words, or with the symbol."""
@@ -85,7 +85,7 @@ class Explanation(QWidget):
         """Room for the longest of all explanations, so that nothing jumps when another one is shown."""
         line = self.fontMetrics().lineSpacing()
         self.body.setVisible(not self._brief)
-        self.setFixedHeight(7 * line + 10 if self._brief else self.drawing.height() + 8 * line + 18)
+        self.setFixedHeight(7 * line + 10 if self._brief else self.illustration.height() + 8 * line + 18)
 
     def _write(self) -> None:
         control = self._control

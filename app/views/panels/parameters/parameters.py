@@ -122,9 +122,11 @@ class ParametersPanel(QWidget):
 
     def _change(self, name: str, value: float | str) -> None:
         told = tr("change of {parameter}").format(parameter=self.rows[name].control.title.lower())
+        before = self._session.document
         self._session.edit(told, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
-        # A value that was refused must not stay on show.
-        self.show_document(self._session.document)
+        # A value that was refused must not stay on show; one that was taken is shown by the signal.
+        if self._session.document is before:
+            self.show_document(before)
 
     def _explain(self, control: Control) -> None:
         document = self._session.document

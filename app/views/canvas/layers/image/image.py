@@ -6,7 +6,7 @@ import math
 
 import pyqtgraph as pg
 
-from app.model.display.shades import DisplayImage, Window, windowed
+from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.session.worker.commands.intensity_window import FindWindow, Shade, WindowFound
@@ -149,15 +149,15 @@ class ImageLayer(Layer):
         if image is None or whole is None:
             return
         window = self._wanted()
-        if window == Window(*self._ends):
+        if window == IntensityWindow(*self._ends):
             self._draw(whole)
         elif image.values.size <= _AT_ONCE:
-            self._draw(windowed(image.values, window))
+            self._draw(apply_window(image.values, window))
         else:
             self.requests.post(Shade(image, window))
 
-    def _wanted(self) -> Window:
-        return Window(*self._window, self.number("gamma"))
+    def _wanted(self) -> IntensityWindow:
+        return IntensityWindow(*self._window, self.number("gamma"))
 
     def _draw(self, shades: DisplayImage) -> None:
         self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))

@@ -8,7 +8,7 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtGui import QColor
 
-from app.model.display.colouring import QUANTITIES, SHADES, Births, coloured
+from app.model.display.colouring import QUANTITIES, SHADES, InsertionTimes, coloured
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
@@ -95,7 +95,7 @@ class ParticleLayer(Layer):
             self._moving.show(snapshot.position[~snapshot.resting])
         else:
             quantity = QUANTITIES[self.word("colour")]
-            shown = coloured(quantity, snapshot.state, Births(snapshot.metrics.step, snapshot.metrics.numbered))
+            shown = coloured(quantity, snapshot.state, InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered))
             for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
                 discs.show(snapshot.position[which], shown.marks[which])
             partly = bool((shown.marks == SHADES).any())

@@ -11,7 +11,7 @@ from app.model.state.situation import Condition, has_image
 from app.model.text.language import tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
-from app.views.widgets.entry import STATE, ActionSpec
+from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature
 from cpm_core.shapes import Everywhere, Kind
 
@@ -27,12 +27,15 @@ _STARTS: tuple[tuple[Kind, str, str, str], ...] = (
 )
 
 
-class DrawingFeature(Feature):
+class DrawFeature(Feature):
     """What the initialization and its limits are drawn with."""
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Tools, starts everywhere, and a circle for those who have no pointer."""
-        tools = [
+        return (*self._tools(), *self._starts(), *self._by_keys())
+
+    def _tools(self) -> Sequence[ActionSpec]:
+        return [
             ActionSpec(
                 name=tool.name,
                 menu="Draw",
@@ -48,7 +51,9 @@ class DrawingFeature(Feature):
             )
             for index, tool in enumerate(TOOLS)
         ]
-        starts = [
+
+    def _starts(self) -> Sequence[ActionSpec]:
+        return [
             ActionSpec(
                 name=f"start_{kind}",
                 menu="Draw",
@@ -64,6 +69,8 @@ class DrawingFeature(Feature):
             )
             for index, (kind, text, keys, tip) in enumerate(_STARTS)
         ]
+
+    def _by_keys(self) -> Sequence[ActionSpec]:
         middle = ActionSpec(
             name="add_circle",
             menu="Draw",
@@ -82,7 +89,7 @@ class DrawingFeature(Feature):
             tip=tr("Show a cross-hair that arrow keys move, for the tool in use; Enter on the image does the same."),
             when=has_image,
         )
-        return (*tools, *starts, middle, keyed)
+        return middle, keyed
 
     def _toggle(self, start: Everywhere) -> None:
         session = self.context.session

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from app.model.text.language import tr
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature
 from app.views.window.preferences_dialog import PreferencesDialog
 
 
-class PreferringFeature(Feature):
+class PreferencesFeature(Feature):
     """Opens the dialog of the preferences."""
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """The dialog."""
         return (
             ActionSpec(

@@ -1,23 +1,27 @@
-"""Help: the guide, the tour, and what this is."""
+"""Help: the keys, the guide, the tour, and what this is."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QMessageBox, QWidget
+
 from app.model.document.samples import sample_called
 from app.model.text.language import tr
+from app.views.help.cheat_sheet import CheatSheet
 from app.views.help.guide import Guide
-from app.views.help.help import show_about
 from app.views.help.tour import Tour
 from app.views.help.tour_stops import stops
-from app.views.widgets.entry import ActionSpec
+from app.views.theme.icons import program_icon
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 
 SEEN = "tour/seen"
 """Preference: whether the tour has been shown."""
 
 
-class HelpingFeature(Feature):
+class HelpFeature(Feature):
     """What explains the program."""
 
     def __init__(self, context: FeatureContext) -> None:
@@ -25,10 +29,18 @@ class HelpingFeature(Feature):
         self.guide: Guide | None = None
         self.tour: Tour | None = None
 
-    def entries(self) -> Sequence[ActionSpec]:
-        """Guide, keys, tour and about."""
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Keys, guide, tour and about."""
         window = self.context.window
         return (
+            ActionSpec(
+                name="keys",
+                menu="Help",
+                text=tr("&Keys"),
+                do=self._show_keys,
+                shortcuts=("?",),
+                tip=tr("All keys at a glance."),
+            ),
             ActionSpec(
                 name="guide",
                 menu="Help",
@@ -70,7 +82,7 @@ class HelpingFeature(Feature):
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a page if one is named, or bring it to the front."""
         if self.guide is None:
-            self.guide = Guide(self.context.window, self.context.entries(), self._open_sample)
+            self.guide = Guide(self.context.window, self.context.action_specs(), self._open_sample)
             self.guide.destroyed.connect(self._forget_guide)
         if page:
             self.guide.turn_to(page)
@@ -83,6 +95,15 @@ class HelpingFeature(Feature):
         if self.guide is not None:
             self.guide.close()
         return True
+
+    def _show_keys(self) -> None:
+        open_ones = [sheet for sheet in self.context.window.findChildren(CheatSheet) if sheet.isVisible()]
+        for sheet in open_ones:
+            sheet.close()
+        if not open_ones:
+            sheet = CheatSheet(self.context.window, self.context.action_specs())
+            sheet.show()
+            sheet.activateWindow()
 
     def _open_sample(self, file: str) -> None:
         sample = sample_called(file)
@@ -97,3 +118,22 @@ class HelpingFeature(Feature):
         self.tour = None
         self.context.preferences.put(SEEN, True)
         self.context.canvas_area.canvas.setFocus()
+
+
+def show_about(parent: QWidget) -> QMessageBox:
+    """Open the about box."""
+    box = QMessageBox(parent)
+    box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    box.setWindowTitle(tr("About CPM"))
+    box.setIconPixmap(program_icon().pixmap(64, 64))
+    box.setTextFormat(Qt.TextFormat.RichText)
+    box.setText(
+        tr(
+            "<h3>CPM</h3><p>Finds contours in images by letting charged particles flow to them.</p>"
+            "<p>The model: A. C. Jalba, M. H. F. Wilkinson and J. B. T. M. Roerdink, “CPM: A deformable model for "
+            "shape recovery and segmentation based on charged particles”, IEEE Transactions on Pattern Analysis and "
+            "Machine Intelligence 26 (10), 2004.</p><p>Free software under the MIT licence.</p>"
+        )
+    )
+    box.open()
+    return box

@@ -1,10 +1,10 @@
-"""Drawings of which contours are kept: gaps, strength, contrast, length."""
+"""Illustrations of which contours are kept: gaps, strength, contrast, length."""
 
 from __future__ import annotations
 
 import math
 
-from app.views.panels.parameters.drawings.sketch import CONTOUR, EDGE, LOST, MARK, WIDTH, Sketch, ease
+from app.views.panels.parameters.illustrations.sketch import CONTOUR, EDGE, LOST, MARK, WIDTH, Sketch, ease
 
 
 def max_gap(sketch: Sketch, value: float, t: float) -> None:

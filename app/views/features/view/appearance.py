@@ -10,9 +10,8 @@ from PySide6.QtGui import QGuiApplication
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.views.theme import theme
-from app.views.widgets.choice import choice
-from app.views.widgets.entry import STATE, ActionSpec
-from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.action_spec import STATE, ActionSpec
+from app.views.widgets.preference_row import PreferenceRow, choice
 from app.views.window.feature import Feature, FeatureContext
 
 _CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
@@ -23,7 +22,7 @@ _CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
 _KEY = "theme"
 
 
-class LooksFeature(Feature):
+class AppearanceFeature(Feature):
     """The colours of the window."""
 
     def __init__(self, context: FeatureContext) -> None:
@@ -32,7 +31,7 @@ class LooksFeature(Feature):
         self._following = True
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._follow_desktop)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """The choices."""
         return [
             ActionSpec(
@@ -51,9 +50,9 @@ class LooksFeature(Feature):
 
     def preferences(self) -> Sequence[PreferenceRow]:
         """Light or dark."""
-        section, entries = tr("Looks"), self.entries()
+        section, specs = tr("Appearance"), self.action_specs()
         return (
-            PreferenceRow(section=section, label=tr("Colours"), make=lambda: choice(entries, f"theme_{self._chosen}")),
+            PreferenceRow(section=section, label=tr("Colours"), make=lambda: choice(specs, f"theme_{self._chosen}")),
         )
 
     def theme(self) -> theme.Theme:

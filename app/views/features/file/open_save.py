@@ -1,4 +1,4 @@
-"""Opening, saving, exporting."""
+"""Opening and saving."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from PySide6.QtWidgets import QMenu
 from app.model.document import edits
 from app.model.document.samples import sample_at, samples
 from app.model.parameters.presets import SUFFIX as PRESET
-from app.model.state.situation import has_contours, has_image
+from app.model.state.situation import has_image
 from app.model.text.language import tr
-from app.session.exchange.messages import Exported, Opened
+from app.session.exchange.messages import Opened
 from app.session.features.import_points import PointsRead, read_points
 from app.session.storage.session_file import DocumentFile, Written
-from app.views.widgets.entry import ActionSpec, Submenu
-from app.views.window import unsaved
-from app.views.window.dialogs import ask_for_export, ask_for_file, ask_where_to_save
+from app.views.widgets.action_spec import ActionSpec, Submenu
+from app.views.window import dialogs
+from app.views.window.dialogs import ask_for_file, ask_where_to_save
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.recent_files import RecentFiles
 
-_FOLDER, _EXPORTS = "files/folder", "files/exports"
-"""Preferences: folders of what was opened or saved, and exported, last."""
+_FOLDER = "files/folder"
+"""Preference: folder of what was opened or saved last."""
 
 POINTS = ".csv"
 
 
-class FilesFeature(Feature):
-    """What is read and written."""
+class OpenSaveFeature(Feature):
+    """What is read, and the session file."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -38,18 +38,16 @@ class FilesFeature(Feature):
         self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
         self.bring_in: Callable[[Path], None] | None = None
         """Takes in the file of a preset; the window knows who does."""
-        self._exported: Path | None = None
         self.document_file.changed.connect(self._name_window)
         self.document_file.restored.connect(canvas.use_view_state)
         context.session.document_changed.connect(lambda _: self._name_window())
         context.session.listen(Opened, self._take_opened)
         context.session.listen(Written, lambda written: self._remember(written.path))
-        context.session.listen(Exported, self._take_exported)
         context.session.listen(PointsRead, self._draw_points)
         self._name_window()
 
-    def entries(self) -> Sequence[ActionSpec | Submenu]:
-        """Open, save, export, quit."""
+    def action_specs(self) -> Sequence[ActionSpec | Submenu]:
+        """Open, save, quit."""
         return (
             ActionSpec(
                 name="open",
@@ -84,7 +82,6 @@ class FilesFeature(Feature):
                 tip=tr("Save the session to another file, and keep to that."),
                 when=has_image,
             ),
-            *self._exports(),
             ActionSpec(
                 name="quit",
                 menu="File",
@@ -136,7 +133,7 @@ class FilesFeature(Feature):
         """Whether what is open may be closed; unsaved work is asked about, and saved if that is wished."""
         if not self.document_file.unsaved:
             return True
-        answer = unsaved.ask(self.context.window, self.document_file.name)
+        answer = dialogs.ask_about_unsaved(self.context.window, self.document_file.name)
         if answer != "save":
             return answer == "discard"
         path = self.document_file.path or self._ask_where()
@@ -147,37 +144,6 @@ class FilesFeature(Feature):
         return self.may_leave()
 
     # Inside
-
-    def _exports(self) -> Sequence[ActionSpec]:
-        return (
-            ActionSpec(
-                name="export",
-                menu="File",
-                text=tr("&Export contours…"),
-                short=tr("Export"),
-                do=self._export,
-                shortcuts=("Ctrl+E",),
-                tip=tr("Write the contours to a file."),
-                icon="export",
-                gap=True,
-                when=has_contours,
-            ),
-            ActionSpec(
-                name="export_again",
-                menu="File",
-                text=tr("Export a&gain"),
-                do=self._export_again,
-                shortcuts=("Ctrl+Shift+E",),
-                tip=tr("Write the contours to the same file as the last time."),
-                when=lambda situation: has_contours(situation) and self._exported is not None,
-                worded=lambda situation: self._again_text(),
-            ),
-        )
-
-    def _again_text(self) -> str:
-        if self._exported is None:
-            return tr("Export a&gain")
-        return tr("Export a&gain to {name}").format(name=self._exported.name.replace("&", "&&"))
 
     def _fill_samples(self, menu: QMenu) -> None:
         for sample in samples():
@@ -199,19 +165,6 @@ class FilesFeature(Feature):
         chosen = ask_where_to_save(self.context.window, str(folder / self.document_file.name))
         return Path(chosen) if chosen else None
 
-    def _export(self) -> None:
-        image, last = self.context.session.document.image, self._exported
-        suffix = "".join(last.suffixes[-1:]) if last else ".svg"
-        stem = Path(image.name).stem if image else "contours"
-        folder = Path(self.context.preferences.get(_EXPORTS, ""))
-        chosen = ask_for_export(self.context.window, str(folder / f"{stem}_contours{suffix}"))
-        if chosen:
-            self.context.session.export(chosen)
-
-    def _export_again(self) -> None:
-        if self._exported is not None:
-            self.context.session.export(self._exported)
-
     def _draw(self, path: Path) -> None:
         if self.context.session.document.image is None:
             self.context.session.say(tr("Open an image first; then {name} can be drawn.").format(name=path.name), True)
@@ -224,14 +177,8 @@ class FilesFeature(Feature):
 
     def _take_opened(self, opened: Opened) -> None:
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
-        self._exported = None
         if sample_at(opened.path) is None or opened.saved:
             self._remember(path)
-
-    def _take_exported(self, exported: Exported) -> None:
-        self._exported = exported.path
-        self.context.preferences.put(_EXPORTS, str(exported.path.absolute().parent))
-        self.context.refresh()
 
     def _draw_points(self, read: PointsRead) -> None:
         name = tr("draw {name}").format(name=read.path.name)

@@ -19,7 +19,7 @@ _CODES = 1 << 12
 
 
 @dataclass(frozen=True, slots=True)
-class Window:
+class IntensityWindow:
     """Grey values that are told apart: all below are black, all above white.
 
     Attributes
@@ -35,19 +35,19 @@ class Window:
     gamma: float = 1.0
 
 
-def of_image(values: Array) -> DisplayImage:
+def display_of_image(values: Array) -> DisplayImage:
     """Grey values from the least, 0, to the largest, 255."""
-    return windowed(values, Window(float(values.min()), float(values.max())))
+    return apply_window(values, IntensityWindow(float(values.min()), float(values.max())))
 
 
-def windowed(values: Array, window: Window) -> DisplayImage:
+def apply_window(values: Array, window: IntensityWindow) -> DisplayImage:
     """Grey values in a window, made from the values themselves: however narrow it is, it holds 256 shades.
 
     Parameters
     ----------
     values : ndarray, shape (H, W)
         Grey values.
-    window : Window
+    window : IntensityWindow
         What is black and white, in the unit of the values.
 
     Returns
@@ -71,7 +71,7 @@ def windowed(values: Array, window: Window) -> DisplayImage:
     return shown
 
 
-def window_without(values: Array, percent: float) -> tuple[float, float]:
+def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     """Ends of the range that leaves out so many per cent of the pixels below, and as many above.
 
     Parameters
@@ -92,7 +92,7 @@ def window_without(values: Array, percent: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def of_edge_map(edge_map: Array) -> DisplayImage:
+def display_of_edge_map(edge_map: Array) -> DisplayImage:
     """Edge strengths from none, 0, to the largest, 255; the square root brings out weak edges, which a user judges."""
     return _bytes(255.0 * np.sqrt(np.clip(edge_map / max(float(edge_map.max()), 1e-300), 0.0, 1.0)))
 
@@ -105,6 +105,6 @@ _OUTLIERS = 0.5
 """Per cent of the pixels at either end that the shades of a potential leave out."""
 
 
-def of_potential(potential: Array) -> DisplayImage:
+def display_of_potential(potential: Array) -> DisplayImage:
     """Potentials from the lowest, 0, to the highest, 255, but for a few pixels at either end."""
-    return windowed(potential, Window(*window_without(potential, _OUTLIERS)))
+    return apply_window(potential, IntensityWindow(*percentile_window(potential, _OUTLIERS)))

@@ -1,4 +1,4 @@
-"""The pen with which the small drawings of parameters are made: a sheet of 128 by 72 in the colours of the canvas."""
+"""The pen for the small illustrations of parameters: a sheet of 128 by 72 in the colors of the canvas."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Point = tuple[float, float]
 
 
 class Sketch:
-    """What the drawings are made of.
+    """What illustrations are made of.
 
     Parameters
     ----------

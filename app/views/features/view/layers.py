@@ -13,14 +13,14 @@ from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.panels.layer_list.layers_panel import LayersPanel
-from app.views.widgets.entry import STATE, ActionSpec
+from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 _KEY = "layers/{layer}"
 """Preference that keeps what has been chosen about a layer."""
 
 
-class ViewingFeature(Feature):
+class LayersFeature(Feature):
     """What is seen of the image and of what lies over it."""
 
     def __init__(self, context: FeatureContext) -> None:
@@ -41,7 +41,7 @@ class ViewingFeature(Feature):
             self._told = told
             self.context.refresh()
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Zoom, and one toggle a layer."""
         canvas = self.context.canvas_area.canvas
         zoom = (
@@ -99,9 +99,9 @@ def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
 
 
 def _colourings(layer: ParticleLayer) -> list[ActionSpec]:
-    """One entry for everything that particles can be coloured by."""
+    """One action for everything that particles can be coloured by."""
 
-    def entry(way: str, title: str) -> ActionSpec:
+    def spec(way: str, title: str) -> ActionSpec:
         return ActionSpec(
             name=f"colour_{way}",
             menu="View>" + tr("Colour particles by"),
@@ -112,7 +112,7 @@ def _colourings(layer: ParticleLayer) -> list[ActionSpec]:
             holds=lambda situation: layer.word("colour") == way,
         )
 
-    return [entry(way, title) for way, title in layer.ways.items()]
+    return [spec(way, title) for way, title in layer.ways.items()]
 
 
 def _toggle(layer: Layer, first: bool) -> ActionSpec:

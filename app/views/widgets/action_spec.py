@@ -1,4 +1,4 @@
-"""An entry of the menus: one action with its words, keys and what it does."""
+"""The specification of an action: its words and keys, what it does, and where it stands in the menus."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class ActionSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Submenu:
-    """A menu within a menu whose entries are only known when it is opened.
+    """A menu within a menu whose content is only known when it is opened.
 
     Attributes
     ----------

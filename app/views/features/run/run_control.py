@@ -11,7 +11,7 @@ from app.model.state.situation import can_step, has_image, is_running, is_starte
 from app.model.text.language import tr
 from app.session.worker.commands.energy import WatchEnergy
 from app.views.panels.run.run_panel import RunPanel
-from app.views.widgets.entry import ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.speed import SpeedControl
 from app.views.window.feature import Feature, FeatureContext, Panel
 
@@ -23,7 +23,7 @@ _PLOTS = "run/plots"
 """Preference that keeps which plots are shown."""
 
 
-class RunningFeature(Feature):
+class RunControlFeature(Feature):
     """What drives a run and tells of it."""
 
     def __init__(self, context: FeatureContext) -> None:
@@ -40,8 +40,11 @@ class RunningFeature(Feature):
         self._figures.timeout.connect(self._show_figures)
         context.session.status_changed.connect(self._show)
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Run, step, reset, speed."""
+        return (*self._run(), *self._speeds())
+
+    def _run(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
             ActionSpec(
@@ -78,6 +81,10 @@ class RunningFeature(Feature):
                 icon="reset",
                 when=is_started,
             ),
+        )
+
+    def _speeds(self) -> Sequence[ActionSpec]:
+        return (
             ActionSpec(
                 name="faster",
                 menu="Run",

@@ -1,10 +1,10 @@
-"""Drawings of what is taken from the image: smoothing, scales, the floor of edges, the frame."""
+"""Illustrations of what is taken from the image: smoothing, scales, the floor of edges, the frame."""
 
 from __future__ import annotations
 
 import math
 
-from app.views.panels.parameters.drawings.sketch import CONTOUR, EDGE, LOST, MARK, PARTICLE, WIDTH, Sketch, ease
+from app.views.panels.parameters.illustrations.sketch import CONTOUR, EDGE, LOST, MARK, PARTICLE, WIDTH, Sketch, ease
 
 _ROUGH = (3, -5, 4, 1, -6, 5, -2, 6, -4, 2, -3, 5, -6, 3, -1, 4, -5, 2, 6, -3, -4, 5, 1, -6, 4, -2, 3, -5, 6, -1)
 """Noise of the profile that is smoothed."""

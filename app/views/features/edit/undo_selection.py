@@ -1,4 +1,4 @@
-"""Undo and redo, and what is done to shapes by keys."""
+"""Undo and redo, selection and deletion of shapes, and the history of all changes."""
 
 from __future__ import annotations
 
@@ -8,15 +8,20 @@ from app.model.document import edits
 from app.model.state.resolve import resolve
 from app.model.state.situation import can_redo, can_undo, has_selection, has_shapes
 from app.model.text.language import tr
-from app.views.widgets.entry import ActionSpec
-from app.views.window.feature import Feature
+from app.views.panels.history import HistoryPanel
+from app.views.theme.theme import Theme
+from app.views.widgets.action_spec import ActionSpec
+from app.views.window.feature import Feature, FeatureContext, Panel
 
 
-class EditingFeature(Feature):
+class UndoSelectionFeature(Feature):
     """What changes the document without the pointer."""
 
-    def entries(self) -> Sequence[ActionSpec]:
+    def action_specs(self) -> Sequence[ActionSpec]:
         """Undo, redo, selection, deletion."""
+        return (*self._undo(), *self._selection())
+
+    def _undo(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
             ActionSpec(
@@ -43,6 +48,11 @@ class EditingFeature(Feature):
                 when=can_redo,
                 worded=lambda situation: resolve(situation).redo_text,
             ),
+        )
+
+    def _selection(self) -> Sequence[ActionSpec]:
+        session = self.context.session
+        return (
             ActionSpec(
                 name="select_next",
                 menu="Edit",
@@ -81,3 +91,23 @@ class EditingFeature(Feature):
                 when=has_shapes,
             ),
         )
+
+
+class HistoryFeature(Feature):
+    """What has been done and undone."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        session = context.session
+        self.panel = HistoryPanel(session.go_to)
+        session.document_changed.connect(lambda _: self.panel.show_changes(*session.changes))
+        self.panel.show_changes(*session.changes)
+
+    def panels(self) -> Sequence[Panel]:
+        """The changes."""
+        title = tr("History")
+        return (Panel(name="history", title=title, widget=self.panel, tab="settings", shown=False, shortcut="Ctrl+H"),)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Grey is another grey now."""
+        self.panel.mark()

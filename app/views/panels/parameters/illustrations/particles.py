@@ -1,11 +1,11 @@
-"""Drawings of what the particles obey: damping, weights, annealing, time step, spacing."""
+"""Illustrations of what the particles obey: damping, weights, annealing, time step, spacing."""
 
 from __future__ import annotations
 
 import math
 from functools import lru_cache
 
-from app.views.panels.parameters.drawings.sketch import EDGE, MARK, PARTICLE, REST, WIDTH, Sketch, ease
+from app.views.panels.parameters.illustrations.sketch import EDGE, MARK, PARTICLE, REST, WIDTH, Sketch, ease
 
 _FRAMES = 160
 

@@ -1,4 +1,4 @@
-"""The small animated drawing that shows what a parameter does at the value that it has."""
+"""The small animated illustration that shows what a parameter does at the value that it has."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from PySide6.QtCore import QElapsedTimer, QSize, Qt, QTimer
 from PySide6.QtGui import QColor, QHideEvent, QImage, QPainter, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QWidget
 
-from app.views.panels.parameters.drawings import DRAWINGS
-from app.views.panels.parameters.drawings.sketch import HEIGHT, WIDTH, Sketch
+from app.views.panels.parameters.illustrations import ILLUSTRATIONS
+from app.views.panels.parameters.illustrations.sketch import HEIGHT, WIDTH, Sketch
 from app.views.theme import theme
 
 _EVERY, _LOOP = 40, 4000
@@ -23,14 +23,14 @@ _AUTOMATIC = 2.0
 """Value drawn for one that is left to the program."""
 
 
-class ParameterDrawing(QWidget):
+class Illustration(QWidget):
     """Draws one control; it moves only while it is seen, and not at all where a person prefers so."""
 
     def __init__(self) -> None:
         super().__init__()
         self.setFixedSize(QSize(round(WIDTH), round(HEIGHT)))
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent, False)
-        self._name = next(iter(DRAWINGS))
+        self._name = next(iter(ILLUSTRATIONS))
         self._value = 0.0
         self._moves = True
         self._clock = QElapsedTimer()
@@ -89,7 +89,7 @@ class ParameterDrawing(QWidget):
 
     def _draw(self, painter: QPainter, moment: float) -> None:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        DRAWINGS[self._name](Sketch(painter), self._value, moment)
+        ILLUSTRATIONS[self._name](Sketch(painter), self._value, moment)
 
     def _moment(self) -> float:
         share = (self._clock.elapsed() % _LOOP) / _LOOP

@@ -1,0 +1,37 @@
+"""One small animated illustration a control: what it does, as simple as it can be drawn, at the value that it has.
+
+Each is a function of a sketch, the value and the time from 0 to 1 of a loop. Some follow a law of motion, others only
+show a rule; none is the model itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+from app.views.panels.parameters.illustrations import contours, image, particles
+from app.views.panels.parameters.illustrations.sketch import Sketch
+
+Illustrate = Callable[[Sketch, float, float], None]
+
+ILLUSTRATIONS: Mapping[str, Illustrate] = MappingProxyType(
+    {
+        "beta": particles.damping,
+        "ratio": particles.ratio,
+        "w2": particles.pull,
+        "annealing": particles.annealing,
+        "time_step": particles.time_step,
+        "d_min": particles.d_min,
+        "d_max": particles.d_max,
+        "smoothing": image.smoothing,
+        "scales": image.scales,
+        "edge_floor": image.edge_floor,
+        "max_border": image.max_border,
+        "max_gap": contours.max_gap,
+        "min_strength": contours.min_strength,
+        "sure_edge": contours.sure_edge,
+        "min_contrast": contours.min_contrast,
+        "min_length": contours.min_length,
+    }
+)
+"""By the names of the controls."""

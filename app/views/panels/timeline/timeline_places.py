@@ -1,0 +1,89 @@
+"""Where what stands in the timeline: one row a branch, one axis of steps."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QRectF
+from PySide6.QtWidgets import QWidget
+
+from app.session.features.timeline_navigation import TimelineNavigation
+
+ROW = 24
+"""Height of a branch [px]."""
+
+FOOT, HEAD, SIDE = 16, 6, 10
+"""Room below the branches for the axis, above them and beside them [px]."""
+
+_END = 20
+_LONGEST_NAME = 130
+_SOONEST = 20
+"""Steps that the axis spans at least."""
+
+
+class TimelinePlaces:
+    """Places of branches and steps in the widget that shows them.
+
+    Parameters
+    ----------
+    widget : QWidget
+        Where they are shown.
+    navigation : TimelineNavigation
+        What is shown.
+    """
+
+    def __init__(self, widget: QWidget, navigation: TimelineNavigation) -> None:
+        self._widget = widget
+        self._navigation = navigation
+
+    @property
+    def steps(self) -> int:
+        """Steps that the axis spans."""
+        lasts = [self._navigation.last(branch.identity) for branch in self._navigation.outline.branches]
+        return max(max(lasts, default=0) - self._navigation.first, _SOONEST)
+
+    def height(self) -> int:
+        """Height that all branches need [px]."""
+        return HEAD + ROW * max(len(self._navigation.outline.branches), 2) + FOOT
+
+    def left(self) -> float:
+        """Where the axis begins, right of the names [px]."""
+        metrics = self._widget.fontMetrics()
+        names = [metrics.horizontalAdvance(branch.name) for branch in self._navigation.outline.branches]
+        return SIDE + min(max(names, default=0), _LONGEST_NAME) + 14.0
+
+    def span(self) -> tuple[float, float]:
+        """Left end and width of the axis [px]."""
+        return self.left(), max(self._widget.width() - _END - self.left(), 1.0)
+
+    def x(self, step: float) -> float:
+        """Where a step stands [px]."""
+        left, width = self.span()
+        return left + width * (step - self._navigation.first) / self.steps
+
+    def step(self, x: float) -> int:
+        """The step at a place [px]."""
+        left, width = self.span()
+        return round(self._navigation.first + (x - left) / width * self.steps)
+
+    def y(self, branch: int) -> float:
+        """The middle of the row of a branch [px]."""
+        rows = [known.identity for known in self._navigation.outline.branches]
+        return HEAD + ROW * (rows.index(branch) + 0.5)
+
+    def seen(self) -> QRectF:
+        """The part of the widget that is in sight."""
+        seen = self._widget.visibleRegion().boundingRect()
+        return QRectF(self._widget.rect() if seen.isEmpty() else seen)
+
+    def base(self) -> float:
+        """Height of the axis, which stays at the foot of what is in sight [px]."""
+        return self.seen().bottom() - FOOT
+
+    def branch_at(self, y: float) -> int | None:
+        """The branch of a row; on the axis that where the run stands."""
+        branches = self._navigation.outline.branches
+        if not branches:
+            return None
+        if y > self.base():
+            return self._navigation.place[0]
+        row = int((y - HEAD) / ROW)
+        return branches[min(max(row, 0), len(branches) - 1)].identity
