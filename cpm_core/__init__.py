@@ -57,9 +57,8 @@ what a run has found; a `ScaleField` is what particles feel at one scale.
 """
 
 from cpm_core.contours.agreement import Comparison, compare
-from cpm_core.contours.bridge import Bridge
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, load_truth
+from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.measurements import containment, measure
 from cpm_core.contours.result import Result
 from cpm_core.dynamics.energies import Energies
@@ -70,6 +69,7 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import encoded, export, load_contours, load_image
 from cpm_core.formats.animations.animation import write_animation
 from cpm_core.formats.animations.snapshot_strip import strip
+from cpm_core.formats.ground_truth_file import load_truth
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.skeleton import Skeleton, skeleton

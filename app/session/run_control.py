@@ -51,9 +51,7 @@ class RunControl(Editing):
         self.tasks.changed.connect(self.show_status)
         self._progress = Progress(self, self._worker_thread)
         self._numbered = 0
-        self._generation = 0
-        self._image_generation = 0
-        self.live = Live(self, self._progress.busy)
+        self.live = Live(self, self._progress, self.post)
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
         self._timer = QTimer(self)
@@ -63,16 +61,6 @@ class RunControl(Editing):
         self.set_pace(PACES[FIRST_PACE])
 
     # Looking
-
-    @property
-    def generation(self) -> int:
-        """Number of the current run; what belongs to another is not shown."""
-        return self._generation
-
-    @property
-    def image_generation(self) -> int:
-        """Number under which the image was opened."""
-        return self._image_generation
 
     @property
     def status(self) -> RunStatus:

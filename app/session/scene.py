@@ -30,8 +30,6 @@ from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds
 
-Overlays = Mapping[str, NDArray[np.generic]]
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Item:
@@ -148,7 +146,7 @@ class Scene:
     contours: ReviewedContours = NO_CONTOURS
     selected_contours: frozenset[int] = frozenset()
     hovered_contour: int | None = None
-    overlays: Overlays = field(default_factory=dict)
+    overlays: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
     probed: Probed | None = None
     compared: Compared | None = None
     truth: Truth | None = None

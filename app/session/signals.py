@@ -31,12 +31,24 @@ class SessionSignals(QObject):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._scene = Scene()
+        self._generation = 0
+        self._image_generation = 0
         self._listeners: dict[type[Report], list[Callable[[Any], None]]] = {}
 
     @property
     def scene(self) -> Scene:
         """What is shown."""
         return self._scene
+
+    @property
+    def generation(self) -> int:
+        """Number of the current run; what belongs to another is not shown."""
+        return self._generation
+
+    @property
+    def image_generation(self) -> int:
+        """Number under which the image was opened."""
+        return self._image_generation
 
     @property
     def image(self) -> Image | None:

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any
 
 from app.model.state.status import Phase, RunStatus
 from app.model.text.language import tr
@@ -21,7 +21,8 @@ from app.session.exchange.messages import (
     WarmedUp,
     WentOn,
 )
-from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
+from app.session.scene import NO_CONTOURS, ReviewedContours
+from app.session.signals import SessionSignals
 from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.intensity_window import Shaded, WindowFound
 from app.session.worker.commands.timeline import Compared
@@ -32,41 +33,13 @@ _FIGURES_EVERY = 0.1
 """Time between two updates of figures that a person reads [s]."""
 
 
-class Audience(Protocol):
-    """Who is told of what arrived."""
-
-    @property
-    def generation(self) -> int:
-        """Number of the run that is shown."""
-
-    @property
-    def image_generation(self) -> int:
-        """Number under which the image shown was opened."""
-
-    @property
-    def scene(self) -> Scene:
-        """What is shown."""
-
-    def show(self, scene: Scene) -> None:
-        """Show another scene."""
-
-    def show_status(self) -> None:
-        """Show how the run stands."""
-
-    def say(self, sentence: str, trouble: bool) -> None:
-        """Tell the user."""
-
-    def pass_on(self, report: Report) -> None:
-        """Pass a report to those whom it concerns."""
-
-
 class Progress:
     """How the run stands, as far as it is known on the window's side.
 
     Parameters
     ----------
-    audience : Audience
-        Who is told.
+    session : SessionSignals
+        Whose scene shows it.
     worker_thread : WorkerThread
         Where it comes from.
     clock : callable
@@ -74,9 +47,9 @@ class Progress:
     """
 
     def __init__(
-        self, audience: Audience, worker_thread: WorkerThread, clock: Callable[[], float] = time.perf_counter
+        self, session: SessionSignals, worker_thread: WorkerThread, clock: Callable[[], float] = time.perf_counter
     ) -> None:
-        self._audience = audience
+        self._session = session
         self._worker_thread = worker_thread
         self._clock = clock
         self._busy: dict[str, str] = {}
@@ -91,28 +64,28 @@ class Progress:
     def busy(self, what: str, text: str) -> None:
         """Say that something is being prepared; `text` is shown meanwhile."""
         self._busy = {what: text} | {key: value for key, value in self._busy.items() if key != what}
-        self._audience.show_status()
+        self._session.show_status()
 
     def phase(self, phase: Phase) -> None:
         """The user has set the run going or stopped it."""
         self._known = replace(self._known, phase=phase)
-        self._audience.show_status()
+        self._session.show_status()
 
     def forget(self, method: str = "cpm") -> None:
         """The run before is over and nothing of it is to be seen; the next one is of a method of this name."""
         self._known = RunStatus(phase="ready", method=method)
         self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None, compared=None)
-        self._audience.show_status()
+        self._session.show_status()
 
     def look(self) -> None:
         """Take what has arrived; what belongs to another run or image is dropped."""
         for report in self._worker_thread.reports():
             self._take_report(report)
         snapshot = self._worker_thread.snapshots.take()
-        if snapshot is not None and snapshot.generation == self._audience.generation:
+        if snapshot is not None and snapshot.generation == self._session.generation:
             self._take_snapshot(snapshot)
         contours = self._worker_thread.reconstructor.results.take()
-        if contours is not None and contours.generation == self._audience.generation:
+        if contours is not None and contours.generation == self._session.generation:
             result = contours.result
             closed = sum(contour.closed for contour in result.contours)
             bridges = result.bridges if isinstance(result, Result) else ()
@@ -123,16 +96,16 @@ class Progress:
                 bridges=len(bridges),
                 longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
             )
-            reviewed = ReviewedContours.of(contours.tracked, self._audience.scene.document.marks)
+            reviewed = ReviewedContours.of(contours.tracked, self._session.scene.document.marks)
             self._show(reconstruction=contours, contours=reviewed)
-            self._audience.show_status()
+            self._session.show_status()
         overlays = self._worker_thread.overlays.take()
-        if overlays is not None and overlays.generation == self._audience.image_generation:
+        if overlays is not None and overlays.generation == self._session.image_generation:
             self._show(overlays=overlays.arrays)
 
     def _show(self, **parts: Any) -> None:
         """Show the scene with other parts."""
-        self._audience.show(replace(self._audience.scene, **parts))
+        self._session.show(replace(self._session.scene, **parts))
 
     def _take_snapshot(self, snapshot: Snapshot) -> None:
         before, state, metrics = self._known.phase, snapshot.state, snapshot.metrics
@@ -154,34 +127,34 @@ class Progress:
         now = self._clock()
         if self._known.phase != "running" or before != "running" or now - self._told_at >= _FIGURES_EVERY:
             self._told_at = now
-            self._audience.show_status()
+            self._session.show_status()
 
     def _take_report(self, report: Report) -> None:
         match report:
             case Opened():
                 self._busy.pop("sowing", None)
             case RunFailed(generation, sentence):
-                if generation == self._audience.generation:
+                if generation == self._session.generation:
                     self._known = replace(self._known, phase="paused" if self._known.count else "ready")
-                    self._audience.say(sentence, True)
+                    self._session.say(sentence, True)
             case WentOn(generation):
-                if generation == self._audience.generation:
+                if generation == self._session.generation:
                     self._known = replace(self._known, phase="running")
             case SeedsFound(generation, image_seeds, sentence):
                 self._busy.pop("sowing", None)
                 if sentence:
-                    self._audience.say(sentence, True)
-                if generation == self._audience.image_generation:
+                    self._session.say(sentence, True)
+                if generation == self._session.image_generation:
                     self._show(image_seeds=image_seeds)
             case Exported(path):
-                self._audience.say(tr("Written: {path}").format(path=path), False)
+                self._session.say(tr("Written: {path}").format(path=path))
             case CommandFailed(sentence):
-                self._audience.say(sentence, True)
+                self._session.say(sentence, True)
             case WarmedUp():
                 self._busy.pop("preparing", None)
         self._show_answer(report)
-        self._audience.pass_on(report)
-        self._audience.show_status()
+        self._session.pass_on(report)
+        self._session.show_status()
 
     def _show_answer(self, report: Report) -> None:
         """Show what a layer has asked for."""
@@ -189,7 +162,7 @@ class Progress:
             case Probed():
                 self._show(probed=report)
             case Compared(generation):
-                if generation == self._audience.generation:
+                if generation == self._session.generation:
                     self._show(compared=report)
             case WindowFound():
                 self._show(window_found=report)

@@ -1,4 +1,10 @@
-"""Comparison: how well contours agree with the ground truth, and where they do not."""
+"""Agreement of contours with one another and with a ground truth.
+
+Boundaries are compared by points every `SAMPLING` along each of them and by the distance d(x, c) of a point x to the
+nearest point of the lines c themselves. Nothing agrees perfectly with nothing: all shares are 1 and all distances 0.
+Nothing and something are infinitely far apart and share no area; of the two shares of boundary, that of the empty one
+is 1, for nothing of it is wrong, and that of the other 0.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +14,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.distances import distance_to, sampled
-from cpm_core.contours.ground_truth import Truth, inside
-from cpm_core.formats.masks.label_mask import paint
+from cpm_core.contours.contour import Contour, sampled
+from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.rasterize import inside, paint
+from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Mask
 
 TOLERANCE = 2.0
 """Distance up to which two boundaries are taken for the same, unless told otherwise [px]."""
+
+_WHOLE = 0.95
+"""Share of each other's length that a closed contour and a true one must cover for the one to be the other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,34 +48,56 @@ class Match:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
-    """Agreement of contours with the ground truth.
+class Agreement:
+    """Agreement of the boundaries a with the boundaries b.
 
-    With A the pixels inside the contours and B those of objects, a the contours and b the true boundaries, d(x, c) the
-    distance of a point to the nearest point of a curve, and averages over the length of curves:
+    Averages and shares are over the length of curves.
+
+    Attributes
+    ----------
+    mean_boundary_distance : float
+        Average of d(x, b) along a and of d(x, a) along b, over the length of both together: the average symmetric
+        surface distance of Heimann et al. (2009), doi:10.1109/TMI.2009.2013851 [px].
+    hausdorff : float
+        max(max_a d(x, b), max_b d(x, a)), Huttenlocher et al. (1993), doi:10.1109/34.232073 [px].
+    hausdorff95 : float
+        The same with the 95th percentile in the place of each inner maximum, Taha and Hanbury (2015),
+        doi:10.1186/s12880-015-0068-x [px].
+    recall : float
+        Share of the length of b within the tolerance of a, Martin et al. (2004), doi:10.1109/TPAMI.2004.1273918,
+        without their matching one to one; 1 when b is empty.
+    precision : float
+        Share of the length of a within the tolerance of b; 1 when a is empty.
+    tolerance : float
+        The tolerance [px].
+    """
+
+    mean_boundary_distance: float
+    hausdorff: float
+    hausdorff95: float
+    recall: float
+    precision: float
+    tolerance: float
+
+    @property
+    def f(self) -> float:
+        """Harmonic mean of recall and precision; 0 when either is 0."""
+        both = self.recall + self.precision
+        return 2.0 * self.recall * self.precision / both if both > 0.0 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison(Agreement):
+    """Agreement of contours, a, with the boundaries b of a ground truth, and of what they enclose.
+
+    With A the pixels inside the contours and B those of objects; boundaries as in `Agreement`:
 
     Attributes
     ----------
     dice : float
-        2 |A ∩ B| / (|A| + |B|), Dice (1945), doi:10.2307/1932409. NaN when both are empty.
+        2 |A ∩ B| / (|A| + |B|), Dice (1945), doi:10.2307/1932409; 1 when both are empty.
     jaccard : float
-        |A ∩ B| / |A ∪ B|, Jaccard (1912). NaN when both are empty.
-    hausdorff : float
-        max(max_a d(x, b), max_b d(x, a)), Huttenlocher et al. (1993), doi:10.1109/34.232073 [px]. Distances are
-        infinite when only one of the two has a boundary, NaN when none has.
-    hausdorff95 : float
-        The same with the 95th percentile in the place of each inner maximum, Taha and Hanbury (2015),
-        doi:10.1186/s12880-015-0068-x [px].
-    mean_boundary_distance : float
-        Average of d(x, b) along a and of d(x, a) along b, over the length of both together: the average symmetric
-        surface distance of Heimann et al. (2009), doi:10.1109/TMI.2009.2013851 [px].
-    recall : float
-        Share of the length of b within the tolerance of a, Martin et al. (2004), doi:10.1109/TPAMI.2004.1273918,
-        without their matching one to one. NaN when there is no boundary.
-    precision : float
-        Share of the length of a within the tolerance of b. NaN when there is no contour.
-    tolerance : float
-        The tolerance [px].
+        |A ∩ B| / |A ∪ B|, Jaccard (1912); 1 when both are empty.
     distances : tuple of ndarray, shape (K,)
         For each contour the distance from each of its vertices to b [px].
     missing : ndarray, shape (M, 2)
@@ -79,23 +110,35 @@ class Comparison:
 
     dice: float
     jaccard: float
-    hausdorff: float
-    hausdorff95: float
-    mean_boundary_distance: float
-    recall: float
-    precision: float
-    tolerance: float
     distances: tuple[Array, ...]
     missing: Array
     extra_area: Mask
     missing_area: Mask
     matches: tuple[Match, ...]
 
-    @property
-    def f(self) -> float:
-        """Harmonic mean of recall and precision; 0 when either is 0 or is not known."""
-        both = self.recall + self.precision
-        return 2.0 * self.recall * self.precision / both if both > 0.0 else 0.0
+
+def agreement(contours: Sequence[Contour], others: Sequence[Contour], tolerance: float = TOLERANCE) -> Agreement:
+    """Compare the boundaries of contours with those of others.
+
+    Parameters
+    ----------
+    contours, others : sequence of Contour
+        What was found, and what it is compared with [px].
+    tolerance : float
+        Distance up to which two boundaries are taken for the same [px].
+
+    Returns
+    -------
+    Agreement
+        How near the boundaries are to each other.
+
+    Raises
+    ------
+    ValueError
+        When the tolerance is no positive number.
+    """
+    _check(tolerance)
+    return Agreement(**_boundaries(_Boundary(contours), _Boundary(others), tolerance))
 
 
 def compare(
@@ -118,49 +161,105 @@ def compare(
     Returns
     -------
     Comparison
-        Overlap, distances, and where they differ. Distances are to the lines themselves, from points every quarter of a
-        pixel along them and from their vertices; pixels are inside when their centres are.
+        Overlap, distances, and where they differ; pixels are inside when their centers are.
 
     Raises
     ------
     ValueError
         When the tolerance is no positive number.
     """
-    if not (math.isfinite(tolerance) and tolerance > 0.0):
-        raise ValueError(f"tolerance is {tolerance:g} px but must be a number above 0.")
+    _check(tolerance)
+    a, b = _Boundary(contours), _Boundary(truth.contours)
     found, true = inside(contours, truth.shape, holes=holes), truth.labels > 0
     common, either = int((found & true).sum()), int((found | true).sum())
-    total = int(found.sum()) + int(true.sum())
-    away, ends_away = _to(contours, truth.contours)
-    missed, ends_missed = _to(truth.contours, contours)
-    both = np.concatenate([away, missed])
-    farthest = [np.concatenate(seen).max() for seen in ((away, ends_away), (missed, ends_missed)) if len(seen[0])]
-    tails = [float(np.percentile(seen, 95.0, method="inverted_cdf")) for seen in (away, missed) if len(seen)]
     starts = np.cumsum([len(contour.points) for contour in contours])[:-1]
     return Comparison(
-        dice=_ratio(2 * common, total),
-        jaccard=_ratio(common, either),
-        hausdorff=float(max(farthest, default=math.nan)),
-        hausdorff95=max(tails, default=math.nan),
-        mean_boundary_distance=float(both.mean()) if len(both) else math.nan,
-        recall=_ratio(int((missed <= tolerance).sum()), len(missed)),
-        precision=_ratio(int((away <= tolerance).sum()), len(away)),
-        tolerance=tolerance,
-        distances=tuple(np.split(ends_away, starts)) if contours else (),
-        missing=truth.boundary[missed > tolerance],
+        **_boundaries(a, b, tolerance),
+        dice=2.0 * common / (common + either) if either else 1.0,
+        jaccard=common / either if either else 1.0,
+        distances=tuple(np.split(b.tree.distances(a.vertices), starts)) if contours else (),
+        missing=b.samples[a.tree.distances(b.samples) > tolerance],
         extra_area=found & ~true,
         missing_area=true & ~found,
         matches=_matches(contours, truth),
     )
 
 
-def _to(contours: Sequence[Contour], others: Sequence[Contour]) -> tuple[Array, Array]:
-    """Distances of points evenly along contours, and of their vertices, to the nearest of others."""
-    none = np.empty((0, 2))
-    samples = np.concatenate([none, *map(sampled, contours)])
-    vertices = np.concatenate([none, *(contour.points for contour in contours)])
-    distances = distance_to(np.concatenate([samples, vertices]), others)
-    return distances[: len(samples)], distances[len(samples) :]
+def distance_to(points: Array, contours: Sequence[Contour]) -> Array:
+    """Distance of points to the nearest of some contours.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, 2)
+        Places (row, col) [px].
+    contours : sequence of Contour
+        Lines to measure to, closed ones with the side from their last vertex to their first.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        Distances to the lines, not to their vertices [px]; infinite when there are none.
+    """
+    return _Boundary(contours).tree.distances(np.asarray(points, dtype=float))
+
+
+def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: float = TOLERANCE) -> int:
+    """Count the true closed contours of which one closed contour was found: each covers 95 % of the other's length.
+
+    Parameters
+    ----------
+    contours, truth : sequence of Contour
+        What was found, and what is known [px]; open ones do not count.
+    tolerance : float
+        Distance up to which two boundaries are taken for the same [px].
+    """
+    found = [_Boundary([one]) for one in contours if one.closed]
+    true = [_Boundary([one]) for one in truth if one.closed]
+    return sum(
+        any(
+            _share(b.tree.distances(a.samples), tolerance) >= _WHOLE
+            and _share(a.tree.distances(b.samples), tolerance) >= _WHOLE
+            for a in found
+        )
+        for b in true
+    )
+
+
+class _Boundary:
+    """Lines to measure along and to measure to."""
+
+    def __init__(self, contours: Sequence[Contour]) -> None:
+        none = np.empty((0, 2))
+        paths = [contour.path for contour in contours]
+        self.samples = sampled(contours)
+        self.vertices = np.concatenate([none, *(contour.points for contour in contours)])
+        begin = np.concatenate([none, *(path[:-1] for path in paths)])
+        self.tree = SegmentTree(begin, np.concatenate([none, *(path[1:] for path in paths)]))
+
+
+def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float]:
+    """The attributes of `Agreement`."""
+    there, back = b.tree.distances(a.samples), a.tree.distances(b.samples)
+    both = np.concatenate([there, back])
+    corners = np.concatenate([b.tree.distances(a.vertices), a.tree.distances(b.vertices)])
+    tails = [float(np.percentile(seen, 95.0, method="inverted_cdf")) for seen in (there, back) if len(seen)]
+    return {
+        "mean_boundary_distance": float(both.mean()) if len(both) else 0.0,
+        "hausdorff": float(max(both.max(initial=0.0), corners.max(initial=0.0))),
+        "hausdorff95": max(tails, default=0.0),
+        "recall": _share(back, tolerance),
+        "precision": _share(there, tolerance),
+        "tolerance": tolerance,
+    }
+
+
+def _check(tolerance: float) -> None:
+    if not (math.isfinite(tolerance) and tolerance > 0.0):
+        raise ValueError(f"tolerance is {tolerance:g} px but must be a number above 0.")
+
+
+def _share(distances: Array, tolerance: float) -> float:
+    return float((distances <= tolerance).mean()) if len(distances) else 1.0
 
 
 def _matches(contours: Sequence[Contour], truth: Truth) -> tuple[Match, ...]:
@@ -178,7 +277,3 @@ def _matches(contours: Sequence[Contour], truth: Truth) -> tuple[Match, ...]:
         covered = best >= 0 and dice[best] > 0.0
         matches.append(Match(int(label), closed[best] if covered else None, float(dice[best]) if covered else 0.0))
     return tuple(matches)
-
-
-def _ratio(part: int, whole: int) -> float:
-    return part / whole if whole else math.nan

@@ -1,20 +1,28 @@
-"""Contours: what the reconstruction finds and the writers write."""
+"""Contours, and the bridges across gaps in them: what the reconstruction finds and the writers write."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cpm_core.field.region_contrast import Sides
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array
+
+SAMPLING = 0.25
+"""Distance from sample to sample along contours that are compared [px]."""
 
 
-def lengths_along(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Length of the way along a polygonal curve, shape (K, D), to each of its vertices [px]; the first is at 0."""
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+class HasContrast(Protocol):
+    """What the contrast of a contour is measured on, when it is first asked for."""
+
+    @property
+    def contrast(self) -> float:
+        """Mean contrast of the regions on both sides, 0 to 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,15 +36,15 @@ class Contour:
     closed : bool
         Whether the last vertex is joined to the first; the first is not repeated.
     strength : float
-        Mean of the edge map along the curve [grey levels / px].
+        Mean of the edge map along the curve [gray levels / px].
     junctions : tuple of two bool
         Whether the first and the last vertex lie on a junction that further contours share.
-    sides : Sides or None
-        What `contrast` is measured on; None for a curve that was not found in an image.
+    sides : HasContrast or None
+        What `contrast` is measured on (`field.region_contrast.Sides`); None for a curve that was not found in an image.
     name : str
-        What a user calls it; empty when nobody has named it.
+        What a user calls it; empty when it has no name.
     colour : str
-        Colour that a user has given it, ``"#rrggbb"``; empty when nobody has.
+        Colour that a user has given it, ``"#rrggbb"``; empty for the color of its kind.
 
     Raises
     ------
@@ -44,11 +52,11 @@ class Contour:
         When the colour is none of these.
     """
 
-    points: NDArray[np.float64]
+    points: Array
     closed: bool
     strength: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
-    sides: Sides | None = field(default=None, repr=False)
+    sides: HasContrast | None = field(default=None, repr=False)
     name: str = ""
     colour: str = ""
 
@@ -68,25 +76,46 @@ class Contour:
         return self.sides.contrast if self.sides else 0.0
 
     @property
-    def path(self) -> NDArray[np.float64]:
+    def path(self) -> Array:
         """Vertices with the first repeated at the end when the contour is closed."""
         return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
 
     @cached_property
     def length(self) -> float:
         """Length along the curve [px]."""
-        path = self.path
-        return float(np.linalg.norm(path[1:] - path[:-1], axis=1).sum())
+        return polyline.length(self.path)
 
     @cached_property
-    def box(self) -> NDArray[np.float64]:
+    def box(self) -> Array:
         """Lowest and highest row and column, shape (2, 2) [px]."""
         return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
     @property
     def area(self) -> float:
         """Enclosed area [px²]; 0 for an open curve."""
-        if not self.closed:
-            return 0.0
-        row, col = self.path.T
-        return 0.5 * abs(float(row[:-1] @ col[1:] - col[:-1] @ row[1:]))
+        return polyline.area(self.points) if self.closed else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Bridge:
+    """A gap in an edge that the reconstruction has closed: a stretch of a contour that no particle has found.
+
+    Attributes
+    ----------
+    points : ndarray of float64, shape (K, 2)
+        Vertices (row, col) in px of the image, from one side of the gap to the other, both included; those of the
+        contour that it belongs to.
+    length : float
+        Length along it [px].
+    strength : float
+        Mean of the edge map along it [gray levels / px].
+    """
+
+    points: Array
+    length: float
+    strength: float
+
+
+def sampled(contours: Sequence[Contour]) -> Array:
+    """Points every `SAMPLING` along contours, shape (N, 2) [px]: what averages over their length are made of."""
+    return np.concatenate([np.empty((0, 2)), *(polyline.sampled(contour.path, SAMPLING) for contour in contours)])

@@ -7,8 +7,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.contours.contour import Contour, lengths_along
+from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph_paths import Ways, follow, ways_of
+from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array, Index
 
 
@@ -31,7 +32,7 @@ class Graph:
         first = np.searchsorted(one, np.arange(len(points)))
         slot = np.arange(len(one)) - first[one]
         self._near = np.full((len(points), int(slot.max(initial=2)) + 1), -1, np.int64)
-        """Neighbours of each vertex in any order; what is -1 is free."""
+        """Neighbors of each vertex in any order; what is -1 is free."""
         self._near[one, slot] = other
         self.degrees = np.bincount(one, minlength=len(points))
         """Number of edges at each vertex, shape (N,)."""

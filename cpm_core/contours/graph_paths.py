@@ -61,7 +61,7 @@ class Ways:
 def ways_of(points: Array, near: Index, degrees: Index) -> Ways:
     """Walk along all edges of a graph.
 
-    Walks begin at the vertex with the lowest number and go towards its neighbour with the lowest number, first from
+    Walks begin at the vertex with the lowest number and go towards its neighbor with the lowest number, first from
     those that have not exactly two edges.
 
     Parameters
@@ -69,9 +69,9 @@ def ways_of(points: Array, near: Index, degrees: Index) -> Ways:
     points : ndarray, shape (N, 2)
         Vertices [px].
     near : ndarray of int64, shape (N, K)
-        The neighbours of each in any order, and -1.
+        The neighbors of each in any order, and -1.
     degrees : ndarray of int64, shape (N,)
-        How many neighbours each has.
+        How many neighbors each has.
 
     Returns
     -------
@@ -100,7 +100,7 @@ def _walk_all(
     start: Index,
     closed: NDArray[np.bool_],
 ) -> int:
-    """Write all ways and return how many they are; `walked` says of each neighbour whether one has come from there."""
+    """Write all ways and return how many they are; `walked` says of each neighbor whether one has come from there."""
     count, filled = 0, 0
     for rounds in range(2):
         for v in range(len(near)):
@@ -108,7 +108,7 @@ def _walk_all(
                 continue
             before = -1
             for _ in range(degrees[v]):
-                # the neighbour with the next higher number
+                # the neighbor with the next higher number
                 slot = -1
                 for k in range(near.shape[1]):
                     if near[v, k] > before and (slot < 0 or near[v, k] < near[v, slot]):
@@ -126,7 +126,7 @@ def _walk_all(
 
 @compiled
 def follow(near: Index, degrees: Index, walked: NDArray[np.bool_], first: int, towards: int, out: Index) -> int:
-    """Write the path from a vertex towards a neighbour, up to the next that has not exactly two edges, or itself.
+    """Write the path from a vertex towards a neighbor, up to the next that has not exactly two edges, or itself.
 
     Returns how many vertices it has, both ends counted.
     """

@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.distances import sampled
+from cpm_core.contours.contour import Contour, sampled
 from cpm_core.contours.graph import chains
-from cpm_core.contours.measurements import containment
-from cpm_core.formats import load_image
-from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, read_contours
-from cpm_core.formats.masks.label_mask import paint
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.contours.rasterize import inside, paint
+from cpm_core.numerics.types import Array
 
 Labels = NDArray[np.int32]
 
-_BESIDE = 1.0
-"""How far vertices may lie beyond the border of the image [px]."""
-
 _MOST_CHANGES = 0.5
-"""Share of neighbouring pixels that may differ in a mask; of a picture with noise nearly all do."""
+"""Share of neighboring pixels that may differ in a mask; of a picture with noise nearly all do."""
 
 _CLEAR = 0.125
 """How far from black or white a pixel of a black and white mask may be that a lossy format has smeared."""
@@ -60,7 +51,7 @@ class Truth:
     @cached_property
     def boundary(self) -> Array:
         """Points every quarter of a pixel along the boundaries, shape (K, 2) [px]."""
-        return np.concatenate([np.empty((0, 2)), *map(sampled, self.contours)])
+        return sampled(self.contours)
 
     @cached_property
     def objects(self) -> Labels:
@@ -68,47 +59,6 @@ class Truth:
         if self.labels.max(initial=0) > 1:
             return self.labels
         return np.asarray(scipy.ndimage.label(self.labels)[0], dtype=np.int32)
-
-
-def load_truth(path: str | os.PathLike[str], shape: Sequence[int], *, holes: bool = True) -> Truth:
-    """Read the ground truth of an image.
-
-    Parameters
-    ----------
-    path : path-like
-        A mask, which is any image that `load_image` reads: its lowest grey level is the background, each other one an
-        object, and two levels make one class. Or contours, which are any file that `load_contours` reads: closed ones
-        are objects.
-    shape : sequence of int
-        Shape of the image that it belongs to, (rows, columns).
-    holes : bool
-        Of contours, whether one in another is a hole of it, and one in that again an object; see `inside`.
-
-    Returns
-    -------
-    Truth
-        Objects and boundaries.
-
-    Raises
-    ------
-    ValueError
-        When the file cannot be read, belongs to an image of another size, is a picture rather than a mask, or holds
-        nothing.
-    """
-    file, rows, cols = Path(path), *map(int, shape)
-    if file.suffix.lower() in CONTOURS_READABLE:
-        found = read_contours(file)
-        _check_size(file.name, found.shape or (rows, cols), (rows, cols))
-        beyond = np.concatenate([contour.points for contour in found.contours])
-        if beyond.min() < -0.5 - _BESIDE or (beyond > np.array([rows, cols]) - 0.5 + _BESIDE).any():
-            raise ValueError(
-                f"{file.name} has contours that reach out of the image of {rows} x {cols} px: choose the ground truth "
-                "of this very image, in pixels of it."
-            )
-        return truth_of_contours(found.contours, (rows, cols), file.name, holes=holes)
-    image = load_image(file)
-    _check_size(file.name, image.shape, (rows, cols))
-    return truth_of_mask(image.values, file.name)
 
 
 def truth_of_contours(
@@ -125,7 +75,7 @@ def truth_of_contours(
     source : str
         Name for people.
     holes : bool
-        Whether a contour in another is a hole of it, and one in that again an object; see `inside`.
+        Whether a contour in another is a hole of it, and one in that again an object; see `rasterize.inside`.
     """
     size = (int(shape[0]), int(shape[1]))
     labels = np.where(inside(contours, size, holes=holes), paint(contours, size), 0)
@@ -151,7 +101,7 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
     Raises
     ------
     ValueError
-        When all pixels are the same, or so many neighbours differ that it is no mask.
+        When all pixels are the same, or so many neighbors differ that it is no mask.
     """
     levels, index = np.unique(values, return_inverse=True)
     labels = index.reshape(values.shape).astype(np.int32)
@@ -169,45 +119,6 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
             "choose an image with one grey level for the background and one for each object."
         )
     return Truth(labels, _between(labels), source)
-
-
-def inside(contours: Sequence[Contour], shape: tuple[int, ...], *, holes: bool = True) -> Mask:
-    """Find the pixels inside closed contours.
-
-    Parameters
-    ----------
-    contours : sequence of Contour
-        Contours in px of the image.
-    shape : tuple of int
-        Shape of the image.
-    holes : bool
-        Whether a contour in another is a hole of it, and one in that again an object.
-
-    Returns
-    -------
-    ndarray of bool, shape `shape`
-        True where the centre of a pixel is inside.
-    """
-    labels = paint(contours, shape)
-    if not holes:
-        return labels > 0
-    around = containment(contours)
-    solid = [False]
-    for index, contour in enumerate(contours):
-        if contour.closed:
-            depth, outer = 0, around[index]
-            while outer is not None:
-                depth, outer = depth + 1, around[outer]
-            solid.append(depth % 2 == 0)
-    return np.asarray(np.array(solid)[labels])
-
-
-def _check_size(name: str, found: Sequence[int], wanted: tuple[int, int]) -> None:
-    if tuple(found) != wanted:
-        raise ValueError(
-            f"{name} is for an image of {found[0]} x {found[1]} px, but this image has {wanted[0]} x {wanted[1]} px: "
-            "choose the ground truth of this very image."
-        )
 
 
 def _between(labels: Labels) -> tuple[Contour, ...]:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, lengths_along
-from cpm_core.numerics.types import Array
+from cpm_core.contours.contour import Contour
+from cpm_core.numerics.polyline import inside, middles
 
 _PROBES = 16
 """Places along a contour that are looked for in others: where they touch, most of them tell on which side it lies."""
@@ -38,7 +38,7 @@ class Measures:
     area : float
         Enclosed area, that of contours inside included [px²]; 0 when open.
     strength : float
-        Mean edge strength [grey levels / px].
+        Mean edge strength [gray levels / px].
     contrast : float or None
         Mean contrast of the regions on both sides, 0 to 1; None when it was not asked for or there is no image to
         measure it in.
@@ -136,26 +136,7 @@ def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:
     fits &= area[:, None] < area[order]  # an open contour has no area
     found: list[int | None] = []
     for contour, row in zip(contours, fits, strict=True):
-        probes = _probes(contour)
-        inner = (other for other in order[row].tolist() if _share_inside(probes, contours[other].points) > 0.5)
+        probes = middles(contour.path, _PROBES)
+        inner = (other for other in order[row].tolist() if inside(contours[other].points, probes).mean() > 0.5)
         found.append(next(inner, None))
     return tuple(found)
-
-
-def _probes(contour: Contour) -> Array:
-    """Places evenly along a contour; the ends, which may touch others, are none of them."""
-    path = contour.path
-    length = lengths_along(path)
-    at = (np.arange(_PROBES) + 0.5) * length[-1] / _PROBES
-    return np.stack([np.interp(at, length, path[:, axis]) for axis in range(2)], axis=1)
-
-
-def _share_inside(places: Array, polygon: Array) -> float:
-    """Share of some places that lie in a polygon: those from which a ray crosses it an odd number of times."""
-    row, col = places[:, 0, None], places[:, 1, None]
-    start_row, start_col = polygon.T
-    end_row, end_col = np.roll(polygon, -1, axis=0).T
-    level = (start_row > row) != (end_row > row)
-    rise = np.where(end_row == start_row, 1.0, end_row - start_row)
-    crossing = start_col + (row - start_row) * ((end_col - start_col) / rise)
-    return float(((level & (col < crossing)).sum(axis=1) % 2).mean())

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.bridge import Bridge
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Bridge, Contour
 
 
 @dataclass(frozen=True, eq=False)

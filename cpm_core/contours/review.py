@@ -16,8 +16,10 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour, lengths_along
+from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
+from cpm_core.numerics import polyline
+from cpm_core.numerics.segments import distances_to_segments
 from cpm_core.numerics.types import Array, Position
 
 Verdict = Literal["", "kept", "rejected"]
@@ -176,7 +178,7 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
     found: list[int | None] = [None] * len(anchors)
     if not contours or not anchors:
         return found
-    near = Neighbourhood(contours).pairs(np.array(anchors, dtype=float), reach)
+    near = Neighborhood(contours).pairs(np.array(anchors, dtype=float), reach)
     pairs = sorted(
         (away, number, -contours[index].length, index)
         for number, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)
@@ -189,7 +191,7 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
     return found
 
 
-class Neighbourhood:
+class Neighborhood:
     """Contours by the places where they pass, so that those near a place are found without looking at them all.
 
     Parameters
@@ -253,7 +255,7 @@ class Neighbourhood:
         segment = np.arange(len(number)) + np.repeat(first - np.cumsum(count) + count, count)
         beside = np.abs(self._middle_col[segment] - places[number, 1]) <= reach + self._half_col[segment]
         number, segment = number[beside], segment[beside]
-        away = _off(places[number], self._begin[segment], self._along[segment])
+        away = distances_to_segments(places[number], self._begin[segment], self._along[segment])
         near = away <= reach
         number, owner, away = number[near], self._owner[segment[near]], away[near]
         order = np.lexsort((away, owner, number))
@@ -263,19 +265,9 @@ class Neighbourhood:
         return number[nearest], owner[nearest], away[nearest]
 
 
-def distances(places: Array, contour: Contour) -> Array:
-    """Distances of places, shape (N, 2), from the nearest place on a contour [px]."""
-    path = contour.path
-    if len(path) == 1:
-        return np.asarray(np.hypot(*(places - path).T))
-    return np.asarray(_off(places[:, None], path[:-1], np.diff(path, axis=0)).min(axis=1))
-
-
 def middle(contour: Contour) -> Position:
     """Place half the way along a contour."""
-    path = contour.path
-    way = lengths_along(path)
-    row, col = (float(np.interp(0.5 * way[-1], way, path[:, axis])) for axis in range(2))
+    row, col = polyline.middles(contour.path, 1)[0].tolist()
     return row, col
 
 
@@ -295,17 +287,15 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
         (row, col) [px].
     """
     contour = contours[index]
-    path = contour.path
-    way = lengths_along(path)
     share = (np.arange(_PLACES) + 0.5) / _PLACES
-    share = share[np.argsort(np.abs(share - 0.5), kind="stable")]  # the middle comes first among equals
-    places = np.stack([np.interp(share * way[-1], way, path[:, axis]) for axis in range(2)], axis=1)
+    order = np.argsort(np.abs(share - 0.5), kind="stable")  # the middle comes first among equals
+    places = polyline.middles(contour.path, _PLACES)[order]
     clear = np.full(_PLACES, _ALONE)
     low, high = contour.box
-    for other, neighbour in enumerate(contours):
-        apart = np.maximum(neighbour.box[0] - high, low - neighbour.box[1]).max()
+    for other, neighbor in enumerate(contours):
+        apart = np.maximum(neighbor.box[0] - high, low - neighbor.box[1]).max()
         if other != index and apart < _ALONE:
-            clear = np.minimum(clear, distances(places, neighbour))
+            clear = np.minimum(clear, polyline.distances(neighbor.path, places))
     row, col = places[int(np.argmax(clear))].tolist()
     return row, col
 
@@ -319,13 +309,4 @@ def _curated(contour: Contour, mark: Mark | None, index: int) -> ReviewedContour
 def _on(contours: Sequence[Contour], paths: Sequence[Array]) -> list[float]:
     """How far the middle of each path lies off the nearest of some contours [px]."""
     places = [path[len(path) // 2] for path in paths]
-    return [min((float(distances(p[None], c)[0]) for c in contours), default=math.inf) for p in places]
-
-
-def _off(places: Array, begin: Array, along: Array) -> Array:
-    """Distances of places, shape (K, 2) or (N, 1, 2), from segments, shape (K, 2) [px]."""
-    square = np.einsum("ki,ki->k", along, along)
-    offset = places - begin
-    share = (offset * along).sum(axis=-1) / np.where(square > 0.0, square, 1.0)
-    away = offset - np.clip(share, 0.0, 1.0)[..., None] * along
-    return np.asarray(np.sqrt((away**2).sum(axis=-1)))
+    return [min((float(polyline.distances(c.path, p[None])[0]) for c in contours), default=math.inf) for p in places]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.field.interpolation import between, component
+from cpm_core.field.plane import between, component
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Mask, Single

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.dynamics.equations import FADED, LATEST, damping
 from cpm_core.dynamics.integrator import far_force_of, is_asleep, undamped_force
-from cpm_core.field.interpolation import interpolate_felt
+from cpm_core.field.plane import interpolate_felt
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters

@@ -25,7 +25,7 @@ from cpm_core.dynamics.equations import (
     normalised_coulomb,
     repulsion_left,
 )
-from cpm_core.field.interpolation import between, component
+from cpm_core.field.plane import between, component
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cpm_core.dynamics.barrier_contact import held_back
 from cpm_core.dynamics.deletion import thinned
 from cpm_core.dynamics.edge_contact import EdgeContact
 from cpm_core.dynamics.equilibrium import IDLE_STEPS, STILL, epsilon, is_idle
@@ -32,7 +33,7 @@ def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Pa
     particles, step = state.particles, state.step_of_scale
     far = far_force_of(state, idle, scale_field, parameters)
     moved = move(particles, idle, far, scale_field, parameters)
-    held = scale_field.barrier_map.held(particles, moved.particles)
+    held = held_back(scale_field.barrier_map, particles, moved.particles)
     if held is not moved.particles:
         moved = moved.held_at(held, particles.position, scale_field)
     inside = inside_image(held.position, scale_field.shape)

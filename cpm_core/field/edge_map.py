@@ -49,7 +49,7 @@ def gradient(values: ArrayLike, smoothing: float) -> Array:
     Returns
     -------
     ndarray, shape (D, \*shape)
-        Derivative along each axis [grey levels / px]: central differences of the Gaussian-smoothed image, which is
+        Derivative along each axis [gray levels / px]: central differences of the Gaussian-smoothed image, which is
         continued beyond its border by its outermost pixels, so that the border is no edge.
     """
     image = np.asarray(values, dtype=float)
@@ -98,7 +98,7 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
     Returns
     -------
     ndarray, shape (\*shape)
-        Edge strength [grey levels / px]; minus it is the fixed charge.
+        Edge strength [gray levels / px]; minus it is the fixed charge.
     """
     image = np.asarray(values, dtype=float)
     if smoothing == "auto":
@@ -121,7 +121,7 @@ def background_strength(strength: Array) -> float:
     Returns
     -------
     float
-        Four standard deviations of a component [grey levels / px]; 0 for an image with a flat background.
+        Four standard deviations of a component [gray levels / px]; 0 for an image with a flat background.
     """
     return float(_DEVIATIONS * np.percentile(strength, 25.0) / _RAYLEIGH_QUARTILE)
 
@@ -141,10 +141,10 @@ def prepared(values: Array) -> Cleaned:
     -------
     Cleaned
         The image to smooth, by how much, and what remains of the noise: the very image, with a floor of 0, where noise
-        is light.
+        is light. Volumes are left to the Gaussian: the averages along edges are those of a plane.
     """
     sigma = automatic_smoothing(values)
-    if sigma <= _WIDE or noise_level(values) <= _FAINT * float(values.std()):
+    if values.ndim != 2 or sigma <= _WIDE or noise_level(values) <= _FAINT * float(values.std()):
         return Cleaned(values, sigma, 0.0)
     return clean(values)
 

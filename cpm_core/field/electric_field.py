@@ -31,12 +31,11 @@ def electric_field(
         Edge strength ``f`` of every pixel.
     method : {"convolution", "pppm"}
         How the sum is carried out: exactly, as one Fourier convolution, or as published, by direct sums over near
-        charges and Poisson's equation on a mesh for the far ones (`cpm_core.field.pppm` tells how the two compare).
+        charges and Poisson's equation on a mesh for far ones (`cpm_core.field.pppm` compares the two).
     exponent : float, optional
         Power of the distance with which the force of one charge decays; by default the dimension ``D``, which is the
-        paper's inverse square in the plane. The dimension keeps the field inside a closed contour alive: with the
-        inverse square in space, the inside of a closed charged surface would be almost free of field. The PPPM method
-        has the inverse square only.
+        paper's inverse square in the plane; the inverse square in space would leave almost no field inside a closed
+        surface. The PPPM method has the inverse square only.
     cutoff : float
         Reach of the direct sums of the PPPM method [px]; not used by the convolution.
     iterations : int
@@ -58,9 +57,7 @@ def electric_field(
     if method != "pppm":
         names = " or ".join(f'"{name}"' for name in METHODS)
         raise ValueError(f"method is {method!r} but must be {names}.")
-    if exponent is not None and exponent != 2:
-        raise ValueError(
-            f'exponent is {exponent:g} but must be 2 for method "pppm", which solves Poisson\'s equation: '
-            'use method "convolution".'
-        )
+    if exponent not in (None, 2):
+        wanted = 'must be 2 for method "pppm", which solves Poisson\'s equation: use method "convolution".'
+        raise ValueError(f"exponent is {exponent:g} but {wanted}")
     return pppm_field(edge_map, cutoff, iterations)

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from copy import copy
 from typing import Self
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.field.placed_charge_cache import PlacedChargeCache, charged_force, charged_potential
 from cpm_core.field.placed_charges import Charges, PlacedCharge, at_scale, in_order
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.scale_space import ScaleSpace
-from cpm_core.image.image import Image
+from cpm_core.image.image import Image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
@@ -41,7 +40,7 @@ class ImageFields:
         self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
     ) -> None:
         parameters = parameters or Parameters()
-        self.image = values if isinstance(values, Image) else Image(np.asarray(values, dtype=float))
+        self.image = as_plane(values)
         array = self.image.values
         if array.min() == array.max():
             raise ValueError(
@@ -105,7 +104,7 @@ class ImageFields:
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
         """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
-        return self.scale_field(parameters, scale).charges
+        return self.scale_field(parameters, scale).fixed_charges
 
     def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.

@@ -33,16 +33,16 @@ _MOST_BACKGROUND = 0.35
 """Fraction of the largest edge strength beyond which an image that is full of edges is not taken for background."""
 
 _RIDGE, _SLOPE = 0.6, 0.4
-"""Fractions of the strongest neighbour: at the first a pixel is on an edge, under the second it is beside one."""
+"""Fractions of the strongest neighbor: at the first a pixel is on an edge, under the second it is beside one."""
 
 _MARGIN = 4
 """Distance beyond the regions of interest to which the edge map is kept, so that an edge inside is seen whole [px]."""
 
 _SUMMIT_REACH, _FIELD_REACH = 2, 1
-"""How far the crest of an edge, and the largest field beside it, are looked for [px]."""
+"""How far the ridge of an edge, and the largest field beside it, are looked for [px]."""
 
 _OVERLAP = _SUMMIT_REACH + 1
-"""Lines beyond a part of the image that its forces depend on: a central difference within reach of a crest."""
+"""Lines beyond a part of the image that its forces depend on: a central difference within reach of a ridge."""
 
 _PART, _LEAST_LINES = 2**15, 16
 """Pixels of a part of the image, so that what is computed on the way stays in the cache, and lines of it at least."""
@@ -65,15 +65,16 @@ class ScaleField:
         Normalised Lorentz force, `gradient` and `edge_map` of each pixel side by side, so that a particle finds all of
         it in one place; single precision is as much as a particle can feel.
     gradient : ndarray, shape (D, \*shape)
-        Gradient of the smoothed image [grey levels / px]; on an edge it is normal to it.
+        Gradient of the smoothed image [gray levels / px]; on an edge it is normal to it.
     edge_map : ndarray, shape (\*shape)
-        Edge strength f [grey levels / px]; minus it is the fixed charge in regions of interest.
+        Edge strength f [gray levels / px], kept to a little beyond the regions of interest.
     values : ndarray, shape (\*shape)
         The image.
     strongest : float
-        Largest edge strength [grey levels / px].
-    least_charge : float
-        Edge strength under which a pixel carries no fixed charge.
+        Largest edge strength [gray levels / px].
+    fixed_charges : ndarray, shape (\*shape)
+        Size of the fixed charges that the field is made of: the edge map where it is not under the edge floor, inside
+        the regions of interest and the border.
     floor : float
         Edge strength under which there is no edge for a particle to sit on.
     smoothing : float
@@ -87,7 +88,7 @@ class ScaleField:
     edge_map: Array
     values: Array
     strongest: float
-    least_charge: float
+    fixed_charges: Array
     floor: float
     smoothing: float
     barrier_map: BarrierMap = NO_BARRIERS
@@ -96,11 +97,6 @@ class ScaleField:
     def lorentz(self) -> Single:
         r"""Normalised Lorentz force on the pixels, shape (D, \*shape)."""
         return np.moveaxis(self.packed, -1, 0)[: self.packed.ndim - 1]
-
-    @property
-    def charges(self) -> Array:
-        r"""Size of the fixed charges, shape (\*shape): the edge map where it is not under `least_charge`."""
-        return np.where(self.edge_map >= self.least_charge, self.edge_map, 0.0)
 
     def strength(self, points: Array) -> Array:
         """Edge strength at points, shape (N, D), between the pixels."""
@@ -121,12 +117,12 @@ class ScaleField:
 
     @cached_property
     def potential(self) -> Array:
-        """Potential of the fixed charges, shape (H, W) [grey levels]."""
-        return convolved_potential(self.charges)
+        r"""Potential of the fixed charges, shape (\*shape) [gray levels]."""
+        return convolved_potential(self.fixed_charges)
 
     @cached_property
     def slope(self) -> float:
-        """Mean slope of the potential [grey levels / px]; 1 where it is flat."""
+        """Mean slope of the potential [gray levels / px]; 1 where it is flat."""
         slope = float(magnitude(gradient(self.potential, 0.0)).mean())
         return slope if slope > 0.0 else 1.0
 
@@ -177,10 +173,8 @@ def build_scale_field(
     ScaleField
         Fields of the scale.
     """
-    if known is not None and known.values is values and known.smoothing == smoothing:
-        grad = known.gradient
-    else:
-        grad = gradient(values, smoothing)
+    same = known is not None and known.values is values and known.smoothing == smoothing
+    grad = known.gradient if known is not None and same else gradient(values, smoothing)
     strength = magnitude(grad)
     barrier_map = NO_BARRIERS
     if regions is not None:
@@ -189,20 +183,22 @@ def build_scale_field(
     if regions is not None and regions.interest:
         inside &= regions.pixels(values.shape)
     strongest = float(strength.max(where=inside, initial=0.0))
-    least = edge_floor * strongest
-    charged = np.where(inside & (strength >= least), strength, 0.0)
+    charged = np.where(inside & (strength >= edge_floor * strongest), strength, 0.0)
     lorentz = lorentz_force(convolved_field(charged, precision=_FIELD_PRECISION), grad, strength, strongest)
     if not inside.all():
         strength[~within(inside, _MARGIN)] = 0.0
     packed = np.stack([*lorentz, *grad, strength], axis=-1, dtype=np.float32)
-    if strongest == 0.0:  # a coarse scale may have no pixel inside: nowhere is an edge to sit on
-        floor = np.inf
-    elif edge_floor > 0.0:
-        floor = max(WEAKEST_EDGE * strongest, least)
-    else:
-        background = min(background_strength(strength[inside]), _MOST_BACKGROUND * strongest)
-        floor = max(WEAKEST_EDGE * strongest, background)
-    return ScaleField(packed, grad, strength, values, strongest, least, floor, smoothing, barrier_map)
+    floor = _weakest_edge(strength[inside], strongest, edge_floor)
+    return ScaleField(packed, grad, strength, values, strongest, charged, floor, smoothing, barrier_map)
+
+
+def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
+    """Edge strength under which there is no edge to sit on, by what there is inside; see `build_scale_field`."""
+    if strongest == 0.0:  # a coarse scale may have no pixel inside
+        return np.inf
+    if edge_floor > 0.0:
+        return max(WEAKEST_EDGE, edge_floor) * strongest
+    return max(WEAKEST_EDGE * strongest, min(background_strength(strength), _MOST_BACKGROUND * strongest))
 
 
 def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:
@@ -212,10 +208,10 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
 
     - The field is divided by its largest size beside the edge and not by its own, so that the force falls linearly
       through zero where the field does. Unit vectors would round that place to the middle between two pixels.
-    - The part along the edge is taken out. On the crest it is all that is left of the field, and scaled up it would
+    - The part along the edge is taken out. On the ridge it is all that is left of the field, and scaled up it would
       drain particles from weak stretches towards strong ones and keep them circling; motion along an edge is the
       Coulomb force's.
-    - Where the field leads off the crest, as it does all across a weak edge beside a strong one, the slope of the edge
+    - Where the field leads off the ridge, as it does all across a weak edge beside a strong one, the slope of the edge
       map takes its place, so that every edge holds what sits on it.
 
     Parameters

@@ -8,7 +8,6 @@ hardly any move needs to be looked at closely.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,8 +15,8 @@ from numpy.typing import NDArray
 
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.segments import meet
 from cpm_core.numerics.types import Array
-from cpm_core.particles.state import Particles
 
 _SAMPLING = 0.5
 """Distance of the places along a wall by which the pixels near it are told [px]."""
@@ -49,29 +48,6 @@ class BarrierMap(NamedTuple):
         if not len(self.segments):
             return np.zeros(len(start), np.bool_)
         return _crossed(self, np.ascontiguousarray(start, dtype=float), np.ascontiguousarray(end, dtype=float))
-
-    def held(self, before: Particles, after: Particles) -> Particles:
-        """Hold back the particles whose step crosses a wall.
-
-        Such a particle keeps that part of its step and of its velocity that is along the wall, if this part crosses
-        no other; else it stays where it is, at rest.
-
-        Parameters
-        ----------
-        before, after : Particles
-            The particles before and after a step.
-
-        Returns
-        -------
-        Particles
-            After a step that crosses no wall.
-        """
-        blocked = self.crossed(before.position, after.position)
-        if not blocked.any():
-            return after
-        position, velocity = after.position.copy(), after.velocity.copy()
-        _hold(self, np.flatnonzero(blocked), before.position, position, velocity)
-        return replace(after, position=position, velocity=velocity)
 
 
 NO_BARRIERS = BarrierMap(np.zeros((0, 4)), np.zeros((1, 1)))
@@ -134,30 +110,9 @@ def crosses(barrier_map: BarrierMap, a: Array, b: Array) -> bool:
     if clear > 0.0 and (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 < clear * clear:
         return False
     s = 0
-    while s < len(barrier_map.segments) and not _meet(barrier_map.segments[s], a, b):
+    while s < len(barrier_map.segments) and not meet(barrier_map.segments[s], a, b):
         s += 1
     return s < len(barrier_map.segments)
-
-
-@compiled
-def _meet(segment: Array, a: Array, b: Array) -> bool:
-    """Whether a segment and the way from a to b have a place in common."""
-    if (
-        max(a[0], b[0]) < min(segment[0], segment[2])
-        or min(a[0], b[0]) > max(segment[0], segment[2])
-        or max(a[1], b[1]) < min(segment[1], segment[3])
-        or min(a[1], b[1]) > max(segment[1], segment[3])
-    ):
-        return False
-    p, q = segment[:2], segment[2:]
-    return _side(p, q, a) * _side(p, q, b) <= 0.0 and _side(a, b, p) * _side(a, b, q) <= 0.0
-
-
-@compiled
-def _side(p: Array, q: Array, a: Array) -> float:
-    """On which side of the line through p and q a place lies, by the sign."""
-    turn: float = (q[0] - p[0]) * (a[1] - p[1]) - (q[1] - p[1]) * (a[0] - p[0])
-    return turn
 
 
 @compiled
@@ -166,28 +121,3 @@ def _crossed(barrier_map: BarrierMap, start: Array, end: Array) -> NDArray[np.bo
     for i in range(len(start)):
         out[i] = crosses(barrier_map, start[i], end[i])
     return out
-
-
-@compiled
-def _hold(barrier_map: BarrierMap, blocked: NDArray[np.int64], before: Array, position: Array, velocity: Array) -> None:
-    """Let blocked particles slide along the wall, in place."""
-    for n in range(len(blocked)):
-        i = blocked[n]
-        first, wall = np.inf, -1
-        for s in range(len(barrier_map.segments)):
-            if _meet(barrier_map.segments[s], before[i], position[i]):
-                here = _side(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], before[i])
-                there = _side(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], position[i])
-                way = here / (here - there) if here != there else 0.0
-                if way < first:
-                    first, wall = way, s
-        row = barrier_map.segments[wall, 2] - barrier_map.segments[wall, 0]
-        col = barrier_map.segments[wall, 3] - barrier_map.segments[wall, 1]
-        squared = row**2 + col**2
-        slide = ((position[i, 0] - before[i, 0]) * row + (position[i, 1] - before[i, 1]) * col) / squared
-        speed = (velocity[i, 0] * row + velocity[i, 1] * col) / squared
-        position[i, 0], position[i, 1] = before[i, 0] + row * slide, before[i, 1] + col * slide
-        velocity[i, 0], velocity[i, 1] = row * speed, col * speed
-        if crosses(barrier_map, before[i], position[i]):
-            position[i, 0], position[i, 1] = before[i, 0], before[i, 1]
-            velocity[i, 0], velocity[i, 1] = 0.0, 0.0

@@ -63,19 +63,19 @@ def inside_border(grad: Array, strength: Array, smoothing: float, widest: float)
                 rim, slope, length = rim[::-1], slope[::-1], length[::-1]
             slope, length = slope[: reach + 2], length[: reach + 2]
             edge = np.where((length >= faint) & (np.abs(slope) >= _ALONG * length), slope, 0.0)
-            depth = _edge_of_frame(edge, int(_STRAIGHT * min(shape)) + 1)
+            depth = _edge_of_border(edge, int(_STRAIGHT * min(shape)) + 1)
             if depth >= 0:
                 rim[: depth + 1 + int(_FLANK * max(smoothing, 1.0))] = False
     return inside
 
 
-def _edge_of_frame(edge: Array, stray: int) -> int:
+def _edge_of_border(edge: Array, stray: int) -> int:
     """Farthest line along a side that an edge of one sign follows over most of its length; -1 if there is none."""
     steepest = np.abs(edge[1:-1])
-    crest = (steepest >= np.abs(edge[:-2])) & (steepest > np.abs(edge[2:]))
+    ridge = (steepest >= np.abs(edge[:-2])) & (steepest > np.abs(edge[2:]))
     farthest = -1
     for sign in (-1.0, 1.0):
-        near = running_maximum(crest & (edge[1:-1] * sign > 0.0), stray, axes=(0,))
+        near = running_maximum(ridge & (edge[1:-1] * sign > 0.0), stray, axes=(0,))
         lines = np.flatnonzero(near.reshape(len(near), -1).mean(axis=1) > _COVER)
         if len(lines):
             farthest = max(farthest, int(lines[-1]) + 1)
@@ -83,7 +83,7 @@ def _edge_of_frame(edge: Array, stray: int) -> int:
 
 
 def within(inside: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
-    r"""Pixels no farther from some of them than a distance, by their centres.
+    r"""Pixels no farther from some of them than a distance, by their centers.
 
     Parameters
     ----------

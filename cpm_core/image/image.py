@@ -6,22 +6,24 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 MINIMUM_SIDE = 8
 """Least number of pixels along each axis [px]: below it no edge can be told from the border."""
 
+_COUNTS = {2: "two", 3: "three"}
+
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """Grey levels on a regular grid, pixel centres at integer (row, col).
+    """Gray levels on a regular grid, pixel centers at integers: an image (row, col) or a volume (plane, row, col).
 
     Parameters
     ----------
-    values : array_like of real numbers, shape (H, W)
-        Grey levels. They are copied to float64 and can then no longer be written to.
+    values : array_like of real numbers, shape (H, W) or (P, H, W)
+        Gray levels. They are copied to float64 and can then no longer be written to.
     spacing : tuple of float, optional
-        Size of a pixel along (row, col), in `unit`; 1 px each where nothing is known.
+        Size of a pixel along each axis, in `unit`; 1 px each where nothing is known.
     unit : str, optional
         Unit of length of `spacing`, such as ``"µm"``; None when the size of a pixel is not known.
     source : str, optional
@@ -32,12 +34,12 @@ class Image:
     Raises
     ------
     ValueError
-        When `values` is not a two-dimensional grid of finite real numbers, at least `MINIMUM_SIDE` pixels wide and
-        high, or when `spacing` is not one positive number for each axis.
+        When `values` is not a grid of two or three axes of finite real numbers, at least `MINIMUM_SIDE` pixels along
+        each, or when `spacing` is not one positive number for each axis.
     """
 
     values: NDArray[np.float64]
-    spacing: tuple[float, ...] = (1.0, 1.0)
+    spacing: tuple[float, ...] = ()
     unit: str | None = None
     source: str = "image"
     notes: tuple[str, ...] = ()
@@ -46,11 +48,8 @@ class Image:
         given = np.asarray(self.values)
         if given.dtype.kind not in "buif":
             raise ValueError(f"{self.source} holds values of type {given.dtype}, but grey levels must be real numbers.")
-        if given.ndim != 2:
-            raise ValueError(
-                f"{self.source} has {given.ndim} dimension{'' if given.ndim == 1 else 's'} {given.shape}, "
-                "but an image has two, (rows, columns): choose one plane of it."
-            )
+        if given.ndim not in (2, 3) or (given.ndim == 3 and min(given.shape) < MINIMUM_SIDE):
+            raise _not_a_plane(self.source, given.shape)
         if min(given.shape) < MINIMUM_SIDE:
             raise ValueError(
                 f"{self.source} is {given.shape[0]} x {given.shape[1]} px, "
@@ -63,19 +62,42 @@ class Image:
                 f"{self.source} holds {unusable} value{'' if unusable == 1 else 's'} that "
                 f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
             )
-        spacing = tuple(float(size) for size in self.spacing)
+        spacing = tuple(float(size) for size in self.spacing) or (1.0,) * values.ndim
         if len(spacing) != values.ndim or not all(math.isfinite(size) and size > 0 for size in spacing):
-            raise ValueError(f"The spacing of {self.source} is {self.spacing}, but must be two positive numbers.")
+            raise ValueError(
+                f"The spacing of {self.source} is {self.spacing}, but must be {_COUNTS[values.ndim]} positive numbers."
+            )
         values.flags.writeable = False
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "spacing", spacing)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Number of pixels along each axis, (rows, columns)."""
+        """Number of pixels along each axis, (rows, columns) or (planes, rows, columns)."""
         return self.values.shape
 
     @property
     def ndim(self) -> int:
         """Number of axes."""
         return self.values.ndim
+
+
+def as_plane(values: ArrayLike | Image) -> Image:
+    """Take values for an image of two axes.
+
+    Raises
+    ------
+    ValueError
+        When they have another number of axes, or are no image at all.
+    """
+    image = values if isinstance(values, Image) else Image(np.asarray(values, dtype=float))
+    if image.ndim != 2:
+        raise _not_a_plane(image.source, image.shape)
+    return image
+
+
+def _not_a_plane(source: str, shape: tuple[int, ...]) -> ValueError:
+    return ValueError(
+        f"{source} has {len(shape)} dimension{'' if len(shape) == 1 else 's'} {shape}, "
+        "but an image has two, (rows, columns): choose one plane of it."
+    )

@@ -1,7 +1,7 @@
 """The pyramid of images, and the way between its scales (section 4.2).
 
 Scale 0 is the image itself, scale s has half the pixels of scale s - 1 along each axis. The grids of all scales share
-their centre, so that a mirrored or turned image has a mirrored or turned pyramid.
+their center, so that a mirrored or turned image has a mirrored or turned pyramid.
 """
 
 from __future__ import annotations
@@ -63,14 +63,14 @@ def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
         for axis in range(fine.ndim):
             across = (slice(None),) * axis
             even, odd = fine[(*across, slice(0, None, 2))], fine[(*across, slice(1, None, 2))]
-            if fine.shape[axis] % 2 == 0:  # the centred coarse grid lies halfway between the pixels
+            if fine.shape[axis] % 2 == 0:  # the centered coarse grid lies halfway between the pixels
                 even = 0.5 * (even + odd)
             fine = even
         levels.append(np.ascontiguousarray(fine))
     return tuple(levels)
 
 
-def _centre(shape: tuple[int, ...]) -> Array:
+def _center(shape: tuple[int, ...]) -> Array:
     return 0.5 * (np.array(shape, dtype=float) - 1.0)
 
 
@@ -78,11 +78,11 @@ def to_image(positions: Array, scale: int, shape: tuple[int, ...]) -> Array:
     """Positions (N, D) of a scale in px of the image of shape `shape`."""
     if scale == 0:
         return positions
-    return np.asarray((positions - _centre(shape_of_scale(shape, scale))) * 2.0**scale + _centre(shape))
+    return np.asarray((positions - _center(shape_of_scale(shape, scale))) * 2.0**scale + _center(shape))
 
 
 def to_scale(positions: Array, scale: int, shape: tuple[int, ...]) -> Array:
     """Positions (N, D) of the image of shape `shape` in px of a scale."""
     if scale == 0:
         return positions
-    return np.asarray((positions - _centre(shape)) * 0.5**scale + _centre(shape_of_scale(shape, scale)))
+    return np.asarray((positions - _center(shape)) * 0.5**scale + _center(shape_of_scale(shape, scale)))

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.image.pyramid import to_scale
-from cpm_core.numerics.jit import compiled
+from cpm_core.numerics import polyline
+from cpm_core.numerics.segments import cut, nearest_distances, segments_of
 from cpm_core.numerics.types import Array
 
 Line = tuple[tuple[float, float], ...]
@@ -73,16 +74,17 @@ class Regions:
             return np.ones(len(points), np.bool_)
         found = np.zeros(len(points), np.bool_)
         for polygon in self.interest:
-            found |= _winds_around(np.array(polygon), np.ascontiguousarray(points, dtype=float))
+            found |= polyline.inside(polygon, points)
         return found
 
     def allows(self, points: Array) -> NDArray[np.bool_]:
         """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""
-        on_line = _touching(np.concatenate([self.rims(), self.lines()]), np.ascontiguousarray(points, dtype=float))
-        return np.asarray(self.contains(points) & ~on_line)
+        lines = np.concatenate([self.rims(), self.lines()])
+        off_lines = nearest_distances(points, lines[:, :2], lines[:, 2:] - lines[:, :2]) >= _OFF
+        return np.asarray(self.contains(points) & off_lines)
 
     def pixels(self, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-        """Which pixels of an image of this shape have their centre in a region of interest."""
+        """Which pixels of an image of this shape have their center in a region of interest."""
         if not self.interest:
             return np.ones(shape, np.bool_)
         return np.asarray(np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0))
@@ -102,7 +104,7 @@ class Regions:
 
     def lines(self) -> Array:
         """Barriers as segments, shape (S, 4)."""
-        return np.concatenate([np.zeros((0, 4)), *(_segments(np.array(line)) for line in self.barriers)])
+        return np.concatenate([np.zeros((0, 4)), *(segments_of(np.array(line)) for line in self.barriers)])
 
 
 def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:
@@ -128,9 +130,9 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
 
 @lru_cache(maxsize=_KEPT)
 def _pixels(polygon: Line, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Which pixels of an image of this shape have their centre in a polygon."""
+    """Which pixels of an image of this shape have their center in a polygon."""
     places = np.indices(shape).reshape(2, -1).T.astype(float)
-    return _winds_around(np.array(polygon), places).reshape(shape)
+    return polyline.inside(polygon, places).reshape(shape)
 
 
 @lru_cache(maxsize=_KEPT)
@@ -139,8 +141,8 @@ def _rims(interest: tuple[Line, ...]) -> Array:
     if not interest:
         return np.zeros((0, 4))
     regions = Regions(interest)
-    sides = np.concatenate([_segments(np.array([*polygon, polygon[0]])) for polygon in interest])
-    pieces = np.concatenate([_cut(side, sides) for side in sides])
+    sides = np.concatenate([segments_of(np.array([*polygon, polygon[0]])) for polygon in interest])
+    pieces = np.concatenate([cut(side, sides, _OFF) for side in sides])
     along = pieces[:, 2:] - pieces[:, :2]
     length = np.linalg.norm(along, axis=1)
     off = _OFF * along[:, ::-1] * (1.0, -1.0) / np.maximum(length, 1e-300)[:, None]
@@ -152,62 +154,3 @@ def _rims(interest: tuple[Line, ...]) -> Array:
 
 def _line(points: Array) -> Line:
     return tuple((row, col) for row, col in points.tolist())
-
-
-def _segments(path: Array) -> Array:
-    """Segments, shape (K - 1, 4), of a path of shape (K, 2), those without length left out."""
-    segments = np.concatenate([path[:-1], path[1:]], axis=1)
-    return np.asarray(segments[(segments[:, :2] != segments[:, 2:]).any(axis=1)])
-
-
-def _cut(side: Array, others: Array) -> Array:
-    """Pieces of a side between the places where others cross or touch it."""
-    a, along = side[:2], side[2:] - side[:2]
-    p, d = others[:, :2] - a, others[:, 2:] - others[:, :2]
-    turn = along[0] * d[:, 1] - along[1] * d[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = (p[:, 0] * d[:, 1] - p[:, 1] * d[:, 0]) / turn
-        on_other = (p[:, 0] * along[1] - p[:, 1] * along[0]) / turn
-    crossing = at[(turn != 0.0) & (on_other >= 0.0) & (on_other <= 1.0)]
-    # sides on one line do not cross: they part at their corners
-    away = np.abs(p[:, 0] * along[1] - p[:, 1] * along[0]) / np.linalg.norm(along)
-    corners = (p @ along / (along @ along))[away < _OFF]
-    every = np.unique(np.concatenate([crossing, corners, [0.0, 1.0]]))
-    every = every[(every >= 0.0) & (every <= 1.0)]
-    places = a + every[:, None] * along
-    places[-1] = side[2:]
-    return _segments(places)
-
-
-@compiled
-def _touching(segments: Array, points: Array) -> NDArray[np.bool_]:
-    """Which points lie on a segment."""
-    on = np.zeros(len(points), np.bool_)
-    for i in range(len(points)):
-        for s in range(len(segments)):
-            row, col = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
-            from_row, from_col = points[i, 0] - segments[s, 0], points[i, 1] - segments[s, 1]
-            t = min(max((from_row * row + from_col * col) / (row * row + col * col), 0.0), 1.0)
-            if (from_row - t * row) ** 2 + (from_col - t * col) ** 2 < _OFF**2:
-                on[i] = True
-    return on
-
-
-@compiled
-def _winds_around(corners: Array, points: Array) -> NDArray[np.bool_]:
-    """Which points a polygon winds around."""
-    inside = np.zeros(len(points), np.bool_)
-    for i in range(len(points)):
-        row, col = points[i, 0], points[i, 1]
-        turns = 0
-        before = len(corners) - 1
-        for k in range(len(corners)):
-            a, b = corners[before], corners[k]
-            left = (b[0] - a[0]) * (col - a[1]) - (row - a[0]) * (b[1] - a[1])
-            if a[0] <= row < b[0] and left > 0.0:
-                turns += 1
-            elif b[0] <= row < a[0] and left < 0.0:
-                turns -= 1
-            before = k
-        inside[i] = turns != 0
-    return inside

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import lengths_along
+from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array
 
 _STRIDE = 0.25

@@ -23,8 +23,7 @@ from typing import Any
 
 import numba
 
-_WITH_LOOPS = re.compile(rb"^from cpm_core\.numerics\.jit import", re.MULTILINE)
-_IMPORTED = re.compile(rb"^from ([\w.]+) import", re.MULTILINE)
+_IMPORT = re.compile(r"^(?:from ([\w.]+) )?import (\([^)]*\)|.*)", re.MULTILINE)
 
 _SETTINGS: Any = numba.config  # its names are made when it is loaded, so that no type checker knows them
 
@@ -72,8 +71,8 @@ def take_over(aside: Path, kept: Path) -> None:
 def digest(package: Path) -> str:
     """Name of a version of the loops: changes with any source that one may depend on, with Numba and with Python.
 
-    These are the modules of a package that have loops, and those of it that they import from: a loop takes over the
-    constants that it uses, and the classes of tuples.
+    These are the modules of a package that have loops, those of it that they import, and so on: a loop takes over the
+    constants that it uses, which may be made of others, and the classes of tuples.
 
     Parameters
     ----------
@@ -85,20 +84,38 @@ def digest(package: Path) -> str:
     str
         Sixteen hexadecimal digits; empty when there are no sources to be read, as in a frozen program.
     """
+    paths = {_dotted(path, package): path for path in sorted(package.rglob("*.py"))}
+    sources = {name: path.read_bytes() for name, path in paths.items()}
+    imports = {name: _imported(source.decode()) & sources.keys() for name, source in sources.items()}
+    waiting = [name for name in sources if f"{package.name}.numerics.jit" in imports[name]]
+    needed: set[str] = set()
+    while waiting:
+        name = waiting.pop()
+        if name not in needed:
+            needed.add(name)
+            waiting += imports[name]
     found = hashlib.sha256(f"{numba.__version__} {sys.implementation.cache_tag}".encode())
-    sources = {path: path.read_bytes() for path in sorted(package.rglob("*.py"))}
-    with_loops = [source for source in sources.values() if _WITH_LOOPS.search(source)]
-    imported = {name for source in with_loops for name in _IMPORTED.findall(source)}
-    for path, source in sources.items():
-        if source in with_loops or _dotted(path, package) in imported:
-            found.update(path.relative_to(package).as_posix().encode() + b"\0" + source + b"\0")
-    return found.hexdigest()[:16] if with_loops else ""
+    for name in sorted(needed):
+        found.update(paths[name].relative_to(package).as_posix().encode() + b"\0" + sources[name] + b"\0")
+    return found.hexdigest()[:16] if needed else ""
 
 
-def _dotted(path: Path, package: Path) -> bytes:
+def _imported(source: str) -> set[str]:
+    """Names of all that a source imports at its top, modules or what may be one of a package.
+
+    Read as text: to parse all sources would take longer than to start the program.
+    """
+    names: set[str] = set()
+    for package, what in _IMPORT.findall(re.sub("#.*", "", source)):
+        parts = [part.split()[0] for part in what.strip("()").split(",") if part.strip()]
+        names |= {package, *(f"{package}.{part}" for part in parts)} if package else set(parts)
+    return names
+
+
+def _dotted(path: Path, package: Path) -> str:
     """Name under which a module of a package is imported."""
     parts = path.relative_to(package.parent).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts).encode()
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 def user_cache() -> Path:

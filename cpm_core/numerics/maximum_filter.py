@@ -1,4 +1,4 @@
-"""The largest value in the neighbourhood of every pixel."""
+"""The largest value in the neighborhood of every pixel."""
 
 from __future__ import annotations
 

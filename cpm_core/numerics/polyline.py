@@ -1,15 +1,14 @@
-"""Paths that a hand has drawn: their length, how far off a position lies, and the same path with fewer corners."""
+"""Polygonal lines: length, places along them, distance, what they enclose, and the same line with fewer corners."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.segments import distances_to_segments, nearest_distances, winds_around
+from cpm_core.numerics.types import Array, Mask, Position
 
 MOST_HANDLES = 24
 """Corners up to which each of them is a handle; freehand paths have more."""
@@ -21,48 +20,68 @@ _HALVINGS = 3
 """How often every second corner of a path may be left out for drawing it."""
 
 
-def length(path: Sequence[Position]) -> float:
+def lengths_along(path: Array) -> Array:
+    """Length of the way along a path, shape (K, D), to each of its vertices, shape (K,) [px]; the first is at 0."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+
+
+def length(path: Array | Sequence[Position]) -> float:
     """Length along a path [px]."""
-    return sum(math.dist(begin, end) for begin, end in pairwise(path))
+    corners = np.asarray(path, dtype=float).reshape(len(path), -1)
+    return float(np.linalg.norm(corners[1:] - corners[:-1], axis=1).sum())
+
+
+def places_at(path: Array, lengths: Array) -> Array:
+    """Places on a path, shape (K, D), at lengths along it, shape (N,), shape (N, D) [px]."""
+    along = lengths_along(path)
+    return np.stack([np.interp(lengths, along, axis) for axis in path.T], axis=1)
+
+
+def middles(path: Array, count: int) -> Array:
+    """Middles of so many equal parts of a path, shape (K, D), shape (count, D) [px]; its ends are none of them."""
+    return places_at(path, (np.arange(count) + 0.5) * lengths_along(path)[-1] / count)
+
+
+def sampled(path: Array, spacing: float) -> Array:
+    """Middles of equal parts of a path that are no longer than `spacing`, shape (N, D) [px].
+
+    Each stands for the same length, so that averages over them are averages over the length.
+    """
+    return middles(path, max(1, int(np.ceil(length(path) / spacing))))
+
+
+def resampled(path: Array, spacing: float) -> Array:
+    """A path, shape (K, D), with vertices at even distances of at most `spacing`, one at least between its ends [px].
+
+    Both ends stay where they are to the bit.
+    """
+    whole = float(lengths_along(path)[-1])
+    count = max(2, int(np.ceil(whole / spacing)))
+    out = places_at(path, np.linspace(0.0, whole, count + 1))
+    out[[0, -1]] = path[[0, -1]]
+    return out
 
 
 def distance(path: Sequence[Position], position: Position) -> float:
-    """Distance of a position from the nearest place on a path [px].
+    """Distance of a position (row, col) from the nearest place on a path of at least one corner [px]."""
+    return float(distances(path, np.array([position], dtype=float))[0])
 
-    Parameters
-    ----------
-    path : sequence of tuple of float
-        At least one corner (row, col) [px].
-    position : tuple of float
-        (row, col) [px].
-    """
-    corners = np.array(path, dtype=float)
+
+def distances(path: Array | Sequence[Position], positions: Array) -> Array:
+    """Distances of positions, shape (N, 2), from the nearest place on a path of one corner or more, shape (N,)."""
+    corners = np.asarray(path, dtype=float)
     if len(corners) == 1:
-        return math.dist(path[0], position)
-    return float(_off(np.array(position), corners[:-1], corners[1:]).min())
+        corners = corners[[0, 0]]
+    return nearest_distances(np.asarray(positions, dtype=float), corners[:-1], np.diff(corners, axis=0))
 
 
-def distances(path: Sequence[Position], positions: Array) -> Array:
-    """Distances of positions, shape (N, 2), from the nearest place on a path, shape (N,) [px]."""
-    corners = np.array(path, dtype=float)
-    nearest = np.hypot(*(positions - corners[0]).T)
-    for begin, end in pairwise(corners):
-        np.minimum(nearest, _off(positions, begin[None], end[None]), out=nearest)
-    return np.asarray(nearest)
-
-
-def inside(path: Sequence[Position], positions: Array) -> NDArray[np.bool_]:
+def inside(path: Array | Sequence[Position], positions: Array) -> Mask:
     """Which positions, shape (N, 2), a path winds around whose last corner is joined to its first, shape (N,)."""
-    row, col = np.asarray(positions, dtype=float).reshape(-1, 2).T
-    winding = np.zeros(len(row), np.int64)
-    for (row_0, col_0), (row_1, col_1) in pairwise((*path, path[0])):
-        side = (row_1 - row_0) * (col - col_0) - (row - row_0) * (col_1 - col_0)
-        winding += (row_0 <= row) & (row < row_1) & (side > 0.0)
-        winding -= (row_1 <= row) & (row < row_0) & (side < 0.0)
-    return np.asarray(winding != 0)
+    places = np.ascontiguousarray(positions, dtype=float).reshape(-1, 2)
+    return winds_around(np.ascontiguousarray(path, dtype=float), places)
 
 
-def area(path: Sequence[Position]) -> float:
+def area(path: Array | Sequence[Position]) -> float:
     """Area inside a path whose last corner is joined to its first [px²]."""
     row, col = np.array(path, dtype=float).T
     return 0.5 * abs(float(row @ np.roll(col, -1) - col @ np.roll(row, -1)))
@@ -80,7 +99,7 @@ def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
     stretches = [(0, len(corners) - 1)]
     while stretches:
         first, last = stretches.pop()
-        off = _off(corners[first + 1 : last], corners[[first]], corners[[last]])
+        off = distances_to_segments(corners[first + 1 : last], corners[first], corners[last] - corners[first])
         if len(off) and off.max() > _TOLERANCE:
             farthest = first + 1 + int(off.argmax())
             kept.add(farthest)
@@ -89,7 +108,7 @@ def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
 
 
 def coarser(paths: Sequence[Array], off: float) -> list[Array]:
-    """Leave out corners that lie next to the line between their neighbours; the ends of each path stay.
+    """Leave out corners that lie next to the line between their neighbors; the ends of each path stay.
 
     Much faster than to thin them, though it leaves more: where it can, it leaves out every second corner, and that
     `_HALVINGS` times.
@@ -113,7 +132,7 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
         onward = np.einsum("ij,ij->i", before, behind) > 0.0
         left_out = np.zeros(len(corners), np.bool_)
         left_out[1:-1] = flat & onward & (number[2:] == number[:-2])
-        left_out[::2] = False  # so that the neighbours stay
+        left_out[::2] = False  # so that the neighbors stay
         corners, number = corners[~left_out], number[~left_out]
     return np.split(corners, np.flatnonzero(np.diff(number)) + 1)
 
@@ -124,14 +143,6 @@ def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:
 
 
 def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> tuple[Position, ...]:
-    """The same path with the corner nearest to a position led to another one."""
+    """The same path with the corner nearest to a position moved to another one."""
     nearest = min(range(len(path)), key=lambda index: math.dist(path[index], corner))
     return tuple(to if index == nearest else position for index, position in enumerate(path))
-
-
-def _off(positions: Array, begins: Array, ends: Array) -> Array:
-    """Distances of positions from segments, where one of them may be many of the other."""
-    along, offset = ends - begins, positions - begins
-    square = np.einsum("ij,ij->i", along, along)
-    share = np.einsum("ij,ij->i", offset, np.broadcast_to(along, offset.shape)) / np.where(square > 0, square, 1.0)
-    return np.asarray(np.hypot(*(offset - np.clip(share, 0.0, 1.0)[:, None] * along).T))

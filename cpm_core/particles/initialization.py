@@ -6,11 +6,11 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.contour import lengths_along
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
+from cpm_core.numerics.polyline import lengths_along, places_at
 from cpm_core.numerics.types import Array
 
 _LEAST_ON_CIRCLE = 5
@@ -96,14 +96,12 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
     if not np.isfinite(corners).all():
         raise ValueError(f"{int((~np.isfinite(corners)).sum())} coordinates of the stroke are not finite.")
     _positive("spacing", spacing)
-    reached = lengths_along(corners)
-    length = float(reached[-1])
-    if not length <= _LONGEST_STROKE:
-        raise ValueError(f"the stroke is {length:g} px long but must be at most {_LONGEST_STROKE:g} px.")
-    if length == 0.0:
+    whole = float(lengths_along(corners)[-1])
+    if not whole <= _LONGEST_STROKE:
+        raise ValueError(f"the stroke is {whole:g} px long but must be at most {_LONGEST_STROKE:g} px.")
+    if whole == 0.0:
         return corners[:1].copy()
-    places = np.linspace(0.0, length, max(1, round(length / spacing)) + 1)
-    return np.stack([np.interp(places, reached, axis) for axis in corners.T], axis=1)
+    return places_at(corners, np.linspace(0.0, whole, max(1, round(whole / spacing)) + 1))
 
 
 def loop(points: ArrayLike, spacing: float = 2.0) -> Array:

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.contours.bridge import Bridge
+from cpm_core.contours.contour import Bridge
 from cpm_core.contours.result import Result
 from cpm_core.dynamics.energies import Energies, energies, kinetic_energy
 from cpm_core.dynamics.equations import FADED

@@ -37,7 +37,7 @@ def even_scale_field(
         edge_map=np.full(shape, strength),
         values=np.zeros(shape),
         strongest=max(strength, 1.0),
-        least_charge=0.0,
+        fixed_charges=np.full(shape, strength),
         floor=floor,
         smoothing=1.0,
     )

@@ -9,9 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.agreement import Comparison
+from cpm_core.contours.agreement import Comparison, distance_to
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.distances import distance_to
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.numerics.types import Array, Position
 

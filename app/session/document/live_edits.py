@@ -10,39 +10,16 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Hashable
 from dataclasses import replace
-from typing import Protocol
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.model.state.status import RunStatus
 from app.model.text.language import tr
+from app.session.document.editing import Editing
+from app.session.updates import Progress
 from app.session.worker.commands.run import Command, FindSeeds, SetParameters
 from app.session.worker.commands.steering import Erase, Join, Limit, PlaceCharges
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import Points, Region, Shape, Start
-
-
-class Steered(Protocol):
-    """What is needed of a session."""
-
-    @property
-    def document(self) -> Document:
-        """What the user means."""
-
-    @property
-    def status(self) -> RunStatus:
-        """How the run stands."""
-
-    @property
-    def generation(self) -> int:
-        """Number of the current run."""
-
-    @property
-    def image_generation(self) -> int:
-        """Number under which the image was opened."""
-
-    def post(self, command: Command) -> None:
-        """Send a command to the worker."""
 
 
 class Live:
@@ -50,15 +27,18 @@ class Live:
 
     Parameters
     ----------
-    session : Steered
+    session : Editing
         Whose document and run they are.
-    busy : callable
-        Told what is being prepared, and the words for it.
+    progress : Progress
+        How the run stands.
+    post : callable
+        Sends a command to the worker.
     """
 
-    def __init__(self, session: Steered, busy: Callable[[str, str], None]) -> None:
+    def __init__(self, session: Editing, progress: Progress, post: Callable[[Command], None]) -> None:
         self._session = session
-        self._busy = busy
+        self._progress = progress
+        self._post = post
         self._late: tuple[object, ...] = ()
         self._executed: Counter[Hashable] = Counter()
         self._settled: Counter[Hashable] = Counter()
@@ -87,16 +67,16 @@ class Live:
         """The document has changed; unless it is `settled`, the gesture goes on that changes it."""
         session = self._session
         if before.parameters != after.parameters:
-            session.post(SetParameters(after.parameters))
+            self._post(SetParameters(after.parameters))
         if after.sowable and before.sowing != after.sowing:
-            self._busy("sowing", tr("Looking for places to start from…"))
-            session.post(FindSeeds(session.image_generation, after))
+            self._progress.busy("sowing", tr("Looking for places to start from…"))
+            self._post(FindSeeds(session.image_generation, after))
         if before.charges != after.charges:
-            session.post(PlaceCharges(session.image_generation, after.charges))
-        if not session.status.started:
+            self._post(PlaceCharges(session.image_generation, after.charges))
+        if not self._progress.status.started:
             return
         if before.regions != after.regions:
-            session.post(Limit(session.generation, after.regions))
+            self._post(Limit(session.generation, after.regions))
         if settled:
             self.settle()
 
@@ -109,12 +89,12 @@ class Live:
         drawn = document.sources
         lost, gained = self._settled - drawn, drawn - self._settled
         self._settled = drawn
-        if not self._session.status.started or lost.total() == gained.total():
+        if not self._progress.status.started or lost.total() == gained.total():
             return  # nothing, or a start that was moved or reshaped
         new = (drawn - self._executed) & gained
         if new:
             self._executed = self._executed + new
-            self._session.post(Join(self._session.generation, _only(document, new)))
+            self._post(Join(self._session.generation, _only(document, new)))
 
     def erase(self, path: tuple[Position, ...], radius: float) -> Document:
         """Take away the particles near a path, and tell what the document is without the shapes near it.
@@ -124,8 +104,8 @@ class Live:
         session = self._session
         rest = edits.erase(session.document, path, radius)
         self._executed = self._executed - (session.document.sources - rest.sources)
-        if session.status.started:
-            session.post(Erase(session.generation, path, radius))
+        if self._progress.status.started:
+            self._post(Erase(session.generation, path, radius))
         return rest
 
 

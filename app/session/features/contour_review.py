@@ -14,7 +14,7 @@ from app.model.text.language import tr
 from app.session.scene import NO_CONTOURS, Item, ReviewedContours
 from app.session.session import Session
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Neighbourhood, Verdict, anchor
+from cpm_core.contours.review import Neighborhood, Verdict, anchor
 from cpm_core.numerics.types import Position
 
 _Edit = Callable[[Document, list[Target]], Document]
@@ -47,7 +47,7 @@ class ContourReview(QObject):
         self._session = session
         self._contours: ReviewedContours = NO_CONTOURS
         self._by_key: dict[int, Item] = {}
-        self._around: Neighbourhood | None = None
+        self._around: Neighborhood | None = None
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(lambda: self.select(()))
 
@@ -87,7 +87,7 @@ class ContourReview(QObject):
     def under(self, place: Position, reach: float) -> int | None:
         """Key of the contour nearest to a place (row, col) within `reach` [px], as far as it is seen."""
         if self._around is None:
-            self._around = Neighbourhood([item.contour for item in self.items])
+            self._around = Neighborhood([item.contour for item in self.items])
         near = (self.items[index] for index, _ in self._around.passing(place, reach))
         return next((item.key for item in near if self.rejected_seen or not item.reviewed.rejected), None)
 

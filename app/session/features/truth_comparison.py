@@ -16,7 +16,8 @@ from app.session.features.contour_review import ContourReview
 from app.session.session import Session
 from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, load_truth
+from cpm_core.contours.ground_truth import Truth
+from cpm_core.formats.ground_truth_file import load_truth
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -60,7 +60,8 @@ class FrameRenderer:
 
     def __init__(self, scene: Scene, canvas: Canvas, part: QRectF, size: tuple[int, int]) -> None:
         self._size = size
-        self._scene = replace(scene, selected_contours=frozenset(), hovered_contour=None)
+        # selection and differences are of the contours that are shown now, not of those of other moments
+        self._scene = replace(scene, selected_contours=frozenset(), hovered_contour=None, differences=())
         self._view = ImageView(NoRequests())
         self._view.setAttribute(Qt.WidgetAttribute.WA_DontShowOnScreen)
         self._view.setMinimumSize(1, 1)

@@ -209,7 +209,7 @@ def _index(entries: Mapping[str, Any]) -> str:
         "What CPM does, on images drawn for it, in the manner of the experiments of the paper. All boundaries are "
         "known exactly, so that what is found can be measured: *recall* is the share of the true boundary that has a "
         "contour within the tolerance, *precision* the share of the contours that lies so near the boundary, *mean "
-        "distance* that of all contours from the boundary, wrong ones included; *closed contours* counts the true ones "
+        "distance* that of both from each other, along both; *closed contours* counts the true ones "
         "of which one closed contour was found.",
         "",
         f"`cpm figures --output DIR` does all of it again; `{MEASURED}` holds every number.",

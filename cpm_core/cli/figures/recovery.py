@@ -12,7 +12,7 @@ from cpm_core.cli.figures import pictures, silhouettes
 from cpm_core.cli.figures.pages import Page, Panel, Picture, Stairs
 from cpm_core.cli.figures.runs import Moment, Run, run
 from cpm_core.cli.figures.scenes import Scene
-from cpm_core.contours.distances import compare
+from cpm_core.contours.agreement import agreement, recovered
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 from cpm_core.reconstruction import reconstruct_curve
@@ -45,7 +45,7 @@ def population() -> Page:
     scene = silhouettes.flower()
     alone = _without_population(scene.under(Parameters(scales=1)))
     both, five = run(scene), run(scene.started(scene.seeds[:: len(scene.seeds) // 5][:5]))
-    recalls = [done.end.measures.recall for done in (alone, both, five)]
+    recalls = [done.end.agreement.recall for done in (alone, both, five)]
     return Page(
         [
             [
@@ -74,7 +74,9 @@ def _without_population(scene: Scene) -> Run:
     """A run of constant particles, joined by nothing but the crust, as particles alone would be."""
     done = run(scene, engine=_Constant(scene.values, scene.parameters))
     contours = reconstruct_curve(done.end.particles)
-    end = replace(done.end, contours=contours, measures=compare(contours, scene.truth))
+    seen = agreement(contours, scene.truth, done.end.agreement.tolerance)
+    closed = recovered(contours, scene.truth, seen.tolerance)
+    end = replace(done.end, contours=contours, agreement=seen, closed=closed)
     return replace(done, end=end)
 
 
@@ -128,7 +130,9 @@ def count_over_damping(contrast: float, betas: Sequence[float] = BETAS) -> list[
 
 def objects_found(done: Run) -> int:
     """Objects of a scene, one for each of its true contours, of whose boundary nearly all was found."""
-    return sum(compare(done.end.contours, [one]).recall >= _FOUND for one in done.scene.truth)
+    return sum(
+        agreement(done.end.contours, [one], done.end.agreement.tolerance).recall >= _FOUND for one in done.scene.truth
+    )
 
 
 def textures() -> Page:
@@ -161,15 +165,14 @@ def outcome(title: str, done: Run, particles: bool = False) -> Picture:
 
 def caption(moment: Moment) -> list[str]:
     """Two lines of figures."""
-    seen = moment.measures
-    closed = f"{seen.closed} of {seen.wanted} closed · " if seen.wanted else ""
+    closed = f"{moment.closed} of {moment.closed_true} closed · " if moment.closed_true else ""
     rest = "" if moment.converged else " (not at rest)"
     return [_agreement(moment), f"{closed}{moment.step} steps{rest} · {len(moment.particles)} particles"]
 
 
 def _agreement(moment: Moment) -> str:
-    seen = moment.measures
-    distance = "" if np.isnan(seen.distance) else f" · {seen.distance:.3f} px"
+    seen = moment.agreement
+    distance = f" · {seen.mean_boundary_distance:.3f} px" if np.isfinite(seen.mean_boundary_distance) else ""
     return f"recall {seen.recall:.3f} · precision {seen.precision:.3f}{distance}"
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.cli.figures.scenes import Scene
+from cpm_core.contours.agreement import Agreement, agreement, recovered
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.distances import Measures, compare
 from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
 
@@ -32,10 +32,10 @@ class Moment:
         Positions [px].
     contours : tuple of Contour
         Contours through them.
-    measures : Measures
-        Agreement of the contours with the truth.
-    tolerance : float
-        Distance up to which they agree [px].
+    agreement : Agreement
+        Of the contours with the truth.
+    closed, closed_true : int
+        True closed contours that were found as one, and all of them.
     converged : bool
         Whether the particles have come to rest.
     """
@@ -44,26 +44,32 @@ class Moment:
     scale: int
     particles: NDArray[np.float64]
     contours: tuple[Contour, ...]
-    measures: Measures
-    tolerance: float
+    agreement: Agreement
+    closed: int
+    closed_true: int
     converged: bool
 
     @property
     def facts(self) -> Facts:
         """Its figures, rounded to what they are good for."""
-        seen = self.measures
+        seen = self.agreement
         return {
             "recall": round(seen.recall, 4),
             "precision": round(seen.precision, 4),
-            "mean_distance_px": None if np.isnan(seen.distance) else round(seen.distance, 3),
-            "tolerance_px": self.tolerance,
-            "closed": seen.closed,
-            "closed_true": seen.wanted,
-            "contours": seen.contours,
+            "mean_distance_px": rounded(seen.mean_boundary_distance),
+            "tolerance_px": seen.tolerance,
+            "closed": self.closed,
+            "closed_true": self.closed_true,
+            "contours": len(self.contours),
             "steps": self.step,
             "particles": len(self.particles),
             "at_rest": self.converged,
         }
+
+
+def rounded(distance: float) -> float | None:
+    """A distance to three digits [px]; None when it is infinite, for want of a contour."""
+    return round(distance, 3) if np.isfinite(distance) else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,8 +110,11 @@ def run(scene: Scene, at: Sequence[int] = (), tolerance: float = 1.0, engine: En
 
     def look(state: State) -> Moment:
         result = engine.result(state, parameters)
-        measures = compare(result.contours, scene.truth, tolerance)
-        return Moment(state.step, state.scale, result.particles, result.contours, measures, tolerance, result.converged)
+        seen = agreement(result.contours, scene.truth, tolerance)
+        closed = recovered(result.contours, scene.truth, tolerance), sum(one.closed for one in scene.truth)
+        return Moment(
+            state.step, state.scale, result.particles, result.contours, seen, *closed, converged=result.converged
+        )
 
     state, moments = engine.start(scene.seeds), []
     while not state.stop_reason:

@@ -12,8 +12,8 @@ from cpm_core.cli.figures.pages import Page, Picture
 from cpm_core.cli.figures.runs import Facts
 from cpm_core.cli.figures.scenes import blurred, grain, paint, texture
 from cpm_core.cli.figures.silhouettes import SIDE, hand
+from cpm_core.contours.agreement import agreement
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.distances import compare
 from cpm_core.medial_axis.skeleton import Skeleton, skeleton
 from cpm_core.numerics.types import Array
 
@@ -76,11 +76,11 @@ def _measure(shape: Shape, found: Skeleton) -> Facts:
     }
     if not shape.axis:
         return facts
-    seen = compare(found.contours, shape.axis, _TOLERANCE)
+    seen = agreement(found.contours, shape.axis, _TOLERANCE)
     return {
         "recall": round(seen.recall, 4),
         "precision": round(seen.precision, 4),
-        "mean_distance_px": round(seen.distance, 3),
+        "mean_distance_px": round(seen.mean_boundary_distance, 3),
         "tolerance_px": _TOLERANCE,
         **facts,
     }

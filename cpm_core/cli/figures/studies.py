@@ -69,7 +69,7 @@ class _Varied:
         return Map(label, agreement, RATIOS, values, "w₁/w₂", label, facts)
 
     def _f(self, parameters: Parameters) -> float:
-        return run(self._scene.under(parameters), engine=self._engine).end.measures.f
+        return run(self._scene.under(parameters), engine=self._engine).end.agreement.f
 
 
 def _weighted(parameters: Parameters, ratio: float) -> Parameters:
@@ -88,7 +88,7 @@ def noise() -> Page:
         [(title.format(amount), _under_noise(scene, spoil(scene.values, amount, amount))) for amount in amounts]
         for title, spoil, amounts in kinds
     ]
-    good = sum(done.end.measures.f >= _GOOD for row in runs for _, done in row)
+    good = sum(done.end.agreement.f >= _GOOD for row in runs for _, done in row)
     rows = [[outcome(title, done) for title, done in row] for row in runs]
     return Page(
         [[start(scene, "common start"), *rows[0]], [None, *rows[1]], [None, *rows[2]]],

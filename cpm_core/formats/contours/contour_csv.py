@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import io
 
+from cpm_core.contours.rasterize import numbers
 from cpm_core.contours.result import Result
-from cpm_core.formats.masks.label_mask import numbers
 from cpm_core.medial_axis.skeleton import Skeleton
 
 WRITES = {".csv": "contours as a table of vertices"}

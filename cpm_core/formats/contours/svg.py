@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.rasterize import numbers
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import DEFAULT
-from cpm_core.formats.masks.label_mask import numbers
 from cpm_core.medial_axis.skeleton import Skeleton
 
 WRITES = {".svg": "contours as a vector drawing"}

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage.draw import line
 
-from cpm_core.formats.masks.label_mask import MOST_LABELS, as_png, label_type
+from cpm_core.contours.rasterize import MOST_LABELS, label_type
+from cpm_core.formats.masks.label_mask import as_png
 from cpm_core.medial_axis.skeleton import Skeleton
 
 WRITES = {".png": "branches of a skeleton as labelled lines"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.contours.rasterize import paint
 from cpm_core.contours.result import Result
 from cpm_core.formats.masks import branch_mask, label_mask
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -27,4 +28,4 @@ def labels_of(result: Result | Skeleton) -> NDArray[np.unsignedinteger]:
         branch_mask.check(result)
         return branch_mask.paint(result)
     label_mask.check(result)
-    return label_mask.paint(result.contours, result.shape)
+    return paint(result.contours, result.shape)

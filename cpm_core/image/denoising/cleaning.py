@@ -133,7 +133,7 @@ def _regions(values: Array, image: Array, noise: float, length: float, rounds: i
 
 
 def _contrast(image: Array) -> float:
-    """Height of the steps in an image, the high and the long ones above all [grey levels]."""
+    """Height of the steps in an image, the high and the long ones above all [gray levels]."""
     width = 2.0
     slope = scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest")
     square = float((slope**2).sum())

@@ -38,7 +38,7 @@ def crust(points: Array) -> Index:
         return np.zeros((0, 2), np.int64)
     try:
         triangulation = scipy.spatial.Delaunay(points)
-    except scipy.spatial.QhullError:  # all on one line: there is no triangle, and the crust joins neighbours along it
+    except scipy.spatial.QhullError:  # all on one line: there is no triangle, and the crust joins neighbors along it
         order = np.lexsort(points.T)
         return np.unique(np.sort(np.stack([order[:-1], order[1:]], axis=1), axis=1), axis=0)
     triangles, neighbors = triangulation.simplices.astype(np.int64), triangulation.neighbors

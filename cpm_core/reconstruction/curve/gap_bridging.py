@@ -9,17 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 from skimage.graph import MCP_Geometric
 
-from cpm_core.contours.bridge import Bridge
-from cpm_core.contours.contour import Contour, lengths_along
+from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.polyline import length, resampled
+from cpm_core.numerics.segments import first_meeting
 from cpm_core.numerics.types import Array
 
 _EASE = 20.0
@@ -89,18 +89,17 @@ def bridge_gaps(
     ends = _ends(graph, scale_field, least) if longest > 0.0 else {}
     if not ends:
         return ()
-    ground = _Ground(graph, scale_field)
-    ways = [*_between_ends(graph, ground, ends, longest), *_to_sides(graph, ground, ends, longest)]
+    grid = _CostGrid(graph, scale_field)
+    ways = [*_between_ends(graph, grid, ends, longest), *_to_sides(graph, grid, ends, longest)]
     built = []
     for way in sorted(ways, key=lambda way: (way.cost, way.end, way.other)):
         joins_end = way.other in ends
         if graph.degree(way.end) != 1 or (joins_end and graph.degree(way.other) != 1):
             continue
-        path = _resampled(way.path, spacing)
-        if ground.free(path, (way.end, way.other)):
-            ground.build(way.end, path[1:-1], way.other)
-            length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-            built.append(Bridge(path, length, float(scale_field.strength(path).mean())))
+        path = resampled(way.path, spacing)
+        if grid.free(path, (way.end, way.other)):
+            grid.build(way.end, path[1:-1], way.other)
+            built.append(Bridge(path, length(path), float(scale_field.strength(path).mean())))
     return tuple(built)
 
 
@@ -112,8 +111,8 @@ def bridges_of(bridges: tuple[Bridge, ...], contours: tuple[Contour, ...]) -> tu
     return tuple(bridge for bridge in bridges if tuple(bridge.points[1].tolist()) in places)
 
 
-class _Ground:
-    """What bridges are built on: the edge map, and what they must not cross."""
+class _CostGrid:
+    """Costs of the pixels for the path search: cheap along edges, dear on contours and barriers."""
 
     def __init__(self, graph: Graph, scale_field: ScaleField) -> None:
         self.graph = graph
@@ -152,15 +151,11 @@ class _Ground:
     def crossing(self, path: Array, spared: tuple[int, ...]) -> tuple[int, tuple[int, int]] | None:
         """First segment of a path that crosses an edge of the graph, and that edge; edges at `spared` do not count."""
         edges = self._edges[~np.isin(self._edges, spared).any(axis=1)]
-        p, q = self.graph.points[edges].swapaxes(0, 1)
-        near = (np.maximum(p, q) >= path.min(axis=0)).all(axis=1) & (np.minimum(p, q) <= path.max(axis=0)).all(axis=1)
-        p, q, edges = p[near], q[near], edges[near]
-        for n, (a, b) in enumerate(pairwise(path)):
-            meet = (_side(p, q, a) * _side(p, q, b) <= 0.0) & (_side(a, b, p) * _side(a, b, q) <= 0.0)
-            if meet.any():
-                one, other = edges[np.argmax(meet)].tolist()
-                return n, (one, other)
-        return None
+        at, crossed = first_meeting(path, self.graph.points[edges].reshape(-1, 4))
+        if crossed < 0:
+            return None
+        one, other = edges[crossed].tolist()
+        return at, (one, other)
 
     def build(self, end: int, between: Array, other: int) -> None:
         """Add a bridge to the graph."""
@@ -176,7 +171,7 @@ class _Ground:
         )
 
 
-def _between_ends(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
+def _between_ends(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
     """Ways from end to end."""
     number = list(ends)
     for i, j in sorted(scipy.spatial.cKDTree(graph.points[number]).query_pairs(longest)):
@@ -189,17 +184,17 @@ def _between_ends(graph: Graph, ground: _Ground, ends: dict[int, Array], longest
             continue
         guide = _continuation(graph.points[a], ends[a], graph.points[b], ends[b])
         joined = graph.points[[a, b]]
-        low, high = ground.window(guide, 0.5 * gap + 3.0)
-        costs, places = ground.costs(low, high, min(_strength(graph, ground.scale_field, v) for v in (a, b)))
+        low, high = grid.window(guide, 0.5 * gap + 3.0)
+        costs, places = grid.costs(low, high, min(_strength(graph, grid.scale_field, v) for v in (a, b)))
         off = scipy.spatial.cKDTree(guide).query(places)[0]
-        search = MCP_Geometric(costs + _LEAVING * off + ground.obstacles(places, joined))
+        search = MCP_Geometric(costs + _LEAVING * off + grid.obstacles(places, joined))
         total, path = _cheapest(search, low, joined[0], joined[1:])
         path = _smoothed(path, joined[0], joined[1])
-        if _length(path) <= _DETOUR * gap:
+        if length(path) <= _DETOUR * gap:
             yield _Way(total, a, b, path)
 
 
-def _to_sides(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
+def _to_sides(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
     """Ways from an end ahead to the side of a contour."""
     sides = np.flatnonzero(graph.degrees > 1)
     if not len(sides):
@@ -216,23 +211,23 @@ def _to_sides(graph: Graph, ground: _Ground, ends: dict[int, Array], longest: fl
         near = near[ahead & apart]
         if not len(near):
             continue
-        low, high = ground.window(np.concatenate([place[None], graph.points[near]]), 3.0)
-        costs, places = ground.costs(low, high, _strength(graph, ground.scale_field, end))
+        low, high = grid.window(np.concatenate([place[None], graph.points[near]]), 3.0)
+        costs, places = grid.costs(low, high, _strength(graph, grid.scale_field, end))
         away = places - place
         forward = away @ direction
         off = np.linalg.norm(away - forward[..., None] * direction, axis=-1)
         search = MCP_Geometric(costs + _LEAVING * off + _BLOCKED * (forward < -1.0))
         total, path = _cheapest(search, low, place, graph.points[near])
-        way = _stopped(graph, ground, end, _smoothed(path, place, graph.points[near[_nearest(graph, near, path[-1])]]))
+        way = _stopped(graph, grid, end, _smoothed(path, place, graph.points[near[_nearest(graph, near, path[-1])]]))
         gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a vertex farther off
-        if way is not None and gap <= longest and _length(way.path) <= _DETOUR * gap:
+        if way is not None and gap <= longest and length(way.path) <= _DETOUR * gap:
             yield _Way(_SIDE * total, end, way.other, way.path)
 
 
-def _stopped(graph: Graph, ground: _Ground, end: int, path: Array) -> _Way | None:
+def _stopped(graph: Graph, grid: _CostGrid, end: int, path: Array) -> _Way | None:
     """A way to the side of a contour that ends where it first meets one; None if it meets it at a narrow angle."""
     (before,) = graph.neighbors(end)
-    meeting = ground.crossing(path, (end, before))
+    meeting = grid.crossing(path, (end, before))
     if meeting is None:
         return None
     segment, edge = meeting
@@ -265,16 +260,6 @@ def _smoothed(path: Array, start: Array, end: Array) -> Array:
     for _ in range(_SMOOTHINGS):
         smooth[1:-1] = 0.25 * (smooth[:-2] + 2.0 * smooth[1:-1] + smooth[2:])
     return smooth
-
-
-def _resampled(path: Array, spacing: float) -> Array:
-    """A path with vertices at even distances, one at least between its ends."""
-    along = lengths_along(path)
-    count = max(2, int(np.ceil(along[-1] / spacing)))
-    at = np.linspace(0.0, along[-1], count + 1)
-    out = np.stack([np.interp(at, along, path[:, k]) for k in range(2)], axis=1)
-    out[[0, -1]] = path[[0, -1]]
-    return out
 
 
 def _continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
@@ -325,12 +310,3 @@ def _direction(graph: Graph, end: int) -> Array:
 def _strength(graph: Graph, scale_field: ScaleField, end: int) -> float:
     """Edge strength near a loose end."""
     return float(scale_field.strength(graph.points[_last_stretch(graph, end, _BACK_STRENGTH)]).max())
-
-
-def _length(path: Array) -> float:
-    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-
-
-def _side(p: Array, q: Array, a: Array) -> Array:
-    """On which side of the line through p and q a place lies, by the sign."""
-    return np.asarray((q - p)[..., 0] * (a - p)[..., 1] - (q - p)[..., 1] * (a - p)[..., 0])

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from cpm_core.contours.bridge import Bridge
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.graph import Graph
 from cpm_core.dynamics.deletion import deletion
 from cpm_core.field.scale_field import ScaleField
@@ -13,7 +12,7 @@ from cpm_core.reconstruction.curve.end_linking import close_gaps
 from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps, bridges_of
 from cpm_core.reconstruction.curve.hysteresis import LEAST_LENGTH, choose, drop_weak, shortest
 from cpm_core.reconstruction.curve.ridge_tracing import trace
-from cpm_core.reconstruction.curve.subpixel import crest
+from cpm_core.reconstruction.curve.subpixel import ridge_points
 
 _LEAST_REACH = 2.5
 """Distance, in d_min, up to which two points may be joined however small the insertion range is."""
@@ -53,7 +52,7 @@ def find_contours(
         Gaps that were bridged in them.
     """
     on_edge = positions[scale_field.strength(positions) >= scale_field.floor]
-    points, found = crest(on_edge, scale_field)
+    points, found = ridge_points(on_edge, scale_field)
     points = points[found & ~scale_field.barrier_map.crossed(on_edge, points)]
     kept = deletion(points, scale_field.strength(points), scale_field.shape, parameters.d_min)
     reach = max(parameters.d_min + parameters.d_max, _LEAST_REACH * parameters.d_min)

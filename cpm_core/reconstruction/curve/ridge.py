@@ -18,7 +18,7 @@ _ONE = np.uintp(1)
 
 
 class Ridge(NamedTuple):
-    """What the crest of an edge is told by; a plain tuple for the compiled loops.
+    """What the ridge of an edge is told by; a plain tuple for the compiled loops.
 
     Attributes
     ----------

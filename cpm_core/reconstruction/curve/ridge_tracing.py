@@ -1,8 +1,8 @@
-"""Tracing the crest of the edges from point to point.
+"""Tracing the ridge of the edges from point to point.
 
-The crest is where the edge map is largest along the image gradient: where its slope in that direction is zero, and
+The ridge is where the edge map is largest along the image gradient: where its slope in that direction is zero, and
 falling. Such a zero line is a smooth curve without forks, and the gradient across it gives it a direction, bright on
-one side all along. So each point has one point that follows it, which is found by walking along the crest in steps much
+one side all along. So each point has one point that follows it, which is found by walking along the ridge in steps much
 shorter than anything that outlives the smoothing: curves that run a pixel apart on both sides of a slit are never taken
 for one, and no corner is cut, however far apart the points lie.
 """
@@ -22,14 +22,14 @@ _STEP, _STEP_OF_SPACING = 0.4, 0.2
 """Length of a step: so much [px], and at most so much of the spacing."""
 
 _LONGEST, _LOOSE = 10.0, 5.0
-"""Length, in d_min, of the crest between two points at most, and beyond a last one."""
+"""Length, in d_min, of the ridge between two points at most, and beyond a last one."""
 
 _LONGEST_AT_REST = 50.0
 """The former at the end of a run: along a limb of two pixels the electric field has one place of rest for both sides,
 and particles leave one of them empty."""
 
 _DIP = 2.5
-"""Length, in d_min, over which the crest between two points may be under the floor: a longer one is a gap."""
+"""Length, in d_min, over which the ridge between two points may be under the floor: a longer one is a gap."""
 
 _SHARE = 300
 """Seeds worth a thread."""
@@ -40,12 +40,12 @@ a sudden end is blurred to."""
 
 
 def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = False) -> tuple[Array, Index]:
-    """Join points on the crest along it.
+    """Join points on the ridge along it.
 
     Parameters
     ----------
     points : ndarray, shape (N, 2)
-        Distinct points on the crest, `crest` [px].
+        Distinct points on the ridge, `ridge_points` [px].
     scale_field : ScaleField
         Fields of the scale.
     d_min : float
@@ -57,7 +57,7 @@ def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = 
     Returns
     -------
     vertices : ndarray, shape (M, 2)
-        The points first, then what is needed between and beyond them for the contours to keep to the crest.
+        The points first, then what is needed between and beyond them for the contours to keep to the ridge.
     edges : ndarray of int64, shape (E, 2)
         Pairs of vertices.
     """
@@ -85,7 +85,7 @@ def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = 
 
 
 def _image_seeds(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
-    """Points as seeds, moved onto the very crest."""
+    """Points as seeds, moved onto the very ridge."""
     place = np.array(points, dtype=float)
     ahead = np.zeros_like(place)
     share(lambda first, last: settle(ridge, place, ahead, reach.step, first, last), len(place), _SHARE)
@@ -105,7 +105,7 @@ class _Walks:
     """Ways from seed to seed, as they are found."""
 
     def __init__(self, ridge: Ridge, barrier_map: BarrierMap, seeds: Seeds, reach: Reach) -> None:
-        self._ground = ridge, barrier_map, seeds, reach
+        self._walked = ridge, barrier_map, seeds, reach
         self._longest = int(2.0 * reach.longest / reach.step) + 2
         self._vertices, self._edges = [seeds.place], [np.empty((0, 2), np.int64)]
         self._count = len(seeds.place)
@@ -137,7 +137,7 @@ class _Walks:
         while first < last:
             room = 4 * (last - first) + 2 * self._longest
             vertices, edges = np.empty((room, 2)), np.empty((room, 2), np.int64)
-            first, added, joined = walk(*self._ground, seeds, met, sign, loose, first, last, way, vertices, edges)
+            first, added, joined = walk(*self._walked, seeds, met, sign, loose, first, last, way, vertices, edges)
             found.append((vertices[:added], edges[:joined]))
         return found
 

@@ -1,4 +1,4 @@
-"""Walking along the crest, in steps that keep to it: the loops behind `tracing`."""
+"""Walking along the ridge, in steps that keep to it: the loops behind `tracing`."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, height, slope
 
 _HALVINGS = 4
-"""Times that a step may be halved where the crest bends."""
+"""Times that a step may be halved where the ridge bends."""
 
 _DEVIATION = 0.03
-"""Distance from the traced crest that the sides of a contour keep [px]."""
+"""Distance from the traced ridge that the sides of a contour keep [px]."""
 
 _DIFFERENCE = 0.05
 """Distance on either side over which the slope of the slope is read [px]."""
 
 _ITERATIONS, _DONE = 8, 1e-4
-"""Corrections of a place until it is on the crest, to so much [px]."""
+"""Corrections of a place until it is on the ridge, to so much [px]."""
 
 _SIDEWAYS = 0.7
 """How far to the side a step may lead, in steps."""
@@ -52,7 +52,7 @@ class Seeds(NamedTuple):
     Attributes
     ----------
     place, ahead : ndarray, shape (N, 2)
-        Where each is [px], and the direction of the crest there; zero where there is none.
+        Where each is [px], and the direction of the ridge there; zero where there is none.
     head : ndarray of int64, shape (H, W)
         First seed of each pixel, -1 for none.
     following : ndarray of int64, shape (N,)
@@ -67,7 +67,7 @@ class Seeds(NamedTuple):
 
 @compiled
 def settle(ridge: Ridge, place: Array, ahead: Array, step: float, first: int, last: int) -> None:
-    """Move some seeds onto the crest, and tell the direction that it has there."""
+    """Move some seeds onto the ridge, and tell the direction that it has there."""
     farthest = _SIDEWAYS * step
     for i in range(first, last):
         down, right = height(ridge.down, place[i, 0], place[i, 1]), height(ridge.right, place[i, 0], place[i, 1])
@@ -204,9 +204,9 @@ def _meets(
 def _advance(
     ridge: Ridge, row: float, col: float, down: float, right: float, sign: float, step: float
 ) -> tuple[bool, bool, float, float, float, float]:
-    """One step along the crest.
+    """One step along the ridge.
 
-    Returns whether the crest goes on, whether it leaves the image, at whose border the place then is, the place, and
+    Returns whether the ridge goes on, whether it leaves the image, at whose border the place then is, the place, and
     the direction there.
     """
     for _ in range(_HALVINGS + 1):
@@ -278,7 +278,7 @@ def _correct(
 
 @compiled
 def _direction(ridge: Ridge, row: float, col: float) -> tuple[bool, float, float]:
-    """Direction of the crest at a place on it, with the brighter side always on the same hand; False if it is none."""
+    """Direction of the ridge at a place on it, with the brighter side always on the same hand; False if it is none."""
     e = _DIFFERENCE
     down, right = 0.0, 0.0
     for k in range(4):
@@ -288,7 +288,7 @@ def _direction(ridge: Ridge, row: float, col: float) -> tuple[bool, float, float
         down += along_row * there
         right += along_col * there
     size = np.sqrt(down * down + right * right)
-    # towards the brighter side the slope falls on a crest; in a trough it rises
+    # towards the brighter side the slope falls on a ridge; in a trough it rises
     if down * height(ridge.down, row, col) + right * height(ridge.right, row, col) <= 0.0:
         return False, 0.0, 0.0
     return True, -right / size, down / size

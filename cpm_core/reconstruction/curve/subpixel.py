@@ -1,4 +1,4 @@
-"""Sub-pixel refinement: from where a particle rests to the crest of the edge."""
+"""Sub-pixel refinement: from where a particle rests to the ridge of the edge."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cpm_core.numerics.types import Array
 from cpm_core.reconstruction.curve.ridge import PROBE, Ridge, ridge_of, spline_height, uphill
 
 FARTHEST = 2.5
-"""Distance from its place to the crest beyond which a particle is not taken to belong to it [px]."""
+"""Distance from its place to the ridge beyond which a particle is not taken to belong to it [px]."""
 
 _ITERATIONS = 8
 _LONGEST_MOVE = 0.4
@@ -25,7 +25,7 @@ _SHARE = 500
 """Points worth a thread."""
 
 
-def crest(positions: Array, scale_field: ScaleField) -> tuple[Array, NDArray[np.bool_]]:
+def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, NDArray[np.bool_]]:
     """Move points across the edge to the maximum of the cubic interpolated edge map.
 
     Each point is moved along the image gradient, by the vertex of the parabola through the edge strength at three
@@ -41,9 +41,9 @@ def crest(positions: Array, scale_field: ScaleField) -> tuple[Array, NDArray[np.
     Returns
     -------
     refined : ndarray, shape (N, 2)
-        Points on the crest.
+        Points on the ridge.
     found : ndarray of bool, shape (N,)
-        Whether there was a crest within `FARTHEST` of the point.
+        Whether there was a ridge within `FARTHEST` of the point.
     """
     ridge = ridge_of(scale_field)
     place = np.array(positions, dtype=float)

@@ -22,6 +22,7 @@ from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.film.step_choice import evenly, every, written
 from app.views.film.strip_dialog import StripDialog
 from app.views.theme import theme
+from tests.app.conftest import disc
 
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
@@ -86,8 +87,7 @@ def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_pat
     navigation = rested.feature(TimelineFeature).navigation
     navigation.go(1, 6)
     hand.wait(lambda: rested.session.status.step == 6 and rested.session.idle)
-    layer = rested.canvas_area.canvas.layers.particles
-    position = np.concatenate([layer._resting._position, layer._moving._position])
+    position = rested.canvas_area.canvas.layers.particles.position
     row, col = np.round((position + 0.5) * SIZE[0] / 64).astype(int).T
     assert len(position) > 10
     for at in zip(row, col, strict=True):
@@ -103,6 +103,23 @@ def test_what_is_hidden_on_the_canvas_is_not_in_the_frames(rested, hand, tmp_pat
     pixels = picture(path)
     assert of_colour(pixels, theme.MOVING) + of_colour(pixels, theme.RESTING) + of_colour(pixels, theme.CLOSED) == 0
     assert pixels.max() > 150  # the disc
+
+
+def test_the_truth_is_in_the_frames_but_not_how_the_contours_of_another_step_differ_from_it(
+    rested, hand, tmp_path
+) -> None:
+    mask = tmp_path / "mask.npy"
+    np.save(mask, np.roll(disc(18.0) > 100, 5, axis=1).astype(np.uint8))
+    rested.workspace.truth.load(mask)
+    hand.wait(lambda: rested.workspace.truth.verified is not None)
+    for name in ("particles", "contours", "drawing"):
+        rested.canvas_area.canvas.layers[name].set_shown(False)
+    layer = rested.canvas_area.canvas.layers["truth"]
+    assert all(count > 0 for count in layer.counts)
+    path = tmp_path / "truth.png"
+    write(rested, hand, path, (6,))
+    assert of_colour(picture(path), theme.TRUTH) > 50
+    assert of_colour(picture(path), theme.MISSING) + of_colour(picture(path), theme.WRONG) == 0
 
 
 def test_giving_up_leaves_nothing_half_written(rested, hand, tmp_path, monkeypatch) -> None:

@@ -11,6 +11,7 @@ from app.model.display.flow_lines import Seen, flow_lines
 from app.model.display.iso_lines import LINES, iso_lines
 from app.model.display.shades import of_potential
 from app.views.canvas.layers.fields.field import line_points
+from cpm_core.segmentation.engine import Engine
 
 SIDE = 120
 ROW, COL = np.indices((SIDE, SIDE)) - (SIDE - 1) / 2
@@ -97,13 +98,14 @@ def test_potential_and_flow_lines_are_shown_when_asked_for(ready, hand):
     session, layers = ready.session, hand.canvas.layers
     potential, field = layers["potential"], layers["field"]
     ready.actions_by_name["layer_potential"].trigger()
-    hand.wait(lambda: potential._item.isVisible() and potential._lines.isVisible())
-    engine = session._worker_thread._run.method
-    assert np.array_equal(potential._item.image, of_potential(engine.potential(session.document.parameters)))
+    hand.wait(lambda: potential.shades is not None and potential.lined)
+    parameters = session.document.parameters
+    engine = Engine(session.image, parameters)
+    assert np.array_equal(potential.shades, of_potential(engine.potential(parameters)))
     potential.choose("lines", False)
-    assert not potential._lines.isVisible() or not session.idle
     hand.wait(lambda: session.idle)
-    assert not potential._lines.isVisible()
+    assert not potential.lined
+    assert potential.shades is not None
     ready.actions_by_name["layer_field"].trigger()
     hand.wait(lambda: len(field.drawn) > 0)
     arrows = field.drawn
@@ -116,4 +118,4 @@ def test_potential_and_flow_lines_are_shown_when_asked_for(ready, hand):
     inside = field.drawn[(field.drawn[:, 1] > seen.left() - 1) & (field.drawn[:, 1] < seen.right() + 1)]
     assert len(inside) == len(field.drawn)
     ready.actions_by_name["layer_potential"].trigger()
-    assert not potential._item.isVisible()
+    assert potential.shades is None

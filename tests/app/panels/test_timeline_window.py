@@ -50,8 +50,7 @@ def navigation(window):
 
 def shown(window) -> np.ndarray:
     """Positions of the particles on the canvas, in the order of rows and columns."""
-    layer = window.canvas_area.canvas.layers.particles
-    position = np.concatenate([layer._resting._position, layer._moving._position])
+    position = window.canvas_area.canvas.layers.particles.position
     return position[np.lexsort(position.T)]
 
 
@@ -131,7 +130,7 @@ def test_a_branch_compared_with_is_seen_beside_and_the_difference_told(rested, h
     hand.qtbot.keyClick(panel.compare, KEY.Key_Down)
     hand.wait(lambda: ghost.contours > 0)
     end = min(rested.session.status.step, fresh[-1].step)
-    np.testing.assert_array_equal(np.sort(ghost._particles._position, axis=0), np.sort(fresh[end].position, axis=0))
+    np.testing.assert_array_equal(np.sort(ghost.position, axis=0), np.sort(fresh[end].position, axis=0))
     assert "px apart on average" in panel.difference
     assert f"{fresh[end].count} particles " in panel.difference
     hand.canvas.setFocus()

@@ -36,7 +36,7 @@ from cpm_core.cli.figures.outlines import (
 from cpm_core.cli.figures.pages import Map, Page, Picture, Stairs
 from cpm_core.cli.figures.runs import run
 from cpm_core.cli.figures.scenes import closed
-from cpm_core.contours.distances import sampled
+from cpm_core.numerics.polyline import sampled
 
 from ..scenes import antialiased, circle_points
 
@@ -164,7 +164,7 @@ def test_the_image_has_an_edge_where_the_scene_says(name):
     across = np.linspace(-2.5, 2.5, 21)
     places, normals = [], []
     for contour in scene.truth:
-        points = sampled(contour, 1.0)
+        points = sampled(contour.path, 1.0)
         along = points[2:] - points[:-2]
         places.append(points[1:-1])
         normals.append(np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None])
@@ -186,10 +186,10 @@ def test_scenes_are_the_same_every_time_and_begin_inside_the_image(name):
 @pytest.mark.parametrize("name", ["ellipse", "grey starfish", "grey cross in noise"])
 def test_a_medial_axis_is_as_far_from_the_outline_on_either_side(name):
     shape = skeletons.shapes()[name]
-    outline = np.concatenate([sampled(ring, 0.1) for ring in closed(shape.outline)])
+    outline = np.concatenate([sampled(ring.path, 0.1) for ring in closed(shape.outline)])
     for line in shape.axis:
         along = (line.points[1] - line.points[0]) / line.length
-        for place in sampled(line, 4.0):
+        for place in sampled(line.path, 4.0):
             off = outline - place
             left = off[:, 0] * along[1] - off[:, 1] * along[0] > 0.0
             one, other = (np.hypot(*off[side].T).min() for side in (left, ~left))
@@ -226,7 +226,7 @@ def test_a_run_is_looked_at_when_asked_and_at_its_end():
     scene = silhouettes.for_sensitivity()
     done = run(scene, at=(10, 20, 10**6))
     assert [moment.step for moment in done.moments] == [10, 20]
-    assert done.moments[0].measures.recall < done.end.measures.recall
+    assert done.moments[0].agreement.recall < done.end.agreement.recall
     assert done.end.step > 20
     assert done.end.facts["steps"] == done.end.step
     assert done.end.facts["particles"] == len(done.end.particles)

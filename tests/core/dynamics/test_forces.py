@@ -141,7 +141,7 @@ def test_the_potential_is_the_sum_over_all_other_pixels():
 def test_placed_charges_add_to_the_potential_by_the_mean_slope_of_the_fixed_ones(engine):
     fixed = engine.potential(PARAMETERS)
     scale_field = engine.scale_field(PARAMETERS)
-    np.testing.assert_array_equal(fixed, convolved_potential(scale_field.charges))
+    np.testing.assert_array_equal(fixed, convolved_potential(scale_field.fixed_charges))
     mean = np.hypot(*np.gradient(fixed)).mean()
     both = engine.potential(PARAMETERS, CHARGES) - fixed
     slope = -np.stack(np.gradient(both)) / mean

@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import edge_map
+from cpm_core import edge_map, electric_field
 from cpm_core.field.edge_map import automatic_smoothing, background_strength, gradient, magnitude, prepared
+from cpm_core.field.potential import convolved_potential
+from cpm_core.image.denoising import noise_level
 
 from ..scenes import disk
 
@@ -126,3 +129,43 @@ def test_heavy_noise_is_taken_out_before_edges_are_looked_for():
 def test_slopes_everywhere_are_no_noise():
     image = np.arange(900.0).reshape(30, 30)
     assert prepared(image).image is image
+
+
+def ball(shape, center, radius, noise):
+    """A volume of a bright ball with noise."""
+    away = np.sqrt(sum((g - c) ** 2 for g, c in zip(np.indices(shape), center, strict=True)))
+    return np.where(away < radius, 150.0, 50.0) + np.random.default_rng(3).normal(0.0, noise, shape)
+
+
+@pytest.mark.parametrize("noise", [0.0, 15.0])
+def test_the_smoothing_of_a_volume_is_chosen_as_that_of_an_image(noise):
+    """The edge map along rays from the center is largest on the ball."""
+    center, radius = np.array([15.0, 16.0, 14.5]), 9.0
+    strength = edge_map(ball((32, 33, 30), center, radius, noise), "auto")
+    assert strength.shape == (32, 33, 30)
+    rays = np.random.default_rng(4).normal(size=(60, 3))
+    rays /= np.linalg.norm(rays, axis=1)[:, None]
+    along = np.linspace(0.0, 13.0, 131)
+    places = center[:, None, None] + rays.T[:, :, None] * along
+    summit = along[scipy.ndimage.map_coordinates(strength, places, order=1).argmax(axis=1)]
+    assert abs(np.median(summit) - radius) < 0.7
+
+
+@pytest.mark.parametrize("shape", [(4000,), (90, 80), (60, 62, 58)])
+def test_noise_has_the_same_level_in_a_line_an_image_and_a_volume(shape):
+    assert noise_level(np.random.default_rng(5).normal(20.0, 7.0, shape)) == pytest.approx(7.0, rel=0.05)
+
+
+@pytest.mark.parametrize("shape", [(9, 11), (7, 6, 8)])
+def test_the_potential_is_the_sum_over_all_other_charges_and_the_field_its_slope(shape):
+    charges = np.random.default_rng(6).uniform(0.0, 3.0, shape)
+    dimension, places = len(shape), np.argwhere(np.ones(shape, bool)).astype(float)
+    away = np.linalg.norm(places[:, None] - places, axis=-1)
+    np.fill_diagonal(away, np.inf)
+    expected = -(charges.ravel() / ((dimension - 1) * away ** (dimension - 1))).sum(axis=1)
+    np.testing.assert_allclose(convolved_potential(charges).ravel(), expected, rtol=2e-6)
+    lonely = np.zeros((15,) * dimension)
+    lonely[(7,) * dimension] = 1.0
+    force = -gradient(convolved_potential(lonely), 0.0)
+    far = (2,) * dimension
+    np.testing.assert_allclose(force[(..., *far)], electric_field(lonely)[(..., *far)], rtol=0.1)

@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from cpm_core.field.interpolation import between, component, interpolate
+from cpm_core.field.interpolation import interpolate
+from cpm_core.field.plane import between, component
 
 
 def random_field(shape, channels, seed):

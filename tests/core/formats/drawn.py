@@ -3,7 +3,7 @@
 import numpy as np
 
 from cpm_core import Contour, Result
-from cpm_core.contours.bridge import Bridge
+from cpm_core.contours.contour import Bridge
 
 
 def around(row, col, radius, count=80):

@@ -1,4 +1,4 @@
-"""From points to contours: the crust against its definition, graphs against brute force, the crest of known edges."""
+"""From points to contours: the crust against its definition, graphs against brute force, the ridge of known edges."""
 
 import itertools
 
@@ -14,7 +14,7 @@ from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.reconstruction.curve.crust import crust
 from cpm_core.reconstruction.curve.end_linking import close_gaps
-from cpm_core.reconstruction.curve.subpixel import crest
+from cpm_core.reconstruction.curve.subpixel import ridge_points
 
 from ..scenes import circle_points, disk
 
@@ -337,7 +337,7 @@ def test_crest_of_a_straight_edge_is_the_edge(angle, offset):
     along = np.linspace(-12.0, 12.0, 25)
     normal, tangent = np.array([np.sin(angle), np.cos(angle)]), np.array([np.cos(angle), -np.sin(angle)])
     start = 20.0 + along[:, None] * tangent + (offset + np.linspace(-0.8, 0.8, 25))[:, None] * normal
-    place, found = crest(start, build_scale_field(image, 1.0, 0.0))
+    place, found = ridge_points(start, build_scale_field(image, 1.0, 0.0))
     assert found.all()
     assert np.abs(across(place)).max() < 0.02
     np.testing.assert_allclose((place - start) @ tangent, 0.0, atol=0.1)
@@ -352,7 +352,9 @@ def test_crest_of_a_disk_is_its_boundary_but_for_the_shift_by_smoothing(center, 
     below 0.007 px and a deviation of 0.005 to 0.02 px. At R = 28 and sigma = 1 the mean is within 0.03 px of the truth.
     """
     scene = disk((70, 72), center, radius)
-    place, found = crest(circle_points(center, radius + 0.4, 200), build_scale_field(scene.values, smoothing, 0.0))
+    place, found = ridge_points(
+        circle_points(center, radius + 0.4, 200), build_scale_field(scene.values, smoothing, 0.0)
+    )
     outwards = np.hypot(*(place - center).T) - radius
     assert found.all()
     assert outwards.mean() == pytest.approx(-(smoothing**2 + 1.0 / 12.0 + 1.0 / 3.0) / (2.0 * radius), abs=0.012)
@@ -361,7 +363,7 @@ def test_crest_of_a_disk_is_its_boundary_but_for_the_shift_by_smoothing(center, 
 
 def test_far_from_any_edge_no_crest_is_found():
     image, _ = smooth_step((41, 41), 0.0, 0.0)
-    _, found = crest(np.array([(20.0, 5.0), (10.0, 35.0), (20.0, 26.0)]), build_scale_field(image, 1.0, 0.0))
+    _, found = ridge_points(np.array([(20.0, 5.0), (10.0, 35.0), (20.0, 26.0)]), build_scale_field(image, 1.0, 0.0))
     assert not found.any()
 
 

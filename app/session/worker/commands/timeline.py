@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from app.model.display.difference import Difference, difference
 from app.session.exchange.messages import Report
 from app.session.worker.command_context import CommandContext
 from app.session.worker.commands.run import Command
+from cpm_core.contours.agreement import Agreement, agreement
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
@@ -119,7 +119,7 @@ class Compare(Command):
         result = run.result_of(state) if self.against is not None and state.step > 0 else None
         apart = None
         if self.against is not None and isinstance(result, Result):
-            apart = difference(self.against, result)
+            apart = agreement(self.against.contours, result.contours)
         context.report(Compared(self.generation, self.branch, state, state.position, result, apart))
 
 
@@ -139,7 +139,7 @@ class Compared(Report):
         Its particles (row, col) [px of the image].
     result : Result or Skeleton or None
         Its contours, where they were asked for.
-    apart : Difference or None
+    apart : Agreement or None
         How far they lie from those that are shown.
     """
 
@@ -148,4 +148,4 @@ class Compared(Report):
     state: MethodState | None = None
     position: Array | None = None
     result: Result | Skeleton | None = None
-    apart: Difference | None = None
+    apart: Agreement | None = None

@@ -58,6 +58,11 @@ class Discs(OverImage):
         self._stamped: tuple[object, ...] = ()
 
     @property
+    def position(self) -> Array:
+        """Where they are (row, col), shape (N, 2)."""
+        return self._position
+
+    @property
     def count(self) -> int:
         """Number of discs."""
         return len(self._position)

@@ -11,14 +11,12 @@ from app.session.features.contour_review import ContourReview
 from app.session.session import Session
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
 from app.views.canvas.tools.charge import STRENGTH, ChargeTool
-from app.views.canvas.tools.circle import CircleTool
 from app.views.canvas.tools.contours import ContourTool
-from app.views.canvas.tools.ellipse import EllipseTool
-from app.views.canvas.tools.eraser import EraserTool
+from app.views.canvas.tools.dragged import CircleTool, EllipseTool
 from app.views.canvas.tools.path import BARRIER, GRID, POLYGON, REGION, STROKE, THRESHOLD, PathKind, PathTool
 from app.views.canvas.tools.points import PointTool
+from app.views.canvas.tools.ringed import EraserTool, SprayTool
 from app.views.canvas.tools.select import SelectTool
-from app.views.canvas.tools.spray import SprayTool
 from app.views.canvas.tools.tool import Tool
 
 Maker = Callable[[Session, ContourReview, DrawingLayer, Callable[[], None]], Tool]

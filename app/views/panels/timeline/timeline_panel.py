@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from PySide6.QtCore import QSignalBlocker, Qt, QTimer
@@ -244,10 +245,11 @@ class TimelinePanel(QWidget):
         ended = compared.state.step < self._navigation.place[1]
         there = tr("{there} particles at its end, {here} here") if ended else tr("{there} particles there, {here} here")
         words = there.format(there=compared.state.count, here=self._navigation.count)
-        if compared.apart is not None:
+        apart = compared.apart
+        if apart is not None and math.isfinite(apart.hausdorff):
             told = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
-            apart = compared.apart
-            words = told.format(particles=words, mean=f"{apart.mean:.2f}", largest=f"{apart.largest:.2f}")
+            mean, largest = f"{apart.mean_boundary_distance:.2f}", f"{apart.hausdorff:.2f}"
+            words = told.format(particles=words, mean=mean, largest=largest)
         self._difference.setText(words)
         self._difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
 

@@ -7,8 +7,8 @@ import matplotlib.path
 import numpy as np
 import pytest
 
+from cpm_core.contours.rasterize import paint
 from cpm_core.formats import encoded
-from cpm_core.formats.masks.label_mask import paint
 
 from ..drawn import CELL, CORE, FIBRE, HOLE, RESULT
 

@@ -11,8 +11,8 @@ import pytest
 import tifffile
 
 from cpm_core import Contour
+from cpm_core.contours.rasterize import paint
 from cpm_core.formats import encoded, export, load_image
-from cpm_core.formats.masks.label_mask import paint
 
 from ..drawn import FIBRE, RESULT
 

@@ -10,6 +10,7 @@ from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.theme import theme
+from cpm_core.numerics.types import Array
 
 
 class GhostLayer(Layer):
@@ -26,6 +27,11 @@ class GhostLayer(Layer):
         self._contours = Curves(theme.GHOST, 3.9, dashed=True)
         self.add(self._particles, self._contours)
         self._step: tuple[int | None, int] | None = None
+
+    @property
+    def position(self) -> Array:
+        """Where particles are shown (row, col), shape (N, 2)."""
+        return self._particles.position
 
     @property
     def count(self) -> int:

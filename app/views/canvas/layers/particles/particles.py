@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+import numpy as np
 import pyqtgraph as pg
 from PySide6.QtGui import QColor
 
@@ -15,6 +16,7 @@ from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Choice
 from app.views.canvas.layers.particles.colour_legend import BEGIN, UNKNOWN, ColourLegend
 from app.views.theme import colour_maps, theme
+from cpm_core.numerics.types import Array
 
 _STATE = "state"
 _COLOURS = ("viridis", "cividis", "magma")
@@ -55,6 +57,11 @@ class ParticleLayer(Layer):
         self.legend = ColourLegend(view)
         self.add(self._resting, self._moving)
         self.pin(self.legend)
+
+    @property
+    def position(self) -> Array:
+        """Where particles are shown (row, col), shape (N, 2)."""
+        return np.concatenate([self._resting.position, self._moving.position])
 
     @property
     def count(self) -> int:

@@ -66,3 +66,46 @@ def test_a_smooth_path_is_drawn_with_few_corners() -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 801)
     circle = 100.0 * np.stack([np.sin(angle), np.cos(angle)], axis=1)
     assert len(polyline.coarser([circle, circle], 0.1)[1]) <= 102
+
+
+def crossings(corners, place):
+    """How often a ray from a place to the right crosses the sides of a polygon, with its direction."""
+    turns = 0
+    for (r0, c0), (r1, c1) in pairwise((*corners, corners[0])):
+        if (r0 <= place[0]) != (r1 <= place[0]) and c0 + (place[0] - r0) * (c1 - c0) / (r1 - r0) > place[1]:
+            turns += 1 if r1 > r0 else -1
+    return turns
+
+
+@given(st.lists(positions, min_size=3, max_size=8), positions)
+def test_a_polygon_holds_what_it_winds_around(corners, shift) -> None:
+    place = (shift[0] + 0.337, shift[1] + 0.219)  # on no side, whose corners are integers
+    if polyline.distance((*corners, corners[0]), place) > 1e-6:
+        assert polyline.inside(corners, np.array([place]))[0] == (crossings(corners, place) != 0)
+
+
+@given(lines, st.floats(0.2, 5.0))
+def test_samples_are_the_middles_of_equal_parts(line, spacing) -> None:
+    path = np.array(line)
+    points, whole = polyline.sampled(path, spacing), polyline.length(path)
+    part = whole / len(points)
+    assert part <= spacing + 1e-9
+    assert len(points) == 1 or whole / (len(points) - 1) > spacing - 1e-9
+    where = (np.arange(len(points)) + 0.5) * part
+    np.testing.assert_allclose(points, polyline.places_at(path, where), atol=1e-9)
+    assert polyline.distances(line, points).max() < 1e-9
+
+
+@given(lines, st.floats(0.2, 5.0))
+def test_a_resampled_path_keeps_its_ends_and_has_one_vertex_between_at_least(line, spacing) -> None:
+    path = polyline.resampled(np.array(line), spacing)
+    assert (tuple(path[0]), tuple(path[-1])) == (line[0], line[-1])
+    assert len(path) >= 3
+    assert polyline.distances(line, path).max() < 1e-9
+    assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= spacing + 1e-9
+
+
+@given(st.lists(positions, min_size=1, max_size=6), st.lists(positions, min_size=1, max_size=9))
+def test_distances_of_many_places_are_those_of_each(line, places) -> None:
+    many = polyline.distances(line, np.array(places))
+    np.testing.assert_allclose(many, [polyline.distance(line, place) for place in places], atol=1e-12)

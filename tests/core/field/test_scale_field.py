@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from scipy import ndimage, special
 
-from cpm_core import circle, edge_map, electric_field, segment
+from cpm_core import Engine, Parameters, Regions, circle, edge_map, electric_field, segment
 from cpm_core.field import scale_field as scale_field_module
+from cpm_core.field.edge_map import magnitude
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.scale_field import WEAKEST_EDGE, build_scale_field
+from cpm_core.field.potential import convolved_potential
+from cpm_core.field.scale_field import WEAKEST_EDGE, build_scale_field, lorentz_force
 
 from ..scenes import disk, outline_distance, ring, u_shape
 
@@ -31,16 +33,16 @@ def uneven_edge():
 def test_force_on_an_edge_has_no_part_along_it():
     scale_field = build_scale_field(uneven_edge(), 1.0, 0.0)
     summit = ndimage.maximum_filter(scale_field.edge_map, size=5)
-    crest = (scale_field.edge_map > 0.9 * summit) & (summit > 0.5 * scale_field.edge_map.max())
+    ridge = (scale_field.edge_map > 0.9 * summit) & (summit > 0.5 * scale_field.edge_map.max())
     # the ends of the edge at the border are no straight edge
-    crest[:5] = crest[-5:] = False
+    ridge[:5] = ridge[-5:] = False
     normal = scale_field.gradient / np.maximum(np.hypot(*scale_field.gradient), 1e-30)
     along = scale_field.lorentz[0] * normal[1] - scale_field.lorentz[1] * normal[0]
     field = electric_field(scale_field.edge_map)
     plain = (field[0] * normal[1] - field[1] * normal[0]) / np.hypot(*field)
-    assert crest.sum() > 40
-    assert np.abs(plain[crest]).max() > 0.1  # it would have one otherwise
-    assert np.abs(along[crest]).max() < SINGLE
+    assert ridge.sum() > 40
+    assert np.abs(plain[ridge]).max() > 0.1  # it would have one otherwise
+    assert np.abs(along[ridge]).max() < SINGLE
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, 0.8, 1.4, 2.5])
@@ -78,10 +80,10 @@ def test_edge_floor_removes_weak_charges_and_no_others():
     f = edge_map(image, 1.0)
     for scale_field in (whole, some):  # what is known of the edges between the charges does not change
         np.testing.assert_array_equal(scale_field.edge_map, f)
-    np.testing.assert_array_equal(whole.charges, f)
-    np.testing.assert_array_equal(some.charges, np.where(f >= 0.5 * f.max(), f, 0.0))
-    assert whole.charges[24, 44] > 0.0
-    assert not some.charges[:, 35:].any()
+    np.testing.assert_array_equal(whole.fixed_charges, f)
+    np.testing.assert_array_equal(some.fixed_charges, np.where(f >= 0.5 * f.max(), f, 0.0))
+    assert whole.fixed_charges[24, 44] > 0.0
+    assert not some.fixed_charges[:, 35:].any()
     # between the two edges the weak one pulls to itself only as long as it is charged
     assert whole.lorentz[1, 24, 40] > 0.9
     assert some.lorentz[1, 24, 40] < -0.9
@@ -150,3 +152,36 @@ def test_single_precision_of_the_field_moves_contours_by_less_than_a_thousandth_
 def outlines(contours):
     """Polygonal lines of closed contours."""
     return [np.concatenate([contour.points, contour.points[:1]]) for contour in contours]
+
+
+def test_a_force_in_a_volume_leads_to_the_surface_of_a_ball():
+    center, radius, shape = np.array([15.0, 16.0, 14.0]), 8.0, (31, 32, 30)
+    away = np.moveaxis(np.indices(shape), 0, -1) - center
+    distance = np.linalg.norm(away, axis=-1)
+    scale_field = build_scale_field(100.0 * (distance < radius), 1.0, 0.0)
+    assert scale_field.packed.shape == (*shape, 7)
+    outward = np.einsum("i...,...i->...", scale_field.lorentz, away) / np.maximum(distance, 1.0)
+    outside, inside = (distance > radius + 2.0) & (distance < 12.0), (distance > 3.0) & (distance < radius - 2.0)
+    assert outward[outside].max() < -0.8
+    assert outward[inside].min() > 0.5
+
+
+@pytest.mark.parametrize("smoothing", [1.0, "auto"])
+@pytest.mark.parametrize("edge_floor", [0.0, 0.2])
+def test_the_fixed_charges_are_those_that_the_field_is_made_of(edge_floor, smoothing):
+    """Outside the regions of interest there is none, and the potential is that of the others."""
+    image = disk((96, 96), (40.0, 47.0), 22.0).values
+    image[:, 70:] += 40.0
+    regions = Regions(interest=(((10, 10), (10, 60), (80, 60), (80, 10)),))
+    parameters = Parameters(smoothing=smoothing, edge_floor=edge_floor, scales=1)
+    engine = Engine(image, parameters, regions)
+    shown, scale_field = engine.edge_map(parameters), engine.scale_field(parameters)
+    inside = regions.pixels(image.shape)
+    assert shown[inside].max() > 0.0
+    assert not shown[~inside].any()
+    floor = edge_floor * scale_field.edge_map[inside].max()
+    expected = np.where(inside & (scale_field.edge_map >= floor), scale_field.edge_map, 0.0)
+    np.testing.assert_array_equal(shown, expected)
+    force = lorentz_force(electric_field(shown), scale_field.gradient, magnitude(scale_field.gradient), shown.max())
+    np.testing.assert_allclose(scale_field.lorentz, force, atol=1e-4)
+    np.testing.assert_allclose(engine.scale_field(parameters).potential, convolved_potential(expected))

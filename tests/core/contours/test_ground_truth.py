@@ -6,7 +6,8 @@ import pytest
 import tifffile
 
 from cpm_core import Contour, Result, load_truth
-from cpm_core.contours.ground_truth import inside, truth_of_contours, truth_of_mask
+from cpm_core.contours.ground_truth import truth_of_contours, truth_of_mask
+from cpm_core.contours.rasterize import inside
 from cpm_core.formats import export
 
 from ..scenes import circle_points

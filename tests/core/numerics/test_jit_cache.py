@@ -91,6 +91,32 @@ def test_another_source_that_loops_depend_on_gives_another_version(package, name
     assert (jit_cache.digest(package) != before) == another
 
 
+@pytest.mark.parametrize(
+    "imported",
+    [
+        "from cpm_core import other",
+        "from cpm_core import (\n    constants,  # a comment, with a comma\n    other as another,\n)",
+        "import cpm_core.other",
+        "import sys, cpm_core.other as another",
+        "from cpm_core.other import OTHER",
+        "from cpm_core.between import BETWEEN",
+    ],
+)
+def test_whatever_the_form_of_an_import_and_however_far_its_source_is_followed(package, imported):
+    (package / "between.py").write_text("from cpm_core.other import OTHER\n\nBETWEEN = 2.0 * OTHER\n")
+    (package / "inner.py").write_text(f"{imported}\n{INNER.format(1.0)}")
+    before = jit_cache.digest(package)
+    (package / "other.py").write_text("OTHER = 4.0\n")
+    assert jit_cache.digest(package) != before
+
+
+@pytest.mark.parametrize("imported", ["from cpm_core.numerics import jit", "import cpm_core.numerics.jit as jit"])
+def test_loops_are_known_whatever_the_form_in_which_their_compiler_is_imported(package, imported):
+    before = jit_cache.digest(package)
+    (package / "other.py").write_text(f"{imported}\n\n@jit.compiled\ndef other(x):\n    return x\n")
+    assert jit_cache.digest(package) != before
+
+
 def test_another_numba_gives_another_version(package, monkeypatch):
     before = jit_cache.digest(package)
     monkeypatch.setattr(numba, "__version__", "0.1")

@@ -1,4 +1,4 @@
-"""Tracing crests: on edges known exactly, through slits and around tips, to the border, to junctions."""
+"""Tracing ridges: on edges known exactly, through slits and around tips, to the border, to junctions."""
 
 import itertools
 from dataclasses import replace
@@ -16,7 +16,7 @@ from cpm_core.field.scale_field import SPLINE_MARGIN, build_scale_field
 from cpm_core.reconstruction.curve import ridge_tracing
 from cpm_core.reconstruction.curve.ridge import Ridge, height, ridge_of, spline_height, uphill
 from cpm_core.reconstruction.curve.ridge_tracing import trace
-from cpm_core.reconstruction.curve.subpixel import crest
+from cpm_core.reconstruction.curve.subpixel import ridge_points
 
 from ..scenes import antialiased, circle_points, disk, outline_distance, polygon, turned
 
@@ -66,7 +66,7 @@ def traced(scale_field, points, d_min=2.0):
 def test_few_points_on_a_disk_make_its_whole_outline(radius, row, col, seed, density):
     """However few and unevenly they lie, as long as no two neighbours are twenty pixels apart.
 
-    Smoothing moves the crest inwards; its scatter is that of a pixel's antialiasing. Sides may deviate by 0.03 px.
+    Smoothing moves the ridge inwards; its scatter is that of a pixel's antialiasing. Sides may deviate by 0.03 px.
     """
     center = (36.0 + row, 36.0 + col)
     scale_field = build_scale_field(disk((73, 73), center, radius).values, 1.0, 0.0)
@@ -76,7 +76,7 @@ def test_few_points_on_a_disk_make_its_whole_outline(radius, row, col, seed, den
     gaps = np.diff([*angle, angle[0] + 2.0 * np.pi]) * radius
     angle = angle[(gaps > 1.1) | (len(angle) == 1)]
     angle = np.concatenate([angle, np.arange(0.0, 2.0 * np.pi, 18.0 / radius)]) if gaps.max() > 18.0 else angle
-    points, found = crest(circle_points(center, radius, 1)[0] * 0.0 + _on(center, radius, angle), scale_field)
+    points, found = ridge_points(circle_points(center, radius, 1)[0] * 0.0 + _on(center, radius, angle), scale_field)
     assert found.all()
     kept = [n for n in range(len(points)) if n == 0 or np.linalg.norm(points[:n] - points[n], axis=1).min() > 1.0]
     (contour,) = traced(scale_field, points[kept])
@@ -132,10 +132,10 @@ def test_an_edge_across_the_image_is_found_up_to_the_border(angle):
 
 @pytest.fixture(scope="module")
 def loose_ends():
-    """Fields of noise, with some hundreds of points on crests that mostly lead to no other."""
+    """Fields of noise, with some hundreds of points on ridges that mostly lead to no other."""
     scale_field = build_scale_field(100.0 * np.random.default_rng(7).normal(size=(200, 200)), 1.0, 0.0)
     scale_field = replace(scale_field, floor=0.2 * scale_field.floor)
-    points, found = crest(uniform_grid((200, 200), spacing=8.0), scale_field)
+    points, found = ridge_points(uniform_grid((200, 200), spacing=8.0), scale_field)
     return scale_field, points[found]
 
 
@@ -255,6 +255,6 @@ def test_the_sides_of_a_contour_keep_to_the_crest():
     sides = np.concatenate(
         [a + (b - a) * np.linspace(0.0, 1.0, 9)[:, None] for a, b in itertools.pairwise(contour.path)]
     )
-    place, found = crest(sides, engine.scale_field(Parameters()))
+    place, found = ridge_points(sides, engine.scale_field(Parameters()))
     assert found.all()
     assert np.linalg.norm(place - sides, axis=1).max() < 0.05

@@ -1,0 +1,66 @@
+"""Ground truth out of a file: a mask, or contours."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from cpm_core.contours.ground_truth import Truth, truth_of_contours, truth_of_mask
+from cpm_core.formats import load_image
+from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, read_contours
+
+_BESIDE = 1.0
+"""How far vertices may lie beyond the border of the image [px]."""
+
+
+def load_truth(path: str | os.PathLike[str], shape: Sequence[int], *, holes: bool = True) -> Truth:
+    """Read the ground truth of an image.
+
+    Parameters
+    ----------
+    path : path-like
+        A mask, which is any image that `load_image` reads: its lowest grey level is the background, each other one an
+        object, and two levels make one class. Or contours, which are any file that `load_contours` reads: closed ones
+        are objects.
+    shape : sequence of int
+        Shape of the image that it belongs to, (rows, columns).
+    holes : bool
+        Of contours, whether one in another is a hole of it, and one in that again an object; see
+        `cpm_core.contours.rasterize.inside`.
+
+    Returns
+    -------
+    Truth
+        Objects and boundaries.
+
+    Raises
+    ------
+    ValueError
+        When the file cannot be read, belongs to an image of another size, is a picture rather than a mask, or holds
+        nothing.
+    """
+    file, rows, cols = Path(path), *map(int, shape)
+    if file.suffix.lower() in CONTOURS_READABLE:
+        found = read_contours(file)
+        _check_size(file.name, found.shape or (rows, cols), (rows, cols))
+        beyond = np.concatenate([contour.points for contour in found.contours])
+        if beyond.min() < -0.5 - _BESIDE or (beyond > np.array([rows, cols]) - 0.5 + _BESIDE).any():
+            raise ValueError(
+                f"{file.name} has contours that reach out of the image of {rows} x {cols} px: choose the ground truth "
+                "of this very image, in pixels of it."
+            )
+        return truth_of_contours(found.contours, (rows, cols), file.name, holes=holes)
+    image = load_image(file)
+    _check_size(file.name, image.shape, (rows, cols))
+    return truth_of_mask(image.values, file.name)
+
+
+def _check_size(name: str, found: Sequence[int], wanted: tuple[int, int]) -> None:
+    if tuple(found) != wanted:
+        raise ValueError(
+            f"{name} is for an image of {found[0]} x {found[1]} px, but this image has {wanted[0]} x {wanted[1]} px: "
+            "choose the ground truth of this very image."
+        )

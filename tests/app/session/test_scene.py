@@ -1,0 +1,83 @@
+"""One state, drawn: whoever draws the scene of a session shows what the session shows, and draws no part twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QCoreApplication, QEvent, Qt
+
+from app.session.scene import Scene
+from app.views.canvas.image_view import ImageView
+from app.views.canvas.items.curves import Curves
+from app.views.canvas.items.discs import Discs
+from app.views.film.frame_renderer import NoRequests
+
+
+@pytest.fixture
+def other(window) -> Iterator[ImageView]:
+    """A second view, which has not followed the session from the beginning."""
+    made = ImageView(NoRequests())
+    made.resize(200, 200)
+    yield made
+    made.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+
+
+@pytest.fixture
+def rested(ready, hand):
+    """A window whose run is over."""
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: ready.session.idle)
+    return ready
+
+
+def test_a_view_that_comes_late_shows_all_that_the_canvas_shows(rested, hand, other) -> None:
+    other.draw(rested.session.scene)
+    layers, expected = other.layers, hand.canvas.layers
+    assert layers.contours.counts == expected.contours.counts == (1, 0)
+    np.testing.assert_array_equal(layers.particles.position, expected.particles.position)
+    assert len(layers.particles.position) > 10
+    np.testing.assert_array_equal(layers["image"].shades, expected["image"].shades)
+    assert other.shape == hand.canvas.shape
+
+
+def test_another_scene_on_another_view_leaves_the_session_and_its_canvas_alone(rested, hand, other) -> None:
+    before, count = rested.session.scene, hand.canvas.layers.particles.count
+    other.draw(replace(before, snapshot=None, contours=Scene().contours))
+    assert (other.layers.particles.count, other.layers.contours.counts) == (0, (0, 0))
+    assert (hand.canvas.layers.particles.count, hand.canvas.layers.contours.counts) == (count, (1, 0))
+    assert rested.session.scene is before
+
+
+def test_only_those_parts_are_drawn_that_have_changed(rested, hand, monkeypatch) -> None:
+    drawn: list[object] = []
+    for kind in (Curves, Discs):
+        show = kind.show
+        monkeypatch.setattr(
+            kind, "show", lambda item, *what, kind=kind, show=show: (drawn.append(kind), show(item, *what))
+        )
+    session = rested.session
+    session.show(replace(session.scene))
+    assert drawn == []
+    session.show(replace(session.scene, snapshot=replace(session.scene.snapshot)))
+    assert drawn == [Discs, Discs]
+    drawn.clear()
+    session.show(replace(session.scene, hovered_contour=session.scene.contours.items[0].key))
+    assert drawn == [Curves]
+
+
+def test_another_image_leaves_nothing_of_the_one_before_in_the_scene(rested, hand, tmp_path) -> None:
+    np.save(tmp_path / "other.npy", np.indices((40, 50)).sum(axis=0) % 17 * 1.0)
+    rested.session.open(tmp_path / "other.npy")
+    hand.wait(lambda: rested.session.idle and rested.session.image.shape == (40, 50))
+    scene, empty = rested.session.scene, Scene()
+    assert scene.document.image.name == "other.npy"
+    for part in ("snapshot", "skeleton", "truth", "probed", "compared", "selected", "hovered_contour"):
+        assert getattr(scene, part) is None, part
+    assert (scene.contours, scene.differences, scene.selected_contours) == (empty.contours, (), frozenset())
+    assert hand.canvas.layers.contours.counts == (0, 0)
+    assert rested.workspace.review.items == ()

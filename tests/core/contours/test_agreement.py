@@ -1,0 +1,122 @@
+"""Agreement of boundaries against curves whose distances are known by geometry."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cpm_core import Contour, compare
+from cpm_core.contours.agreement import Agreement, agreement, distance_to, recovered
+from cpm_core.contours.ground_truth import truth_of_contours
+
+from ..scenes import circle_points, outline_distance
+
+CENTER = (40.0, 50.0)
+
+
+def round_contour(radius, center=CENTER):
+    return Contour(circle_points(center, radius, 2000), closed=True)
+
+
+def line(*corners, closed=False):
+    return Contour(np.array(corners, dtype=float), closed=closed)
+
+
+def test_the_truth_itself_is_perfect():
+    truth = [round_contour(20.0), line((0, 0), (0, 30), (10, 30))]
+    seen = agreement(truth, truth)
+    assert (seen.recall, seen.precision, seen.f, recovered(truth, truth)) == (1.0, 1.0, 1.0, 1)
+    assert max(seen.mean_boundary_distance, seen.hausdorff, seen.hausdorff95) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("off", [0.3, 0.9])
+def test_a_concentric_circle_is_as_far_away_as_the_radii_differ(off):
+    found, truth = [round_contour(20.0 + off)], [round_contour(20.0)]
+    seen = agreement(found, truth, 1.0)
+    assert (seen.mean_boundary_distance, seen.hausdorff) == (pytest.approx(off, abs=1e-4), pytest.approx(off, abs=1e-4))
+    assert (seen.recall, seen.precision, recovered(found, truth, 1.0)) == (1.0, 1.0, 1)
+
+
+def test_beyond_the_tolerance_nothing_agrees():
+    far, truth = [round_contour(21.5)], [round_contour(20.0)]
+    seen = agreement(far, truth, 1.0)
+    assert (seen.recall, seen.precision, seen.f, recovered(far, truth, 1.0)) == (0.0, 0.0, 0.0, 0)
+    assert agreement(far, truth, 2.0).f == 1.0
+
+
+@pytest.mark.parametrize("share", [0.25, 0.6, 1.0])
+def test_recall_is_the_share_of_the_boundary_that_was_found(share):
+    arc = Contour(circle_points(CENTER, 20.0, 4000)[: int(4000 * share)], closed=False)
+    seen = agreement([arc], [round_contour(20.0)], 1.0)
+    beyond_the_ends = 2.0 / (2.0 * np.pi * 20.0)
+    assert seen.recall == pytest.approx(min(1.0, share + beyond_the_ends), abs=0.005)
+    assert seen.precision == 1.0
+    assert recovered([arc], [round_contour(20.0)], 1.0) == 0
+
+
+def test_precision_is_the_share_of_the_contours_that_is_true():
+    true, wrong = line((10, 0), (10, 30)), line((30, 0), (30, 70))
+    seen = agreement([true, wrong], [true], 1.0)
+    assert (seen.recall, seen.precision) == (1.0, pytest.approx(0.3))
+    assert seen.f == pytest.approx(2 * 0.3 / 1.3)
+    slanting = 0.5 * (40 * np.hypot(20, 40) + 400 * np.arcsinh(2))  # the integral of hypot(20, x) from 0 to 40
+    assert seen.mean_boundary_distance == pytest.approx((30 * 0 + 30 * 20 + slanting + 30 * 0) / 130, rel=1e-4)
+    assert seen.hausdorff == pytest.approx(np.hypot(20, 40))
+
+
+def test_only_closed_contours_that_are_the_true_one_are_recovered():
+    truth = [round_contour(20.0), round_contour(8.0), line((0, 0), (0, 50))]
+    opened = Contour(truth[0].points, closed=False)
+    halves = [
+        line((20, 50), *truth[0].points[:1000], closed=True),
+        line((60, 50), *truth[0].points[1000:], closed=True),
+    ]
+    assert [recovered(found, truth, 1.0) for found in (truth, [opened], halves, truth[1:])] == [2, 0, 0, 1]
+
+
+def test_one_pair_of_contours_has_one_mean_distance():
+    """Of circles of 20 and 5 px against that of 20: 15 px on a fifth of one side, which is a ninth of both."""
+    found, true = [round_contour(20.0), round_contour(5.0)], [round_contour(20.0)]
+    expected = 15.0 * 5.0 / (20.0 + 5.0 + 20.0)
+    compared = compare(found, truth_of_contours(true, (80, 100)))
+    for seen in (agreement(found, true), agreement(true, found), compared):
+        assert seen.mean_boundary_distance == pytest.approx(expected, rel=2e-3)
+        assert (seen.hausdorff, seen.hausdorff95) == (pytest.approx(15.0, rel=1e-4), pytest.approx(15.0, rel=1e-4))
+
+
+def test_the_two_sides_may_be_exchanged():
+    one, other = [round_contour(20.0), round_contour(5.0)], [round_contour(17.0, (44.0, 49.0))]
+    there, back = agreement(one, other), agreement(other, one)
+    assert (there.recall, there.precision, there.f) == (back.precision, back.recall, pytest.approx(back.f))
+    assert there.mean_boundary_distance == pytest.approx(back.mean_boundary_distance)
+    assert (there.hausdorff, there.hausdorff95) == (back.hausdorff, back.hausdorff95)
+
+
+@pytest.mark.parametrize("judge", [agreement, lambda a, b: compare(a, truth_of_contours(b, (80, 100)))])
+def test_nothing_found_and_nothing_to_find(judge):
+    def figures(seen: Agreement):
+        return seen.mean_boundary_distance, seen.hausdorff, seen.hausdorff95, seen.recall, seen.precision, seen.f
+
+    some, apart = [round_contour(10.0)], (math.inf, math.inf, math.inf)
+    assert figures(judge([], [])) == (0.0, 0.0, 0.0, 1.0, 1.0, 1.0)
+    assert figures(judge([], some)) == (*apart, 0.0, 1.0, 0.0)
+    assert figures(judge(some, [])) == (*apart, 1.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])
+def test_a_tolerance_that_is_none_is_refused(tolerance):
+    with pytest.raises(ValueError, match=f"tolerance is {tolerance:g} px but must be a number above 0"):
+        agreement([], [], tolerance)
+
+
+corners = st.lists(st.tuples(st.floats(-50, 50), st.floats(-50, 50)), min_size=2, max_size=9)
+
+
+@given(lines=st.lists(st.tuples(corners, st.booleans()), min_size=1, max_size=4), points=corners)
+def test_distances_are_those_to_every_side(lines, points):
+    """Compared with the least distance to all sides, one by one."""
+    contours = [Contour(np.array(vertices), closed) for vertices, closed in lines]
+    seen = distance_to(np.array(points), contours)
+    np.testing.assert_allclose(seen, outline_distance(np.array(points), [c.path for c in contours]), atol=1e-9)

@@ -1,0 +1,85 @@
+"""Segments: distances, crossings and pieces against exact arithmetic."""
+
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cpm_core.numerics.segments import SegmentTree, cut, first_meeting, meet, nearest_distances
+
+places = st.tuples(st.integers(-9, 9), st.integers(-9, 9))
+segments = st.tuples(places, places).filter(lambda ends: ends[0] != ends[1])
+
+
+def common(one, other):
+    """Whether two segments have a place in common, by fractions: the equations of both are solved."""
+    (p, q), (a, b) = one, other
+    d, e, f = (q[0] - p[0], q[1] - p[1]), (b[0] - a[0], b[1] - a[1]), (a[0] - p[0], a[1] - p[1])
+    turn = d[0] * e[1] - d[1] * e[0]
+    if turn:
+        t, u = Fraction(f[0] * e[1] - f[1] * e[0], turn), Fraction(f[0] * d[1] - f[1] * d[0], turn)
+        return 0 <= t <= 1 and 0 <= u <= 1
+    if f[0] * d[1] - f[1] * d[0]:
+        return False
+    axis = 0 if d[0] else 1
+    return max(min(p[axis], q[axis]), min(a[axis], b[axis])) <= min(max(p[axis], q[axis]), max(a[axis], b[axis]))
+
+
+@given(segments, segments)
+def test_segments_meet_where_they_have_a_place_in_common(one, other):
+    flat = np.array(one, dtype=float).ravel()
+    assert meet(flat, *np.array(other, dtype=float)) == common(one, other)
+
+
+@given(st.lists(places, min_size=2, max_size=5), st.lists(segments, max_size=5))
+def test_the_first_meeting_of_a_path_is_found(path, others):
+    flat = np.array(others, dtype=float).reshape(-1, 4)
+    steps = list(pairwise(path))
+    found = [
+        (n, s)
+        for n, step in enumerate(steps)
+        for s, other in enumerate(others)
+        if meet(flat[s], *np.array(step, dtype=float))
+    ]
+    assert first_meeting(np.array(path, dtype=float), flat) == (found[0] if found else (-1, -1))
+
+
+@given(segments, st.lists(segments, min_size=1, max_size=5))
+def test_a_segment_is_cut_where_others_meet_it(segment, others):
+    flat = np.array(segment, dtype=float).ravel()
+    pieces = cut(flat, np.array(others, dtype=float).reshape(-1, 4), 1e-6)
+    assert pieces[0, :2].tolist() == list(segment[0])
+    assert pieces[-1, 2:].tolist() == list(segment[1])
+    np.testing.assert_array_equal(pieces[:-1, 2:], pieces[1:, :2])
+    for piece in pieces:
+        inner = piece[:2] + 0.5 * (piece[2:] - piece[:2])
+        shrunk = 0.99 * (piece.reshape(2, 2) - inner) + inner
+        for (a, b), other in zip(others, np.array(others, dtype=float), strict=True):
+            parallel = (b[0] - a[0]) * (segment[1][1] - segment[0][1]) == (b[1] - a[1]) * (
+                segment[1][0] - segment[0][0]
+            )
+            assert parallel or not meet(shrunk.ravel(), *other)
+
+
+@pytest.mark.parametrize("count", [1, 3, 400])
+def test_the_tree_and_the_search_of_all_give_the_same_distances(count):
+    rng = np.random.default_rng(count)
+    begin, end = rng.uniform(0.0, 50.0, (2, count, 2))
+    points = rng.uniform(-5.0, 55.0, (60, 2))
+    share = np.linspace(0.0, 1.0, 2001)[:, None, None]
+    every = begin + share * (end - begin)
+    brute = np.array([np.hypot(*(every - point).reshape(-1, 2).T).min() for point in points])
+    for seen in (SegmentTree(begin, end).distances(points), nearest_distances(points, begin, end - begin)):
+        np.testing.assert_allclose(seen, brute, atol=0.03)
+    np.testing.assert_allclose(
+        SegmentTree(begin, end).distances(points), nearest_distances(points, begin, end - begin), atol=1e-12
+    )
+
+
+def test_nothing_is_near_no_segment():
+    none = np.empty((0, 2))
+    assert np.isinf(SegmentTree(none, none).distances(np.zeros((3, 2)))).all()
+    assert np.isinf(nearest_distances(np.zeros((3, 2)), none, none)).all()
