@@ -51,7 +51,7 @@ class Item:
 
     @property
     def contour(self) -> Contour:
-        """The contour, with name and colour."""
+        """The contour, with name and color."""
         return self.reviewed.contour
 
     @property
@@ -101,11 +101,11 @@ class Scene:
     image : Image or None
         The image; None while none is open.
     display : ndarray or None
-        How it looks with all its grey values.
+        How it looks with all its gray values.
     window_found : WindowFound or None
-        The range of grey values that was asked for last.
+        The range of gray values that was asked for last.
     shaded : Shaded or None
-        How the image looks in the window of grey values that was asked for last.
+        How the image looks in the window of gray values that was asked for last.
     document : Document
         What has been drawn, and the parameters.
     selected : int or None

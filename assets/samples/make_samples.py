@@ -116,7 +116,7 @@ def u_shape() -> tuple[Grid, list[Drawn]]:
 
 
 def rings() -> tuple[Grid, list[Drawn]]:
-    """Objects in objects, each of another grey level."""
+    """Objects in objects, each of another gray level."""
     values = np.full((SIDE, SIDE), 25.0)
     for shape, level in (
         (ellipse((128, 128), 100, 112), 110.0),
@@ -258,7 +258,7 @@ SAMPLES = (
         "Nuclei",
         nuclei,
         "automatic",
-        "Stained nuclei, some of which touch; particles start at their centres and nothing need be drawn.",
+        "Stained nuclei, some of which touch; particles start at their centers and nothing need be drawn.",
     ),
     (
         "hand.png",
@@ -277,8 +277,8 @@ def write(folder: Path) -> None:
     entries = []
     for file, title, draw, preset, about in SAMPLES:
         values, shapes = draw()
-        grey = np.clip(np.rint(values), 0, 255).astype(np.uint8)
-        PIL.Image.fromarray(grey).save(folder / file, optimize=True)
+        gray = np.clip(np.rint(values), 0, 255).astype(np.uint8)
+        PIL.Image.fromarray(gray).save(folder / file, optimize=True)
         entry = {"title": title, "file": file, "about": about, "preset": preset, "shapes": shapes}
         entry |= {"mode": preset} if preset == "automatic" else {}
         entries.append(entry | ({"parameters": CHANGED[file]} if file in CHANGED else {}))

@@ -2,7 +2,7 @@
 
 Run by itself: ``python tests/benchmarks/frame_rate.py [seconds]``. First a uniform grid of points starts on a 700 x 700
 image of many discs and the engine steps without a limit; then, to measure the drawing alone, 20,000 and 100,000
-particles that only tremble take sixty steps a second, the former coloured by their speed as well. Meanwhile each
+particles that only tremble take sixty steps a second, the former colored by their speed as well. Meanwhile each
 repaint of the canvas is timed, and a second thread presses an arrow key on the damping slider every tenth of a second:
 from the moment that it is sent to the moment that the document has changed is the reaction, and the next repaint after
 that is when the user sees it. The whole canvas is repainted in every frame, whether the engine has taken a step
@@ -112,7 +112,7 @@ def trembling(count: int) -> Core:
 
 
 def discs(side: int) -> np.ndarray:
-    """An image of many discs of several grey levels."""
+    """An image of many discs of several gray levels."""
     rng = np.random.default_rng(1)
     row, col = np.indices((side, side))
     values = np.full((side, side), 40.0)
@@ -142,15 +142,15 @@ def wait(application: QCoreApplication, condition, seconds: float) -> None:
         time.sleep(0.001)
 
 
-def measure(seconds: float, count: int | None = None, colour: str = "state") -> Times:
+def measure(seconds: float, count: int | None = None, color: str = "state") -> Times:
     """Run the window for some seconds, with as many trembling particles as asked for or with the engine itself.
 
-    The particles are coloured by whether they rest, or by another quantity.
+    The particles are colored by whether they rest, or by another quantity.
     """
     application = make_application()
     workspace = Workspace(trembling(count) if count else None)
     window, session = MainWindow(workspace), workspace.session
-    window.canvas_area.canvas.layers["particles"].choose("colour", colour)
+    window.canvas_area.canvas.layers["particles"].choose("colour", color)
     window.showMaximized()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "discs.npy"
@@ -214,6 +214,6 @@ def report(times: Times) -> None:
 
 
 if __name__ == "__main__":
-    for crowd, colour in ((None, "state"), (20_000, "state"), (20_000, "speed"), (100_000, "state")):
-        say(f"{crowd:,} trembling particles, coloured by {colour}" if crowd else "the engine flat out")
-        report(measure(float(sys.argv[1]) if len(sys.argv) > 1 else 10.0, crowd, colour))
+    for crowd, color in ((None, "state"), (20_000, "state"), (20_000, "speed"), (100_000, "state")):
+        say(f"{crowd:,} trembling particles, colored by {color}" if crowd else "the engine flat out")
+        report(measure(float(sys.argv[1]) if len(sys.argv) > 1 else 10.0, crowd, color))

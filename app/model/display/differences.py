@@ -15,7 +15,7 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.numerics.types import Array, Position
 
 _APART = 0.6
-"""Distance of neighbouring points beyond which a new piece begins: along a boundary they are a quarter of a pixel apart
+"""Distance of neighboring points beyond which a new piece begins: along a boundary they are a quarter of a pixel apart
 [px]."""
 
 
@@ -74,7 +74,7 @@ def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -
 
 
 def _stretches(far: NDArray[np.bool_], closed: bool) -> list[NDArray[np.intp]]:
-    """Indices of vertices in a row that are far off, around the end of a closed contour too; neighbours included."""
+    """Indices of vertices in a row that are far off, around the end of a closed contour too; neighbors included."""
     if not far.any():
         return []
     count = len(far)

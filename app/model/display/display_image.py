@@ -20,12 +20,12 @@ _CODES = 1 << 12
 
 @dataclass(frozen=True, slots=True)
 class IntensityWindow:
-    """Grey values that are told apart: all below are black, all above white.
+    """Gray values that are told apart: all below are black, all above white.
 
     Attributes
     ----------
     low, high : float
-        Grey values shown black and white.
+        Gray values shown black and white.
     gamma : float
         Exponent of what lies between; more than 1 darkens it.
     """
@@ -36,17 +36,17 @@ class IntensityWindow:
 
 
 def display_of_image(values: Array) -> DisplayImage:
-    """Grey values from the least, 0, to the largest, 255."""
+    """Gray values from the least, 0, to the largest, 255."""
     return apply_window(values, IntensityWindow(float(values.min()), float(values.max())))
 
 
 def apply_window(values: Array, window: IntensityWindow) -> DisplayImage:
-    """Grey values in a window, made from the values themselves: however narrow it is, it holds 256 shades.
+    """Gray values in a window, made from the values themselves: however narrow it is, it holds 256 shades.
 
     Parameters
     ----------
     values : ndarray, shape (H, W)
-        Grey values.
+        Gray values.
     window : IntensityWindow
         What is black and white, in the unit of the values.
 
@@ -77,14 +77,14 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     Parameters
     ----------
     values : ndarray
-        Grey values.
+        Gray values.
     percent : float
         From 0, which leaves out nothing, to less than 50.
 
     Returns
     -------
     low, high : float
-        Percentiles of the grey values; the whole range where they are the same.
+        Percentiles of the gray values; the whole range where they are the same.
     """
     low, high = np.percentile(values, [percent, 100.0 - percent]) if percent > 0 else (values.min(), values.max())
     if low == high:

@@ -120,7 +120,7 @@ def sensible_values(control: Control, parameters: Parameters, contrast: float, c
     parameters : Parameters
         The present ones.
     contrast : float
-        Contrast of the image, which goes with everything in grey levels.
+        Contrast of the image, which goes with everything in gray levels.
     count : int
         How many values; fewer when there are not as many whole numbers.
     """

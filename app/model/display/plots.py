@@ -87,13 +87,13 @@ class Series:
         What it is called.
     of : callable
         Its values in a record.
-    colours : tuple of str
-        Its colour on a light ground and on a dark one.
+    colors : tuple of str
+        Its color on a light ground and on a dark one.
     """
 
     title: str
     of: Callable[[Record], Array]
-    colours: tuple[str, str]
+    colors: tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)

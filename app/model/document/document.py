@@ -29,7 +29,7 @@ NOTHING_TO_START_FROM = tr(
 
 @dataclass(frozen=True, slots=True)
 class ImageReference:
-    """Which image is meant, without its grey values.
+    """Which image is meant, without its gray values.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class ImageReference:
     shape : tuple of int
         (rows, cols).
     contrast : float
-        Largest minus smallest grey value.
+        Largest minus smallest gray value.
     sha256 : str
         Hash of the file, empty where it is not known.
     """

@@ -36,9 +36,9 @@ def rename(document: Document, targets: Iterable[Target], name: str) -> Document
     return _amended(document, targets, lambda mark: replace(mark, name=name.strip()))
 
 
-def paint(document: Document, targets: Iterable[Target], colour: str) -> Document:
-    """The document in which contours have a colour; that of their kind when it is empty."""
-    return _amended(document, targets, lambda mark: replace(mark, colour=colour))
+def paint(document: Document, targets: Iterable[Target], color: str) -> Document:
+    """The document in which contours have a color; that of their kind when it is empty."""
+    return _amended(document, targets, lambda mark: replace(mark, colour=color))
 
 
 def clear_marks(document: Document) -> Document:

@@ -95,8 +95,8 @@ class Control:
         )
 
     @property
-    def in_grey_levels(self) -> bool:
-        """Whether its values mean something only beside the grey levels of an image."""
+    def in_gray_levels(self) -> bool:
+        """Whether its values mean something only beside the gray levels of an image."""
         return PARAMETERS[self.name].unit.startswith("grey") if self.name in PARAMETERS else False
 
     @property
@@ -121,8 +121,8 @@ def controls() -> tuple[Control, ...]:
 
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:
-    """Range of the slider for an image of the given contrast, which everything in grey levels goes with."""
-    if not control.in_grey_levels or contrast <= 0:
+    """Range of the slider for an image of the given contrast, which everything in gray levels goes with."""
+    if not control.in_gray_levels or contrast <= 0:
         return control.slider_low, control.slider_high
     return control.slider_low, control.slider_high * contrast / _FULL_CONTRAST
 

@@ -3,7 +3,7 @@
 In English whatever the language are the sentences of the core (each `ValueError`, notes on a file that was read) and
 the phrases of `app.session` that say in an error message what was being done.
 
-English is written in the source. A catalogue ``cpm.mo`` of gettext in ``assets/languages/<language>/LC_MESSAGES`` gives
+English is written in the source. A catalog ``cpm.mo`` of gettext in ``assets/languages/<language>/LC_MESSAGES`` gives
 the sentences of another language, chosen by the environment (``LANGUAGE``, ``LC_ALL``, ``LC_MESSAGES``, ``LANG``).
 
 To add a language, say Dutch:
@@ -12,7 +12,7 @@ To add a language, say Dutch:
    of the core (parameters, shapes, samples) among them.
 2. ``msginit -i assets/languages/cpm.pot -l nl -o assets/languages/nl/LC_MESSAGES/cpm.po`` begins the translation;
    ``msgmerge -U`` brings it up to date later. What stands in braces is put in by the program and stays as it is.
-3. ``msgfmt assets/languages/nl/LC_MESSAGES/cpm.po -o assets/languages/nl/LC_MESSAGES/cpm.mo`` makes the catalogue.
+3. ``msgfmt assets/languages/nl/LC_MESSAGES/cpm.po -o assets/languages/nl/LC_MESSAGES/cpm.mo`` makes the catalog.
 
 ``pybabel init``, ``update`` and ``compile`` do the same. A test finds sentences in the source that do not pass through
 `tr`, and another opens the window in a language made up of brackets.

@@ -124,9 +124,9 @@ class ContourReview(QObject):
             rename: _Edit = lambda document, targets: marking.rename(document, targets, name)  # noqa: E731
             self._edit(tr("name {what}"), [self[key]], rename)
 
-    def paint(self, colour: str) -> None:
-        """Give what is selected a colour, or none of its own."""
-        self._edit(tr("colour {what}"), self.chosen, lambda document, targets: marking.paint(document, targets, colour))
+    def paint(self, color: str) -> None:
+        """Give what is selected a color, or none of its own."""
+        self._edit(tr("color {what}"), self.chosen, lambda document, targets: marking.paint(document, targets, color))
 
     # Inside
 

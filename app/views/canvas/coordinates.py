@@ -20,6 +20,6 @@ def to_position(point: QPointF) -> Position:
 
 
 def image_rectangle(shape: tuple[int, ...]) -> QRectF:
-    """Rectangle that an image fills on the canvas; it begins half a pixel before the centre of its first."""
+    """Rectangle that an image fills on the canvas; it begins half a pixel before the center of its first."""
     rows, cols = shape
     return QRectF(-0.5, -0.5, cols, rows)

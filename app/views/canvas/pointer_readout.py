@@ -13,7 +13,7 @@ from cpm_core.numerics.types import Position
 
 
 class PointerReadout(QLabel):
-    """Row, column and grey value; with the size of a pixel known, the place in its unit as well.
+    """Row, column and gray value; with the size of a pixel known, the place in its unit as well.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ from cpm_core.formats.animations import mp4
 
 _FORMATS = (
     (".gif", tr("GIF, which everything shows")),
-    (".png", tr("APNG, in full colour, which browsers show")),
+    (".png", tr("APNG, in full color, which browsers show")),
     (".mp4", tr("MP4, a film for slides and players")),
 )
 _KEY = "animation/"

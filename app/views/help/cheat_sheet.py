@@ -32,7 +32,7 @@ _POINTER: BranchTree = (
     ((tr("right, middle"),), tr("move the image")),
     ((tr("wheel"),), tr("zoom")),
     (("Shift",), tr("round; eight directions")),
-    (("Ctrl",), tr("ellipse from its centre")),
+    (("Ctrl",), tr("ellipse from its center")),
 )
 _IMAGE: BranchTree = (
     (("Enter",), tr("show the cross-hair")),

@@ -81,7 +81,7 @@ _ARTERY = Page(
              "artery_midway.jpg"),
         Step(tr("When they rest, the walls are found. They are orange, for the vessel leaves the image and its walls "
                 "are open there."), "artery_end.jpg"),
-        Step(tr("Choose {mode_skeleton} and run again: the middle of the vessel is found, coloured from thin (blue) to "
+        Step(tr("Choose {mode_skeleton} and run again: the middle of the vessel is found, colored from thin (blue) to "
                 "thick (yellow). The narrow place stands out below the second branch."), "artery_skeleton.jpg"),
         Step(tr("{export_skeleton}, as a table (CSV): beside every place of the middle line stands its distance to the "
                 "wall, which is half the width of the vessel.")),

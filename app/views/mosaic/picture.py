@@ -29,10 +29,10 @@ class Picture:
     """
 
     def __init__(self, shades: DisplayImage, crop: QRectF) -> None:
-        grey = np.ascontiguousarray(shades)
-        rows, cols = grey.shape[:2]
-        kind = QImage.Format.Format_Grayscale8 if grey.ndim == 2 else QImage.Format.Format_RGB888
-        self._image = QImage(grey.data, cols, rows, grey.strides[0], kind).copy()
+        gray = np.ascontiguousarray(shades)
+        rows, cols = gray.shape[:2]
+        kind = QImage.Format.Format_Grayscale8 if gray.ndim == 2 else QImage.Format.Format_RGB888
+        self._image = QImage(gray.data, cols, rows, gray.strides[0], kind).copy()
         self._crop = crop
 
     def placed_in(self, room: QRectF) -> QRectF:
@@ -55,15 +55,15 @@ class Picture:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         zoom = placed.width() / max(self._crop.width(), 1e-9)
         onto = QTransform(zoom, 0, 0, zoom, placed.x() - zoom * self._crop.x(), placed.y() - zoom * self._crop.y())
-        paths = [(_colour(contour), onto.map(_path(contour))) for contour in contours]
+        paths = [(_color(contour), onto.map(_path(contour))) for contour in contours]
         for _, path in paths:
             painter.strokePath(path, QPen(QColor(theme.HALO), _HALO))
-        for colour, path in paths:
-            painter.strokePath(path, QPen(QColor(colour), _LINE))
+        for color, path in paths:
+            painter.strokePath(path, QPen(QColor(color), _LINE))
         painter.restore()
 
 
-def _colour(contour: Contour) -> str:
+def _color(contour: Contour) -> str:
     return contour.colour or (theme.CLOSED if contour.closed else theme.OPEN)
 
 

@@ -11,7 +11,7 @@ from app.model.text.language import tr
 
 
 class HistoryPanel(QWidget):
-    """One line a change, below the line for the beginning; the last that is done is marked, undone ones are grey.
+    """One line a change, below the line for the beginning; the last that is done is marked, undone ones are gray.
 
     Parameters
     ----------
@@ -62,15 +62,15 @@ class HistoryPanel(QWidget):
         self.mark()
 
     def mark(self) -> None:
-        """Mark what is done in the colours of the palette there is now."""
+        """Mark what is done in the colors of the palette there is now."""
         done = self._shown[1]
-        grey = self.palette().brush(QPalette.ColorGroup.Disabled, QPalette.ColorRole.Text)
+        gray = self.palette().brush(QPalette.ColorGroup.Disabled, QPalette.ColorRole.Text)
         for row in range(self._list.count()):
             item = self._list.item(row)
             font = item.font()
             font.setBold(row == done)
             item.setFont(font)
-            item.setForeground(grey if row > done else self.palette().text())
+            item.setForeground(gray if row > done else self.palette().text())
         self._list.setCurrentRow(done)
 
     def _choose(self, item: QListWidgetItem) -> None:

@@ -1,4 +1,4 @@
-"""Icons drawn from the program's own SVG files in the colour of the text around them."""
+"""Icons drawn from the program's own SVG files in the color of the text around them."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ _SIZES = (16, 20, 24, 32, 40, 48)
 
 
 @cache
-def icon(name: str, colour: str, faded: str | None = None) -> QIcon:
+def icon(name: str, color: str, faded: str | None = None) -> QIcon:
     """Icon by name, drawn once.
 
     Parameters
     ----------
     name : str
         Name of the SVG file, without its ending.
-    colour : str
+    color : str
         Takes the place of ``currentColor`` in the file.
     faded : str, optional
         The same for the disabled icon.
     """
     drawing = asset(f"icons/{name}.svg").read_text(encoding="utf-8")
     made = QIcon()
-    for mode, tint in ((QIcon.Mode.Normal, colour), (QIcon.Mode.Disabled, faded)):
+    for mode, tint in ((QIcon.Mode.Normal, color), (QIcon.Mode.Disabled, faded)):
         if tint is not None:
             renderer = QSvgRenderer(QByteArray(drawing.replace("currentColor", tint).encode()))
             for size in _SIZES:
@@ -45,16 +45,16 @@ def program_icon() -> QIcon:
     return made
 
 
-def swatch(*colours: str) -> QIcon:
-    """Small discs of the given colours side by side, as a legend."""
+def swatch(*colors: str) -> QIcon:
+    """Small discs of the given colors side by side, as a legend."""
     side = 14
-    pixmap = QPixmap(QSize((side + 2) * len(colours), side))
+    pixmap = QPixmap(QSize((side + 2) * len(colors), side))
     pixmap.fill(Qt.GlobalColor.transparent)
     painter = QPainter(pixmap)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(QColor(0, 0, 0, 110))
-    for index, colour in enumerate(colours):
-        painter.setBrush(QColor(colour))
+    for index, color in enumerate(colors):
+        painter.setBrush(QColor(color))
         painter.drawEllipse(QRectF(index * (side + 2) + 1.5, 1.5, side - 3, side - 3))
     painter.end()
     return QIcon(pixmap)

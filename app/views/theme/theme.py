@@ -1,4 +1,4 @@
-"""Colours: a light and a dark palette for the window, and colours on the canvas that colour-blind people tell apart."""
+"""Colors: a light and a dark palette for the window, and colors on the canvas that color-blind people tell apart."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ DISK = "#70ffffff"
 
 @dataclass(frozen=True, slots=True)
 class Theme:
-    """Colours of the window."""
+    """Colors of the window."""
 
     dark: bool
     window: str
@@ -118,7 +118,7 @@ def apply_theme(theme: Theme) -> None:
 def _palette(theme: Theme) -> QPalette:
     palette = QPalette()
     role = QPalette.ColorRole
-    colours = {
+    colors = {
         role.Window: theme.window,
         role.WindowText: theme.text,
         role.Base: theme.base,
@@ -135,8 +135,8 @@ def _palette(theme: Theme) -> QPalette:
         role.Link: theme.accent,
         role.Mid: theme.line,
     }
-    for key, colour in colours.items():
-        palette.setColor(key, QColor(colour))
+    for key, color in colors.items():
+        palette.setColor(key, QColor(color))
     for key in (role.WindowText, role.Text, role.ButtonText):
         palette.setColor(QPalette.ColorGroup.Disabled, key, QColor(theme.faded))
     return palette

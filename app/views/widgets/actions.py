@@ -13,7 +13,7 @@ from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import STATE, TOGGLE, ActionSpec
 
 PRIMARY = "run"
-"""The action whose icon lies on the accent colour."""
+"""The action whose icon lies on the accent color."""
 
 
 class Actions:
@@ -94,8 +94,8 @@ class Actions:
 
     def _tint(self, name: str) -> None:
         if self._theme is not None:
-            colour = self._theme.accent_text if name == PRIMARY else self._theme.text
-            self._actions[name].setIcon(icon(self._icons[name], colour, faded=self._theme.line))
+            color = self._theme.accent_text if name == PRIMARY else self._theme.text
+            self._actions[name].setIcon(icon(self._icons[name], color, faded=self._theme.line))
 
 
 def tooltip(text: str, spec: ActionSpec) -> str:

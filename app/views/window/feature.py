@@ -120,7 +120,7 @@ class Feature:
         return ()
 
     def use_theme(self, theme: Theme) -> None:
-        """Take on the colours of a theme, as far as the palette does not do so by itself."""
+        """Take on the colors of a theme, as far as the palette does not do so by itself."""
 
     def close(self) -> bool:
         """The window is about to close: end what is going on; False keeps it open."""

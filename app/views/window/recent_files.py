@@ -43,7 +43,7 @@ class RecentFiles:
         self._preferences.put(_KEY, [str(each) for each in (path, *others)][:MOST])
 
     def fill(self, menu: QMenu) -> None:
-        """One line a file; those that are gone are grey."""
+        """One line a file; those that are gone are gray."""
         paths = self.paths
         for number, path in enumerate(paths, start=1):
             name = path.name.replace("&", "&&")

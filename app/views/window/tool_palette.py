@@ -78,7 +78,7 @@ class ToolPalette(QToolBar):
         button.setMenu(menu)
         button.setText(tr("Auto"))
         button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        button.setToolTip(tr("Starts that need no drawing: everywhere, on strong edges, at centres."))
+        button.setToolTip(tr("Starts that need no drawing: everywhere, on strong edges, at centers."))
         button.setAccessibleName(tr("Starts that need no drawing"))
         self._dress(button, "starts")
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)

@@ -53,9 +53,9 @@ def picture(path: Path) -> np.ndarray:
         return np.array(opened.convert("RGB"))
 
 
-def of_colour(pixels: np.ndarray, colour: str) -> int:
-    """Pixels about as coloured as that, though small discs are blended with what is below them."""
-    wanted = np.array(QColor(colour).getRgb()[:3])
+def of_color(pixels: np.ndarray, color: str) -> int:
+    """Pixels about as colored as that, though small discs are blended with what is below them."""
+    wanted = np.array(QColor(color).getRgb()[:3])
     return int((np.abs(pixels[..., :3].astype(int) - wanted).max(axis=-1) < 60).sum())
 
 
@@ -72,7 +72,7 @@ def test_an_animation_has_a_frame_for_each_step_with_its_particles(rested, hand,
             animation.seek(index)
             frames.append(np.array(animation.convert("RGB")))
     for frame in frames:
-        assert of_colour(frame, theme.MOVING) + of_colour(frame, theme.RESTING) > 20
+        assert of_color(frame, theme.MOVING) + of_color(frame, theme.RESTING) > 20
     # a ring of particles grows from radius 10 towards the rim of the disc
     assert all(not np.array_equal(one, other) for one, other in pairwise(frames))
     assert (rested.session.status.step, rested.canvas_area.canvas.layers.particles.count) == before
@@ -92,7 +92,7 @@ def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_pat
     assert len(position) > 10
     for at in zip(row, col, strict=True):
         around = pixels[at[0] - 3 : at[0] + 4, at[1] - 3 : at[1] + 4]
-        assert of_colour(around, theme.MOVING) + of_colour(around, theme.RESTING) > 0
+        assert of_color(around, theme.MOVING) + of_color(around, theme.RESTING) > 0
 
 
 def test_what_is_hidden_on_the_canvas_is_not_in_the_frames(rested, hand, tmp_path) -> None:
@@ -101,7 +101,7 @@ def test_what_is_hidden_on_the_canvas_is_not_in_the_frames(rested, hand, tmp_pat
         rested.canvas_area.canvas.layers[name].set_shown(False)
     write(rested, hand, path, (6,))
     pixels = picture(path)
-    assert of_colour(pixels, theme.MOVING) + of_colour(pixels, theme.RESTING) + of_colour(pixels, theme.CLOSED) == 0
+    assert of_color(pixels, theme.MOVING) + of_color(pixels, theme.RESTING) + of_color(pixels, theme.CLOSED) == 0
     assert pixels.max() > 150  # the disc
 
 
@@ -118,8 +118,8 @@ def test_the_truth_is_in_the_frames_but_not_how_the_contours_of_another_step_dif
     assert all(count > 0 for count in layer.counts)
     path = tmp_path / "truth.png"
     write(rested, hand, path, (6,))
-    assert of_colour(picture(path), theme.TRUTH) > 50
-    assert of_colour(picture(path), theme.MISSING) + of_colour(picture(path), theme.WRONG) == 0
+    assert of_color(picture(path), theme.TRUTH) > 50
+    assert of_color(picture(path), theme.MISSING) + of_color(picture(path), theme.WRONG) == 0
 
 
 def test_giving_up_leaves_nothing_half_written(rested, hand, tmp_path, monkeypatch) -> None:
@@ -242,7 +242,7 @@ def test_a_strip_shows_the_steps_that_are_written_and_is_saved(rested, hand, tmp
     saved = picture(path)
     np.testing.assert_array_equal(saved, dialog.pixels)
     third = saved[8 : 8 + 320, 2 * 328 + 8 : 3 * 328]
-    assert of_colour(third, theme.MOVING) + of_colour(third, theme.RESTING) > 50
+    assert of_color(third, theme.MOVING) + of_color(third, theme.RESTING) > 50
     assert (saved[8 + 322 :] < 128).any()  # the captions
     dialog.reject()
     hand.wait(lambda: not rested.findChildren(StripDialog))

@@ -103,7 +103,7 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     first = session.scene.skeleton
     assert (session.status.phase, session.status.method, session.status.step) == ("finished", "skeleton", 3)
     assert "Skeleton:" in window.canvas_area.messages.text
-    # The middle line of a disc of radius 18 is its centre.
+    # The middle line of a disc of radius 18 is its center.
     middle, radius = first.contours[0].points, first.radii[0]
     assert np.hypot(*(middle - 32.0).T).max() < 2.0
     assert radius.max() == pytest.approx(18.0, abs=1.0)

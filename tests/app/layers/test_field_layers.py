@@ -31,7 +31,7 @@ def test_in_an_even_field_lines_are_straight_and_lead_its_way(angle, spacing):
         assert steps == pytest.approx(np.broadcast_to(way, steps.shape), abs=1e-6)
 
 
-def test_around_a_centre_lines_are_circles():
+def test_around_a_center_lines_are_circles():
     radius = np.hypot(ROW, COL) + 1e-9
     lines = flow_lines(np.stack([COL, -ROW]) / radius, WHOLE, 12.0)
     for line in lines:

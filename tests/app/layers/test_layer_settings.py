@@ -91,7 +91,7 @@ def test_layers_have_keys_of_their_own(window):
     assert len(set(others)) == len(others)
 
 
-def test_the_menu_tells_and_changes_what_particles_are_coloured_by(window, hand):
+def test_the_menu_tells_and_changes_what_particles_are_colored_by(window, hand):
     actions, layer = window.actions_by_name, hand.canvas.layers["particles"]
     for way in layer.ways:
         layer.choose("colour", way)

@@ -30,7 +30,7 @@ def test_shades_are_the_share_of_the_window_bent_by_gamma(values, low, width, ga
     assert (np.abs(shown - exact) <= 0.5 + (1e-6 if gamma == 1.0 else 255.0 * (1 / 8190.0) ** min(gamma, 1.0))).all()
 
 
-def test_256_neighbouring_values_of_16_bits_are_all_told_apart():
+def test_256_neighboring_values_of_16_bits_are_all_told_apart():
     values = np.arange(65536.0).reshape(256, 256)
     assert len(np.unique(display_of_image(values)[40])) <= 2
     assert apply_window(values, IntensityWindow(40 * 256.0, 40 * 256.0 + 255.0))[40].tolist() == list(range(256))

@@ -56,7 +56,7 @@ def test_particles_in_sight_cover_their_pixel_and_the_rest_stays_free(qapp, rati
     assert not drawn[nearest > ratio * (0.5 * LARGEST + 1.0) + 1.0].any()
 
 
-def test_a_particle_is_as_large_and_of_the_colour_that_it_should_be(qapp):
+def test_a_particle_is_as_large_and_of_the_color_that_it_should_be(qapp):
     drawn = picture(np.array([[10.0, 20.0]]), 1, 5.0, np.zeros(2))
     blue, green, red, _ = drawn[50, 100]
     assert QColor(int(red), int(green), int(blue)) == QColor(theme.MOVING)

@@ -115,7 +115,7 @@ def test_a_control_says_when_it_acts(name: str, said: str) -> None:
 
 
 @pytest.mark.parametrize("control", controls(), ids=lambda control: control.name)
-def test_sliders_in_grey_levels_go_with_the_contrast_of_the_image_and_no_others(control) -> None:
+def test_sliders_in_gray_levels_go_with_the_contrast_of_the_image_and_no_others(control) -> None:
     plain = (control.slider_low, control.slider_high)
     half, full, twice = (slider_range(control, contrast) for contrast in (127.5, 255.0, 510.0))
     assert full == pytest.approx(plain)

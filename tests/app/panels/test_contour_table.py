@@ -218,14 +218,14 @@ def test_enter_names_a_contour_on_the_canvas_and_escape_does_not(found, table, h
     assert table.column("name")[1] == "aorta"
 
 
-def test_a_colour_is_chosen_from_the_menu_drawn_and_exported(found, table, hand, tmp_path) -> None:
+def test_a_color_is_chosen_from_the_menu_drawn_and_exported(found, table, hand, tmp_path) -> None:
     click_row(hand, table, 0)
     menu = QMenu()
-    found.feature(ContoursFeature)._fill_colours(menu)
+    found.feature(ContoursFeature)._fill_colors(menu)
     assert menu.actions()[0].text() == "Orange"
     menu.actions()[0].trigger()
     layer = hand.canvas.layers.contours
-    assert {colour: curves.count for colour, curves in layer._own.items()} == {"#e69f00": 1}
+    assert {color: curves.count for color, curves in layer._own.items()} == {"#e69f00": 1}
     assert layer._curves[True].count == 3
     assert "#e69f00" in [contour["colour"] for contour in exported(hand, found, tmp_path)]
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)

@@ -117,16 +117,16 @@ def test_symbols_are_set_with_what_stands_lower() -> None:
     assert rich("β") == "<i>β</i>"
 
 
-def test_the_preferences_offer_wording_motion_and_colours(window, hand) -> None:
+def test_the_preferences_offer_wording_motion_and_colors(window, hand) -> None:
     dialog = window.feature(PreferencesFeature).show()
-    wording, motion, colours = (dialog.rows[label] for label in ("Wording", "Illustrations", "Colours"))
+    wording, motion, colors = (dialog.rows[label] for label in ("Wording", "Illustrations", "Colors"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
     wording.activated.emit(1)
     assert window.actions_by_name["wording_formula"].isChecked()
     assert not window.actions_by_name["wording_intuitive"].isChecked()
     hand.qtbot.mouseClick(motion, Qt.MouseButton.LeftButton)
     assert not window.actions_by_name["motion"].isChecked()
-    colours.activated.emit(2)
+    colors.activated.emit(2)
     assert window.actions_by_name["theme_dark"].isChecked()
     assert window.palette().window().color().lightness() < 60
     dialog.reject()

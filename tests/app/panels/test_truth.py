@@ -28,7 +28,7 @@ RADIUS, SHIFT = 18.0, 9.0
 
 
 def lens(radius: float, shift: float) -> float:
-    """Common area of two discs of a radius whose centres are some way apart."""
+    """Common area of two discs of a radius whose centers are some way apart."""
     half = shift / (2 * radius)
     return 2 * radius**2 * math.acos(half) - 0.5 * shift * math.sqrt(4 * radius**2 - shift**2)
 

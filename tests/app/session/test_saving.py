@@ -285,7 +285,7 @@ def recent(window: MainWindow) -> list[tuple[str, bool]]:
     return [(action.text().partition(" ")[2], action.isEnabled()) for action in menu.actions() if "." in action.text()]
 
 
-def test_files_that_were_open_are_listed_newest_first_and_grey_when_gone(window, hand, tmp_path) -> None:
+def test_files_that_were_open_are_listed_newest_first_and_gray_when_gone(window, hand, tmp_path) -> None:
     for name in ("a", "b"):
         np.save(tmp_path / f"{name}.npy", np.eye(20))
         window.open_image(str(tmp_path / f"{name}.npy"))
@@ -384,21 +384,21 @@ def test_a_click_in_the_history_goes_there_and_back(ready, hand, qtbot) -> None:
         assert ready.session.document.shapes == shapes[:row]
         assert panel.current == row
     choose(1)
-    grey = [names.item(row).foreground().color() for row in range(4)]
-    assert grey[3] == grey[2] != grey[1] == grey[0]
+    gray = [names.item(row).foreground().color() for row in range(4)]
+    assert gray[3] == gray[2] != gray[1] == gray[0]
     draw(ready, 50.0)
     assert panel.lines == ["Beginning", "Draw circle", "Draw circle"]
 
 
-def test_what_is_undone_is_grey_in_either_theme(ready) -> None:
+def test_what_is_undone_is_gray_in_either_theme(ready) -> None:
     ready.session.undo()
     names = ready.panels["history"].findChild(QListWidget)
-    greys = []
+    grays = []
     for used in (theme.LIGHT, theme.DARK):
         ready.use_theme(used)
-        greys.append(names.item(1).foreground().color())
-        assert greys[-1] == names.palette().color(QPalette.ColorGroup.Disabled, QPalette.ColorRole.Text)
-    assert greys[0] != greys[1]
+        grays.append(names.item(1).foreground().color())
+        assert grays[-1] == names.palette().color(QPalette.ColorGroup.Disabled, QPalette.ColorRole.Text)
+    assert grays[0] != grays[1]
 
 
 def test_the_history_is_walked_by_keys(ready, hand, qtbot) -> None:

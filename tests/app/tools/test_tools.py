@@ -136,7 +136,7 @@ def test_a_drag_with_another_button_pans_by_what_the_pointer_moves(window, hand,
     assert window.session.document.shapes == ()
 
 
-def test_the_status_bar_tells_position_and_grey_value_under_the_pointer(window, hand) -> None:
+def test_the_status_bar_tells_position_and_gray_value_under_the_pointer(window, hand) -> None:
     hand.move(32, 32)
     assert window.pointer_readout.text() == "row 32, col 32:  200"
     hand.move(3, 60)

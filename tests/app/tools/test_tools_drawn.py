@@ -58,7 +58,7 @@ def test_a_drag_with_the_ellipse_tool_draws_it_in_its_box_as_one_step_of_undo(wi
     assert not window.actions_by_name["undo"].isEnabled()
 
 
-def test_shift_makes_an_ellipse_round_and_ctrl_draws_it_from_its_centre(window, hand) -> None:
+def test_shift_makes_an_ellipse_round_and_ctrl_draws_it_from_its_center(window, hand) -> None:
     hand.key(KEY.Key_L)
     drag_with(hand, MODIFIER.ShiftModifier, (10, 10), (20, 40))
     drag_with(hand, MODIFIER.ControlModifier, (40, 30), (46, 40))

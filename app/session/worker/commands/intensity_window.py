@@ -1,4 +1,4 @@
-"""Shades of an image for another window of grey values, made on the worker thread where that takes long."""
+"""Shades of an image for another window of gray values, made on the worker thread where that takes long."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class WindowFound(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Shaded(Report):
-    """An image as it looks in a window of grey values."""
+    """An image as it looks in a window of gray values."""
 
     image: Image
     window: IntensityWindow
@@ -38,7 +38,7 @@ class FindWindow(Command):
     percent: float
 
     latest_only = True
-    activity = "looking for the range of grey values"
+    activity = "looking for the range of gray values"
 
     def execute(self, context: CommandContext) -> None:
         """Find it."""

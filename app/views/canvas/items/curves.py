@@ -35,25 +35,25 @@ _DASHES = (2.5, 1.8)
 
 
 class Curves(OverImage):
-    """Curves of one colour with a dark halo.
+    """Curves of one color with a dark halo.
 
     Each is drawn in pieces of its own: the time that Qt takes for a wide line grows much faster than its length.
 
     Parameters
     ----------
-    colour : str
-        Colour.
+    color : str
+        Color.
     z : float
         Place in the pile of layers.
     width, halo : float
         Widths of the line and of what is dark around it, 0 for nothing dark [px of the screen].
     dashed : bool
-        Whether the colour is interrupted.
+        Whether the color is interrupted.
     """
 
-    def __init__(self, colour: str, z: float, width: float = 2.0, halo: float = 3.6, dashed: bool = False) -> None:
+    def __init__(self, color: str, z: float, width: float = 2.0, halo: float = 3.6, dashed: bool = False) -> None:
         super().__init__(z, _RIM)
-        pen = line_pen(colour, width)
+        pen = line_pen(color, width)
         if dashed:
             pen.setDashPattern(_DASHES)
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)

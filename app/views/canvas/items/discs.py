@@ -31,25 +31,25 @@ _RIM = 16.0
 
 
 class Discs(OverImage):
-    """Discs of one colour or of a palette, as large as the image is enlarged, within bounds: they hide next to nothing.
+    """Discs of one color or of a palette, as large as the image is enlarged, within bounds: they hide next to nothing.
 
-    All are stamps of one picture, in which the colours stand side by side, in a single call of the painter. A scatter
+    All are stamps of one picture, in which the colors stand side by side, in a single call of the painter. A scatter
     plot of pyqtgraph does the same, but only after some milliseconds of book-keeping for symbols that differ.
 
     Parameters
     ----------
-    colour : str
-        Colour.
+    color : str
+        Color.
     diameter : float
         Largest diameter [px of the screen].
     z : float
         Place in the pile of layers.
     """
 
-    def __init__(self, colour: str, diameter: float, z: float) -> None:
+    def __init__(self, color: str, diameter: float, z: float) -> None:
         super().__init__(z, _RIM)
-        self._own = (colour,)
-        self._colours: Sequence[str] = self._own
+        self._own = (color,)
+        self._colors: Sequence[str] = self._own
         self._diameter = diameter
         self._position = np.empty((0, 2))
         self._marks: Marks | None = None
@@ -67,14 +67,14 @@ class Discs(OverImage):
         """Number of discs."""
         return len(self._position)
 
-    def use_palette(self, colours: Sequence[str] = ()) -> None:
-        """Draw in these colours, by default in the one of its own; the discs are to be shown anew."""
-        self._colours = tuple(colours) or self._own
+    def use_palette(self, colors: Sequence[str] = ()) -> None:
+        """Draw in these colors, by default in the one of its own; the discs are to be shown anew."""
+        self._colors = tuple(colors) or self._own
 
-    def show(self, position: Array, colour: Marks | None = None) -> None:
-        """Show discs at (row, col), shape (N, 2), each in the colour of the palette that its number says."""
+    def show(self, position: Array, color: Marks | None = None) -> None:
+        """Show discs at (row, col), shape (N, 2), each in the color of the palette that its number says."""
         if len(position) or len(self._position):
-            self._position, self._marks = position, colour
+            self._position, self._marks = position, color
             self.update()
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
@@ -111,20 +111,20 @@ class Discs(OverImage):
         painter.restore()
 
     def _stamp_for(self, ratio: float, zoom: float) -> QPixmap:
-        """The discs of all colours for a screen with `ratio` pixels to a point and an image enlarged by `zoom`."""
+        """The discs of all colors for a screen with `ratio` pixels to a point and an image enlarged by `zoom`."""
         diameter = round(ratio * min(self._diameter, max(_SMALLEST, _SPAN * zoom)), 1)
-        if self._stamped != (diameter, ratio, self._colours):
-            self._stamped = (diameter, ratio, self._colours)
+        if self._stamped != (diameter, ratio, self._colors):
+            self._stamped = (diameter, ratio, self._colors)
             side = math.ceil(diameter + 2.0 * ratio)
-            self._stamp = QPixmap(side * len(self._colours), side)
+            self._stamp = QPixmap(side * len(self._colors), side)
             self._stamp.fill(Qt.GlobalColor.transparent)
             painter = QPainter(self._stamp)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             # A rim sets large discs off from each other; around small ones it would be all that is seen.
             strength = round(190 * min(1.0, max(0.0, (diameter / ratio - _SMALLEST) / 3.0)))
             painter.setPen(QPen(QColor(0, 0, 0, strength), 0.9 * ratio) if strength else Qt.PenStyle.NoPen)
-            for index, colour in enumerate(self._colours):
-                painter.setBrush(QColor(colour))
+            for index, color in enumerate(self._colors):
+                painter.setBrush(QColor(color))
                 painter.drawEllipse(QPointF((index + 0.5) * side, side / 2), diameter / 2, diameter / 2)
             painter.end()
         return self._stamp

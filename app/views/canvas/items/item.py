@@ -12,9 +12,9 @@ from PySide6.QtWidgets import QGraphicsItem
 from app.views.canvas.coordinates import image_rectangle
 
 
-def line_pen(colour: str, width: float) -> QPen:
+def line_pen(color: str, width: float) -> QPen:
     """A pen whose width does not change with the zoom."""
-    pen = QPen(QColor(colour), width)
+    pen = QPen(QColor(color), width)
     pen.setCosmetic(True)
     return pen
 

@@ -33,7 +33,7 @@ class Names(OverImage):
         self.setVisible(False)
 
     def show(self, texts: Sequence[tuple[Position, str, str]]) -> None:
-        """Show texts: where (row, col), what, and in which colour."""
+        """Show texts: where (row, col), what, and in which color."""
         if texts or self.texts:
             self.texts = tuple(texts)
             self.update()
@@ -54,7 +54,7 @@ class Names(OverImage):
         painter.resetTransform()
         painter.setFont(font)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        for (row, col), text, colour in self.texts:
+        for (row, col), text, color in self.texts:
             at = transform.map(QPointF(col, row))
             width, height = metrics.horizontalAdvance(text) + 2 * _PAD, metrics.height() + _PAD
             room = QRectF(at.x() - width / 2, at.y() - height / 2, width, height)
@@ -63,6 +63,6 @@ class Names(OverImage):
             painter.setPen(Qt.PenStyle.NoPen)
             painter.setBrush(ground)
             painter.drawRoundedRect(room, 4.0, 4.0)
-            painter.setPen(QColor(colour))
+            painter.setPen(QColor(color))
             painter.drawText(room, Qt.AlignmentFlag.AlignCenter, text)
         painter.restore()

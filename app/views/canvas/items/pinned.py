@@ -13,7 +13,7 @@ MARGIN = 12.0
 """Distance from the rim of the canvas [px of the screen]."""
 
 GROUND, INK, FAINT = "#cc101216", "#f2f4f7", "#b6bec9"
-"""Colours behind text, of text, and of what is less important."""
+"""Colors behind text, of text, and of what is less important."""
 
 _Z = 20.0
 

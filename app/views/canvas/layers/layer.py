@@ -52,7 +52,7 @@ class Layer(QObject):
     """Key that shows or hides it."""
     initially: ClassVar[bool] = True
     """Whether it is shown at first."""
-    colours: ClassVar[tuple[str, ...]] = ()
+    colors: ClassVar[tuple[str, ...]] = ()
     """Legend."""
     options: ClassVar[tuple[Option, ...]] = ()
     """What can be chosen about it, besides its opacity."""

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QHBoxLayout, QL
 
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.options import Amount, Choice, Option
-from app.views.theme import colour_maps
+from app.views.theme import color_maps
 from app.views.widgets.marked_slider import MarkedSlider
 from app.views.widgets.space_key import own_space
 
@@ -67,8 +67,8 @@ class LayerForm(QWidget):
         box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         box.setIconSize(QSize(36, 12))
         for name, title in option.ways.items():
-            if name in colour_maps.MAPS:
-                box.addItem(colour_maps.icon(name), title, name)
+            if name in color_maps.MAPS:
+                box.addItem(color_maps.icon(name), title, name)
             else:
                 box.addItem(title, name)
 

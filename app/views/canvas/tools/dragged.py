@@ -82,12 +82,12 @@ class Dragged(Momentary):
 
 
 class CircleTool(Dragged):
-    """Draws a circle from its centre."""
+    """Draws a circle from its center."""
 
     name = "circle"
     activity = tr("draw circle")
-    slip = tr("Keep the button down and drag to draw a circle from its centre.")
-    by_keys = tr("Enter begins at the centre, arrow keys lead the rim, Enter ends.")
+    slip = tr("Keep the button down and drag to draw a circle from its center.")
+    by_keys = tr("Enter begins at the center, arrow keys lead the rim, Enter ends.")
 
     def shape(self, begin: Position, at: Position) -> Circle:
         """The circle whose rim goes through the pointer."""
@@ -95,12 +95,12 @@ class CircleTool(Dragged):
 
 
 class EllipseTool(Dragged):
-    """Draws an ellipse from corner to corner of its box; with Ctrl from its centre, with Shift as a circle."""
+    """Draws an ellipse from corner to corner of its box; with Ctrl from its center, with Shift as a circle."""
 
     name = "ellipse"
     activity = tr("draw ellipse")
     slip = tr("Keep the button down and drag to draw an ellipse.")
-    guidance = tr("Drag a box around the ellipse; Shift makes it round, Ctrl draws it from its centre.")
+    guidance = tr("Drag a box around the ellipse; Shift makes it round, Ctrl draws it from its center.")
     by_keys = tr("Enter begins at a corner of its box, arrow keys lead the opposite one, Enter ends.")
 
     def __init__(self, session: Session) -> None:

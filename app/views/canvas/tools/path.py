@@ -36,8 +36,8 @@ class PathKind:
         Corners to shape.
     title : str
         The shape in words.
-    colour : str
-        Colour of the path while it is drawn.
+    color : str
+        Color of the path while it is drawn.
     closed : bool
         Whether the last corner is joined to the first.
     advice : str
@@ -47,7 +47,7 @@ class PathKind:
     name: str
     make: Callable[[tuple[Position, ...]], Shape]
     title: str
-    colour: str
+    color: str
     closed: bool
     advice: str
 
@@ -276,5 +276,5 @@ class PathTool:
         self._changed()
 
     def _changed(self) -> None:
-        self._drawing.show_draft(self.corners, self.path, self.kind.colour, self.kind.closed)
+        self._drawing.show_draft(self.corners, self.path, self.kind.color, self.kind.closed)
         self._advised_to()

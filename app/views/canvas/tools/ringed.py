@@ -44,7 +44,7 @@ class Ringed(Momentary):
     """
 
     name: ClassVar[str]
-    colour: ClassVar[str]
+    color: ClassVar[str]
     sized = True
 
     def __init__(self, session: Session, drawing: DrawingLayer) -> None:
@@ -99,7 +99,7 @@ class Ringed(Momentary):
     def hover(self, at: Position) -> None:
         """Lead the ring along."""
         self._at = at
-        self._drawing.show_ring(at, self.radius, self.colour)
+        self._drawing.show_ring(at, self.radius, self.color)
 
     def resize(self, by: float) -> None:
         """Make the ring larger or smaller."""
@@ -110,14 +110,14 @@ class Ringed(Momentary):
     def put_away(self) -> None:
         """Hide the ring."""
         self._at = None
-        self._drawing.show_ring(None, 0.0, self.colour)
+        self._drawing.show_ring(None, 0.0, self.color)
 
 
 class SprayTool(Ringed):
     """Scatters points in the ring, for as long as the button is down and the pointer moves."""
 
     name = "spray"
-    colour = theme.DRAWING
+    color = theme.DRAWING
     guidance = tr("Drag to spray points; < and > make the ring smaller and larger.")
     by_keys = tr("Enter begins to spray, arrow keys go on, Enter ends; < and > change the ring.")
 
@@ -169,7 +169,7 @@ class EraserTool(Ringed):
     """Erases the points in its ring, the other shapes that it touches, and the particles of a run in it."""
 
     name = "eraser"
-    colour = theme.CHOSEN
+    color = theme.CHOSEN
     guidance = tr("Drag over points, shapes or particles to erase them; < and > make the ring smaller and larger.")
     by_keys = tr("Enter begins to erase, arrow keys go on, Enter ends; < and > change the ring.")
 

@@ -13,7 +13,7 @@ from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.views.canvas.naming import NameField
 from app.views.panels.contour_table import ContourPanel
-from app.views.theme.colours import fill_colours
+from app.views.theme.contour_colors import fill_colors
 from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
 
@@ -29,7 +29,7 @@ class ContoursFeature(Feature):
         session, canvas = context.session, context.canvas_area.canvas
         self._review = context.workspace.review
         self._layer = canvas.layers.contours
-        self.panel = ContourPanel(session, self._review, self._fill_colours)
+        self.panel = ContourPanel(session, self._review, self._fill_colors)
         self.name_field = NameField(canvas, self._review)
         self._keys = _CanvasKeys(self)
         canvas.installEventFilter(self._keys)
@@ -40,7 +40,7 @@ class ContoursFeature(Feature):
         self.panel.buttons["name"].clicked.connect(self.panel.table.name_selected)
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
-        """Table, selection, verdicts, names, colours."""
+        """Table, selection, verdicts, names, colors."""
         return (*self._selection(), *self._verdicts(), *self._marks())
 
     def _selection(self) -> Sequence[ActionSpec]:
@@ -108,12 +108,12 @@ class ContoursFeature(Feature):
                 tip=tr("Give the selected contour a name."),
                 when=self._chosen,
             ),
-            Submenu(name="colours", menu="Contours", text=tr("&Colour"), fill=self._fill_colours),
+            Submenu(name="colors", menu="Contours", text=tr("&Color"), fill=self._fill_colors),
             ActionSpec(
                 name="forget_verdicts",
                 menu="Contours",
-                text=tr("&Forget verdicts, names and colours"),
-                do=lambda: self.context.session.edit(tr("forget verdicts, names and colours"), marking.clear_marks),
+                text=tr("&Forget verdicts, names and colors"),
+                do=lambda: self.context.session.edit(tr("forget verdicts, names and colors"), marking.clear_marks),
                 tip=tr("Begin anew with what has been said about contours."),
                 when=lambda situation: bool(situation.document.marks),
             ),
@@ -179,8 +179,8 @@ class ContoursFeature(Feature):
         if keys:
             self._review.select((keys[(at + 1) % len(keys)],))
 
-    def _fill_colours(self, menu: QMenu) -> None:
-        fill_colours(menu, self.context.window, self._review.paint)
+    def _fill_colors(self, menu: QMenu) -> None:
+        fill_colors(menu, self.context.window, self._review.paint)
         menu.setEnabled(True)
         for action in menu.actions():
             action.setEnabled(bool(self._review.selected))

@@ -20,7 +20,7 @@ _STARTS: tuple[tuple[Kind, str, str, str], ...] = (
     ("gradient", tr("Start on strong &edges"), "Ctrl+Shift+G", tr("Start where the image changes most, or no longer.")),
     (
         "centers",
-        tr("Start at ce&ntres"),
+        tr("Start at ce&nters"),
         "Ctrl+Shift+C",
         tr("Start in the middle of what edges enclose, or no longer."),
     ),

@@ -109,5 +109,5 @@ class HistoryFeature(Feature):
         return (Panel(name="history", title=title, widget=self.panel, tab="settings", shown=False, shortcut="Ctrl+H"),)
 
     def use_theme(self, theme: Theme) -> None:
-        """Grey is another grey now."""
+        """Gray is another gray now."""
         self.panel.mark()

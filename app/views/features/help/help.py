@@ -132,7 +132,7 @@ def show_about(parent: QWidget) -> QMessageBox:
             "<h3>CPM</h3><p>Finds contours in images by letting charged particles flow to them.</p>"
             "<p>The model: A. C. Jalba, M. H. F. Wilkinson and J. B. T. M. Roerdink, “CPM: A deformable model for "
             "shape recovery and segmentation based on charged particles”, IEEE Transactions on Pattern Analysis and "
-            "Machine Intelligence 26 (10), 2004.</p><p>Free software under the MIT licence.</p>"
+            "Machine Intelligence 26 (10), 2004.</p><p>Free software under the MIT license.</p>"
         )
     )
     box.open()

@@ -15,15 +15,15 @@ from app.views.widgets.preference_row import PreferenceRow, choice
 from app.views.window.feature import Feature, FeatureContext
 
 _CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
-    ("system", tr("Colours of the &desktop"), tr("Light or dark as the desktop is."), None),
-    ("light", tr("&Light colours"), tr("Light window."), theme.LIGHT),
-    ("dark", tr("Dar&k colours"), tr("Dark window."), theme.DARK),
+    ("system", tr("Colors of the &desktop"), tr("Light or dark as the desktop is."), None),
+    ("light", tr("&Light colors"), tr("Light window."), theme.LIGHT),
+    ("dark", tr("Dar&k colors"), tr("Dark window."), theme.DARK),
 )
 _KEY = "theme"
 
 
 class AppearanceFeature(Feature):
-    """The colours of the window."""
+    """The colors of the window."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -52,7 +52,7 @@ class AppearanceFeature(Feature):
         """Light or dark."""
         section, specs = tr("Appearance"), self.action_specs()
         return (
-            PreferenceRow(section=section, label=tr("Colours"), make=lambda: choice(specs, f"theme_{self._chosen}")),
+            PreferenceRow(section=section, label=tr("Colors"), make=lambda: choice(specs, f"theme_{self._chosen}")),
         )
 
     def theme(self) -> theme.Theme:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
-from app.model.display.colouring import QUANTITIES
+from app.model.display.coloring import QUANTITIES
 from app.model.state.situation import has_image
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
@@ -74,7 +74,7 @@ class LayersFeature(Feature):
             ),
         )
         toggles = [_toggle(layer, index == 0) for index, layer in enumerate(canvas.layers)]
-        return (*zoom, *toggles, *_colourings(canvas.layers.particles))
+        return (*zoom, *toggles, *_colorings(canvas.layers.particles))
 
     def panels(self) -> Sequence[Panel]:
         """The layers."""
@@ -98,13 +98,13 @@ def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
     return {name: kept[name] for name in layer.chosen if name in kept} if isinstance(kept, dict) else {}
 
 
-def _colourings(layer: ParticleLayer) -> list[ActionSpec]:
-    """One action for everything that particles can be coloured by."""
+def _colorings(layer: ParticleLayer) -> list[ActionSpec]:
+    """One action for everything that particles can be colored by."""
 
     def spec(way: str, title: str) -> ActionSpec:
         return ActionSpec(
             name=f"colour_{way}",
-            menu="View>" + tr("Colour particles by"),
+            menu="View>" + tr("Color particles by"),
             text=title,
             do=lambda: layer.choose("colour", way),
             tip=QUANTITIES[way].tip if way in QUANTITIES else layer.tip,

@@ -58,7 +58,7 @@ def _contrast(item: Item) -> str:
 COLUMNS: tuple[Column, ...] = (
     Column("number", tr("#"), tr("Number, longest first."), lambda i: str(i.measures.number),
            lambda i: i.measures.number, "0000"),
-    Column("name", tr("Name"), tr("Name and colour; double click or F2 to write one."), lambda i: i.contour.name,
+    Column("name", tr("Name"), tr("Name and color; double click or F2 to write one."), lambda i: i.contour.name,
            lambda i: i.contour.name.casefold() or "\uffff", "left ventricle", False),
     Column("verdict", tr("Verdict"), tr("K keeps, X rejects; rejected contours are not exported."),
            lambda i: VERDICTS[i.reviewed.verdict], lambda i: _ORDER[i.reviewed.verdict], "✗ rejected ", False),
@@ -70,7 +70,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("area", tr("Area [{unit}²]"), tr("Area enclosed, that of contours inside included."),
            lambda i: _figure(i.measures.area_in_units) if i.contour.closed else "–",
            lambda i: i.measures.area_in_units, "00,000,000"),
-    Column("strength", tr("Strength"), tr("Mean edge strength along it, in grey levels per px."),
+    Column("strength", tr("Strength"), tr("Mean edge strength along it, in gray levels per px."),
            lambda i: _figure(i.measures.strength), lambda i: i.measures.strength, "000.0"),
     Column("inside", tr("Inside"), tr("Number of the closed contour that it lies in."),
            lambda i: str(i.measures.inside) if i.measures.inside else "–", lambda i: i.measures.inside, "0000"),

@@ -127,7 +127,7 @@ class ContourModel(QAbstractTableModel):
     # Inside
 
     def _drop(self, present: Any) -> None:
-        """Take out the rows of contours that are gone, neighbours together."""
+        """Take out the rows of contours that are gone, neighbors together."""
         gone = [row for row, item in enumerate(self._items) if item.key not in present]
         while gone:
             last = first = gone.pop()

@@ -32,11 +32,11 @@ class ContourPanel(QWidget):
         Whose document it edits.
     review : ContourReview
         What it shows.
-    fill_colours : callable
-        Fills a menu with the colours that can be chosen.
+    fill_colors : callable
+        Fills a menu with the colors that can be chosen.
     """
 
-    def __init__(self, session: Session, review: ContourReview, fill_colours: Callable[[QMenu], None]) -> None:
+    def __init__(self, session: Session, review: ContourReview, fill_colors: Callable[[QMenu], None]) -> None:
         super().__init__()
         self._session = session
         self._review = review
@@ -46,14 +46,14 @@ class ContourPanel(QWidget):
         self.summary.setObjectName("dim")
         self.thresholds = {
             "min_strength": Threshold(
-                tr("Least strength"), tr("grey/px"), tr("Contours of weaker edges are left out; acts at once.")
+                tr("Least strength"), tr("gray/px"), tr("Contours of weaker edges are left out; acts at once.")
             ),
             "min_length": Threshold(tr("Least length"), tr("px"), tr("Shorter contours are left out; acts at once.")),
         }
         self.buttons: dict[str, QToolButton] = {}
-        self._colours = QMenu(self)
-        self._colours.aboutToShow.connect(self._colours.clear)
-        self._colours.aboutToShow.connect(lambda: fill_colours(self._colours))
+        self._colors = QMenu(self)
+        self._colors.aboutToShow.connect(self._colors.clear)
+        self._colors.aboutToShow.connect(lambda: fill_colors(self._colors))
         self._boxes = (QBoxLayout(QBoxLayout.Direction.TopToBottom), QBoxLayout(QBoxLayout.Direction.TopToBottom))
         self._beside = self._make_beside()
         self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
@@ -95,7 +95,7 @@ class ContourPanel(QWidget):
         column.addLayout(sliders)
         pairs = (QHBoxLayout(), QHBoxLayout())
         rows.setSpacing(4)
-        names = (("keep", tr("✓ Keep")), ("reject", tr("✗ Reject")), ("name", tr("Name…")), ("colour", tr("Colour")))
+        names = (("keep", tr("✓ Keep")), ("reject", tr("✗ Reject")), ("name", tr("Name…")), ("colour", tr("Color")))
         for place, (name, text) in enumerate(names):
             button = self.buttons[name] = QToolButton()
             button.setText(text)
@@ -104,9 +104,9 @@ class ContourPanel(QWidget):
         for pair in pairs:
             pair.setSpacing(4)
             rows.addLayout(pair)
-        self.buttons["colour"].setMenu(self._colours)
+        self.buttons["colour"].setMenu(self._colors)
         self.buttons["colour"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self.buttons["colour"].setToolTip(tr("Give the selected contours a colour."))
+        self.buttons["colour"].setToolTip(tr("Give the selected contours a color."))
         column.addLayout(rows)
         column.addStretch(1)
         return beside

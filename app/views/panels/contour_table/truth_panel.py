@@ -198,13 +198,13 @@ def _row(*widgets: QWidget) -> QHBoxLayout:
 def _legend() -> QHBoxLayout:
     row = QHBoxLayout()
     row.setSpacing(5)
-    for colour, text, tip in (
+    for color, text, tip in (
         (theme.TRUTH, tr("true"), tr("The true boundary, thin.")),
         (theme.MISSING, tr("missing"), tr("True boundary without a contour, dashed.")),
         (theme.WRONG, tr("wrong"), tr("Contour without a true boundary, broad.")),
     ):
         picture, words = QLabel(), QLabel(text)
-        picture.setPixmap(swatch(colour).pixmap(QSize(16, 14)))
+        picture.setPixmap(swatch(color).pixmap(QSize(16, 14)))
         words.setObjectName("dim")
         words.setToolTip(tip)
         row.addWidget(picture)

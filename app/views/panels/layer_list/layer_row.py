@@ -61,9 +61,9 @@ class LayerRow(QWidget):
     def _make_box(self) -> QCheckBox:
         layer = self.layer
         box = QCheckBox(layer.title)
-        if layer.colours:
-            box.setIcon(swatch(*layer.colours))
-            box.setIconSize(QSize(16 * len(layer.colours), 14))
+        if layer.colors:
+            box.setIcon(swatch(*layer.colors))
+            box.setIconSize(QSize(16 * len(layer.colors), 14))
         box.setToolTip(f"{layer.tip} ({layer.shortcut})" if layer.shortcut else layer.tip)
         box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         return box

@@ -50,14 +50,14 @@ class LayersPanel(QWidget):
 
 
 def _legend() -> QHBoxLayout:
-    """What is seen of the contours besides their own colours."""
+    """What is seen of the contours besides their own colors."""
     row = QHBoxLayout()
     row.setContentsMargins(20, 4, 0, 0)
     row.setSpacing(16)
     junction = QLabel(tr("◆ Junctions"))
     junction.setStyleSheet(f"color: {theme.JUNCTION}")
     junction.setToolTip(tr("Where contours meet."))
-    # Its colour is that of the text: on the canvas it is told by its dashes.
+    # Its color is that of the text: on the canvas it is told by its dashes.
     bridge = QLabel(tr("╍╍ Bridged gaps"))
     bridge.setToolTip(tr("Where a contour was led over a gap in its edge."))
     row.addWidget(junction)

@@ -60,12 +60,12 @@ class Explanation(QWidget):
         value : float or str
             Its value.
         contrast : float
-            Contrast of the image, which values in grey levels mean something beside.
+            Contrast of the image, which values in gray levels mean something beside.
         """
         if control is not self._control:
             self._control = control
             self._write()
-        if control.in_grey_levels and not isinstance(value, str) and contrast > 0:
+        if control.in_gray_levels and not isinstance(value, str) and contrast > 0:
             value = value * _FULL_CONTRAST / contrast
         self.illustration.show_control(control.name, value)
 

@@ -136,7 +136,7 @@ class ParameterRow(QWidget):
         low, high = QLabel(f"{self.control.slider_low:g}"), QLabel(f"{self.control.slider_high:g}")
         for end in (low, high):
             end.setObjectName("dim")
-        if self.control.in_grey_levels:
+        if self.control.in_gray_levels:
             low.hide()
             high.hide()
         grid = QGridLayout(self)

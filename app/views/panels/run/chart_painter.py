@@ -66,17 +66,17 @@ class ChartPainter:
 
     def _draw_plot(self, box: QRectF, plot: Plot, first: bool) -> None:
         axis = plot.axis(self._metrics)
-        self._painter.setPen(self._colour(QPalette.ColorRole.Mid))
-        self._painter.setBrush(self._colour(QPalette.ColorRole.Base))
+        self._painter.setPen(self._color(QPalette.ColorRole.Mid))
+        self._painter.setBrush(self._color(QPalette.ColorRole.Base))
         self._painter.drawRect(box)
         self._draw_labels(box, plot, axis)
         if self._metrics is not None:
             self._draw_scales(box, self._metrics, first)
             for series in plot.series:
-                self._curve(box, axis.fractions(series.of(self._metrics)), self._own(series.colours))
+                self._curve(box, axis.fractions(series.of(self._metrics)), self._own(series.colors))
             if self._read is not None:
                 x = self._x(box, self._read)
-                self._painter.setPen(QPen(self._colour(QPalette.ColorRole.Text), 1.0))
+                self._painter.setPen(QPen(self._color(QPalette.ColorRole.Text), 1.0))
                 self._painter.drawLine(QPointF(x, box.top()), QPointF(x, box.bottom()))
         self._draw_names(box, plot)
 
@@ -89,7 +89,7 @@ class ChartPainter:
             if (1.0 - at) * box.height() > line:
                 self._label(box, at, f"{plot.line:g}")
             y = box.bottom() - at * box.height()
-            self._painter.setPen(QPen(self._colour(QPalette.ColorRole.PlaceholderText), 1, Qt.PenStyle.DashLine))
+            self._painter.setPen(QPen(self._color(QPalette.ColorRole.PlaceholderText), 1, Qt.PenStyle.DashLine))
             self._painter.drawLine(QPointF(box.left(), y), QPointF(box.right(), y))
         if box.height() > 2 * line and (plot.line is None or at * box.height() > 1.7 * line):
             self._label(box, 0.0, low)
@@ -97,7 +97,7 @@ class ChartPainter:
     def _draw_scales(self, box: QRectF, metrics: RunMetrics, named: bool) -> None:
         """Mark where the run went on to a finer scale."""
         changes = np.flatnonzero(np.diff(metrics.scale)) + 1
-        pen = QPen(self._colour(QPalette.ColorRole.PlaceholderText), 1, Qt.PenStyle.DotLine)
+        pen = QPen(self._color(QPalette.ColorRole.PlaceholderText), 1, Qt.PenStyle.DotLine)
         font = self._painter.fontMetrics()
         right = box.left()
         for index in changes:
@@ -114,7 +114,7 @@ class ChartPainter:
 
     def _draw_names(self, box: QRectF, plot: Plot) -> None:
         metrics = self._painter.fontMetrics()
-        ground = self._colour(QPalette.ColorRole.Base)
+        ground = self._color(QPalette.ColorRole.Base)
         ground.setAlpha(215)
         x = box.left() + 3.0
         for series in plot.series:
@@ -123,19 +123,19 @@ class ChartPainter:
                 text += f" {figure(float(series.of(self._metrics)[self._read]))}"
             place = QRectF(x, box.top() + 2.0, metrics.horizontalAdvance(text) + 6.0, metrics.height())
             self._painter.fillRect(place, ground)
-            self._painter.setPen(self._own(series.colours))
+            self._painter.setPen(self._own(series.colors))
             self._painter.drawText(place, Qt.AlignmentFlag.AlignCenter, text)
             x = place.right() + 4.0
 
     def _draw_steps(self, box: QRectF) -> None:
-        self._painter.setPen(self._colour(QPalette.ColorRole.PlaceholderText))
+        self._painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
         line = QRectF(box.left(), box.bottom() + 1, box.width(), self._widget.height() - box.bottom())
         metrics = self._metrics
         if metrics is not None and self._read is not None:
             text = tr("step {step}").format(step=f"{metrics.step[self._read]:,.0f}")
             width = self._painter.fontMetrics().horizontalAdvance(text)
             x = min(max(self._x(box, self._read) - width / 2, box.left()), box.right() - width)
-            self._painter.setPen(self._colour(QPalette.ColorRole.Text))
+            self._painter.setPen(self._color(QPalette.ColorRole.Text))
             self._painter.drawText(QRectF(x, line.top(), width + 2.0, line.height()), Qt.AlignmentFlag.AlignLeft, text)
             return
         first, last = (f"{metrics.step[0]:,.0f}", f"{metrics.step[-1]:,.0f}") if metrics is not None else ("0", "")
@@ -147,7 +147,7 @@ class ChartPainter:
         last = len(self._metrics.step) - 1 if self._metrics is not None else 0
         return box.left() + box.width() * index / max(last, 1)
 
-    def _curve(self, box: QRectF, fractions: Array, colour: QColor) -> None:
+    def _curve(self, box: QRectF, fractions: Array, color: QColor) -> None:
         if len(fractions) < 2:
             return
         # No more points than pixels: the plot costs the same however long the run.
@@ -155,7 +155,7 @@ class ChartPainter:
         kept = fractions[::-stride][::-1]
         x = box.left() + np.linspace(0.0, box.width(), len(kept))
         y = box.bottom() - np.clip(kept, 0.0, 1.0) * box.height()
-        self._painter.setPen(QPen(colour, 1.4))
+        self._painter.setPen(QPen(color, 1.4))
         finite = np.isfinite(kept)
         breaks = np.flatnonzero(np.diff(finite.astype(int))) + 1
         for piece in np.split(np.arange(len(kept)), breaks):
@@ -163,16 +163,16 @@ class ChartPainter:
                 self._painter.drawPolyline(QPolygonF([QPointF(x[i], y[i]) for i in piece]))
 
     def _label(self, box: QRectF, fraction: float, text: str) -> None:
-        self._painter.setPen(self._colour(QPalette.ColorRole.PlaceholderText))
+        self._painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
         y = box.bottom() - fraction * box.height()
         height = self._painter.fontMetrics().height()
         y = min(max(y - height / 2, box.top() - 2), box.bottom() - height + 2)
         flags = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         self._painter.drawText(QRectF(0, y, box.left() - 4, height), flags, text)
 
-    def _own(self, colours: tuple[str, str]) -> QColor:
-        """The darker of two colours on a light ground, the brighter on a dark one."""
-        return QColor(colours[self._colour(QPalette.ColorRole.Base).lightness() < 128])
+    def _own(self, colors: tuple[str, str]) -> QColor:
+        """The darker of two colors on a light ground, the brighter on a dark one."""
+        return QColor(colors[self._color(QPalette.ColorRole.Base).lightness() < 128])
 
-    def _colour(self, role: QPalette.ColorRole) -> QColor:
+    def _color(self, role: QPalette.ColorRole) -> QColor:
         return self._widget.palette().color(role)

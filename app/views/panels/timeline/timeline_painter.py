@@ -47,7 +47,7 @@ class TimelinePainter:
         painter.setFont(font)
         branches = self._navigation.outline.branches
         if not branches:
-            painter.setPen(self._colour(QPalette.ColorRole.PlaceholderText))
+            painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
             words = tr("Every step of a run will be kept here, for going back to it.")
             painter.drawText(
                 QRectF(self._widget.rect()), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, words
@@ -60,7 +60,7 @@ class TimelinePainter:
             self._draw_place()
         if self._widget.hasFocus():
             painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.setPen(QPen(self._colour(QPalette.ColorRole.Highlight), 1.0))
+            painter.setPen(QPen(self._color(QPalette.ColorRole.Highlight), 1.0))
             painter.drawRoundedRect(self._places.seen().adjusted(0.5, 0.5, -0.5, -0.5), 4.0, 4.0)
         painter.end()
 
@@ -74,7 +74,7 @@ class TimelinePainter:
         yield from range(first, self._navigation.first + span + 1, every)
 
     def _draw_grid(self) -> None:
-        self._painter.setPen(QPen(self._colour(QPalette.ColorRole.Mid), 1.0))
+        self._painter.setPen(QPen(self._color(QPalette.ColorRole.Mid), 1.0))
         for step in self._ticks():
             self._painter.drawLine(
                 QPointF(self._places.x(step), HEAD), QPointF(self._places.x(step), self._widget.height() - FOOT)
@@ -85,15 +85,15 @@ class TimelinePainter:
         base = self._places.base()
         metrics = self._painter.fontMetrics()
         left, width = self._places.span()
-        self._painter.fillRect(QRectF(0.0, base, self._widget.width(), FOOT), self._colour(QPalette.ColorRole.Window))
-        self._painter.setPen(QPen(self._colour(QPalette.ColorRole.Mid), 1.0))
+        self._painter.fillRect(QRectF(0.0, base, self._widget.width(), FOOT), self._color(QPalette.ColorRole.Window))
+        self._painter.setPen(QPen(self._color(QPalette.ColorRole.Mid), 1.0))
         self._painter.drawLine(QPointF(left, base), QPointF(left + width, base))
         half = metrics.horizontalAdvance("0000000") / 2
         for step in self._ticks():
             x = self._places.x(step)
-            self._painter.setPen(QPen(self._colour(QPalette.ColorRole.Mid), 1.0))
+            self._painter.setPen(QPen(self._color(QPalette.ColorRole.Mid), 1.0))
             self._painter.drawLine(QPointF(x, base), QPointF(x, base + 3.0))
-            self._painter.setPen(self._colour(QPalette.ColorRole.PlaceholderText))
+            self._painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
             self._painter.drawText(
                 QRectF(x - half, base + 1.0, 2 * half, FOOT), Qt.AlignmentFlag.AlignHCenter, f"{step}"
             )
@@ -103,10 +103,10 @@ class TimelinePainter:
         y, last = self._places.y(identity), self._navigation.last(identity)
         compared = identity == self._navigation.comparison.branch
         role = QPalette.ColorRole.Highlight if identity == here else QPalette.ColorRole.PlaceholderText
-        colour = self._ghost() if compared else self._colour(role)
-        pen = QPen(colour, 4.0 if identity == here else 3.0)
+        color = self._ghost() if compared else self._color(role)
+        pen = QPen(color, 4.0 if identity == here else 3.0)
         pen.setCapStyle(Qt.PenCapStyle.RoundCap)
-        self._painter.setPen(QPen(colour, 1.6))
+        self._painter.setPen(QPen(color, 1.6))
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
         begin = QPointF(self._places.x(branch.first), y)
         if branch.parent is not None:
@@ -114,23 +114,23 @@ class TimelinePainter:
             path = QPainterPath(fork)
             path.lineTo(begin)
             self._painter.drawPath(path)
-            self._painter.setBrush(colour)
+            self._painter.setBrush(color)
             self._painter.drawEllipse(fork, 2.6, 2.6)
         self._painter.setPen(pen)
         self._painter.drawLine(begin, QPointF(self._places.x(last), y))
         for step, scale in branch.scales:
             self._draw_scale(step, scale, y, branch.first)
-        self._draw_name(branch, y, colour if compared or identity == here else None)
+        self._draw_name(branch, y, color if compared or identity == here else None)
 
     def _draw_scale(self, step: int, scale: int, y: float, first: int) -> None:
         """A tick where a scale begins, with how small the image is then; where the run begins nobody asks."""
         if step == first == self._navigation.first and scale == 0:
             return
         x = self._places.x(step)
-        self._painter.setPen(QPen(self._colour(QPalette.ColorRole.WindowText), 1.4))
+        self._painter.setPen(QPen(self._color(QPalette.ColorRole.WindowText), 1.4))
         self._painter.drawLine(QPointF(x, y - 5.0), QPointF(x, y + 5.0))
         text = f"1/{2**scale}" if scale else "1/1"
-        self._painter.setPen(self._colour(QPalette.ColorRole.PlaceholderText))
+        self._painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
         font = self._painter.font()
         fine = QFont(font)
         fine.setPixelSize(_FINE_PRINT)
@@ -139,14 +139,14 @@ class TimelinePainter:
         self._painter.drawText(QRectF(x + 3.0, y - ROW / 2 - 2.0, 40.0, ROW / 2), flags, text)
         self._painter.setFont(font)
 
-    def _draw_name(self, branch: Branch, y: float, colour: QColor | None) -> None:
+    def _draw_name(self, branch: Branch, y: float, color: QColor | None) -> None:
         font = self._painter.font()
         bold = branch.identity == self._navigation.place[0]
         font.setBold(bold)
         self._painter.setFont(font)
         room = self._places.left() - SIDE - 10.0
         text = self._painter.fontMetrics().elidedText(branch.name, Qt.TextElideMode.ElideRight, int(room))
-        self._painter.setPen(colour or self._colour(QPalette.ColorRole.WindowText))
+        self._painter.setPen(color or self._color(QPalette.ColorRole.WindowText))
         flags = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft
         self._painter.drawText(QRectF(SIDE - 2.0, y - ROW / 2, room + 4.0, ROW), flags, text)
         font.setBold(False)
@@ -157,21 +157,21 @@ class TimelinePainter:
         if self._navigation.branch(branch) is None:
             return
         at = QPointF(self._places.x(step), self._places.y(branch))
-        colour = self._colour(QPalette.ColorRole.WindowText)
-        self._painter.setPen(QPen(colour, 1.4))
+        color = self._color(QPalette.ColorRole.WindowText)
+        self._painter.setPen(QPen(color, 1.4))
         top = self._places.seen().top()
         self._painter.drawLine(QPointF(at.x(), top + 2.0), QPointF(at.x(), self._places.base()))
-        self._painter.setBrush(colour)
+        self._painter.setBrush(color)
         self._painter.setPen(Qt.PenStyle.NoPen)
         flag = [QPointF(at.x() - 5.0, top + 1.0), QPointF(at.x() + 5.0, top + 1.0), QPointF(at.x(), top + 8.0)]
         self._painter.drawPolygon(QPolygonF(flag))
-        self._painter.setPen(QPen(self._colour(QPalette.ColorRole.Base), 1.6))
-        self._painter.setBrush(self._colour(QPalette.ColorRole.Highlight))
+        self._painter.setPen(QPen(self._color(QPalette.ColorRole.Base), 1.6))
+        self._painter.setBrush(self._color(QPalette.ColorRole.Highlight))
         self._painter.drawEllipse(at, 5.2, 5.2)
 
     def _ghost(self) -> QColor:
-        dark = self._colour(QPalette.ColorRole.Base).lightness() < 128
+        dark = self._color(QPalette.ColorRole.Base).lightness() < 128
         return QColor(theme.GHOST) if dark else QColor(theme.GHOST).darker(150)
 
-    def _colour(self, role: QPalette.ColorRole) -> QColor:
+    def _color(self, role: QPalette.ColorRole) -> QColor:
         return self._widget.palette().color(role)

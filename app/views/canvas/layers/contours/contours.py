@@ -1,4 +1,4 @@
-"""The layer of the contours: closed and open ones in two colours or in their own, with names, junctions and bridges.
+"""The layer of the contours: closed and open ones in two colors or in their own, with names, junctions and bridges.
 
 What has been rejected is faint and dashed, or hidden; what is selected has a bright rim.
 """
@@ -29,7 +29,7 @@ class ContourLayer(Layer):
     title = tr("Contours")
     tip = tr("Closed, and open.")
     shortcut = "Ctrl+2"
-    colours = (theme.CLOSED, theme.OPEN)
+    colors = (theme.CLOSED, theme.OPEN)
     options = (
         Switch("rejected", tr("Rejected ones, dashed"), True, tr("Show rejected contours, faint and dashed.")),
         Switch("names", tr("Names"), True, tr("Show the names of contours.")),
@@ -110,17 +110,17 @@ class ContourLayer(Layer):
         self._rejected.show(_paths(rejected) if self.chosen["rejected"] else [])
 
     def _show_own(self, items: Sequence[Item]) -> None:
-        """Draw each of the colours that people have chosen by one item."""
-        for colour in {item.contour.colour for item in items} - self._own.keys():
-            curves = self._own[colour] = Curves(colour, 4.15)
+        """Draw each of the colors that people have chosen by one item."""
+        for color in {item.contour.colour for item in items} - self._own.keys():
+            curves = self._own[color] = Curves(color, 4.15)
             if self.scene.image is not None:
                 curves.use_shape(self.scene.image.shape)
             curves.set_wanted(self.shown)
             curves.setOpacity(self.opacity)
             self.add(curves)
             self._lines.append(curves)
-        for colour, curves in self._own.items():
-            curves.show(_paths([item for item in items if item.contour.colour == colour]))
+        for color, curves in self._own.items():
+            curves.show(_paths([item for item in items if item.contour.colour == color]))
 
 
 def _paths(items: Sequence[Item]) -> list[np.ndarray]:

@@ -1,4 +1,4 @@
-"""The layer of the skeleton: its branches coloured by how thick the object is there, and disks that touch its rim."""
+"""The layer of the skeleton: its branches colored by how thick the object is there, and disks that touch its rim."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ class SkeletonLayer(Layer):
     name = "skeleton"
     title = tr("Skeleton")
     tip = tr("Middle lines, from thin to thick, and disks that touch the rim.")
-    colours = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
+    colors = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._branches = [Curves(colour, 4.6 + 0.01 * n, width=2.6, halo=4.4)
-                          for n, colour in enumerate(theme.THICKNESSES)]  # fmt: skip
+        self._branches = [Curves(color, 4.6 + 0.01 * n, width=2.6, halo=4.4)
+                          for n, color in enumerate(theme.THICKNESSES)]  # fmt: skip
         self._disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
         self._lines = (self._disks, *self._branches)
         self.add(*self._lines)

@@ -16,13 +16,13 @@ from app.views.theme import theme
 
 
 class TruthLayer(Layer):
-    """Shows the ground truth, when one has been loaded, and the differences told by colour and stroke."""
+    """Shows the ground truth, when one has been loaded, and the differences told by color and stroke."""
 
     name = "truth"
     title = tr("Ground truth")
     tip = tr("True boundaries; where contours are missing, dashed, or wrong, broad.")
     shortcut = ""
-    colours = (theme.TRUTH, theme.MISSING, theme.WRONG)
+    colors = (theme.TRUTH, theme.MISSING, theme.WRONG)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)

@@ -50,14 +50,14 @@ class Charges:
             curves.show([_ring(charge, RADIUS) for charge in charges if sign * charge.strength > 0.0])
         self._reach.show([_ring(chosen, REACH)] if chosen is not None else [])
         x, y = to_xy(np.array([charge.position for charge in charges], dtype=float).reshape(-1, 2))
-        colours = [theme.ATTRACTING if charge.strength > 0.0 else theme.REPELLING for charge in charges]
+        colors = [theme.ATTRACTING if charge.strength > 0.0 else theme.REPELLING for charge in charges]
         rims = [(theme.CHOSEN, 2.6) if charge is chosen else (theme.HALO, 1.4) for charge in charges]
         self._discs.setData(
             x=x,
             y=y,
             size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
-            brush=[pg.mkBrush(colour) for colour in colours],
-            pen=[pg.mkPen(colour, width=width) for colour, width in rims],
+            brush=[pg.mkBrush(color) for color in colors],
+            pen=[pg.mkPen(color, width=width) for color, width in rims],
         )
         self._signs.setData(x=x, y=y, symbol=[_PLUS if charge.strength > 0.0 else _MINUS for charge in charges])
 

@@ -29,11 +29,11 @@ class Draft:
             item.setZValue(_Z + 0.1 * index)
             view.addItem(item, ignoreBounds=True)
 
-    def show(self, corners: tuple[Position, ...], path: tuple[Position, ...], colour: str, closed: bool) -> None:
+    def show(self, corners: tuple[Position, ...], path: tuple[Position, ...], color: str, closed: bool) -> None:
         """Show a path with corners, all (row, col)."""
         line = np.array(path, dtype=float).reshape(-1, 2)
-        self._path.setPen(line_pen(colour, 2.0))
-        dashed = line_pen(colour, 1.4)
+        self._path.setPen(line_pen(color, 2.0))
+        dashed = line_pen(color, 1.4)
         dashed.setStyle(Qt.PenStyle.DashLine)
         self._closing.setPen(dashed)
         self._halo.setData(*to_xy(line))
@@ -42,9 +42,9 @@ class Draft:
         x, y = to_xy(np.array(corners, dtype=float).reshape(-1, 2))
         self._corners.setData(x=x, y=y)
 
-    def show_ring(self, center: Position | None, radius: float, colour: str) -> None:
+    def show_ring(self, center: Position | None, radius: float, color: str) -> None:
         """Show the ring in which a tool works; None shows none."""
         rim = Circle(center, radius).outline if center is not None else np.empty((0, 2))
-        self._ring.setPen(line_pen(colour, 1.6))
+        self._ring.setPen(line_pen(color, 1.6))
         for item in (self._rim, self._ring):
             item.setData(*to_xy(rim))

@@ -58,7 +58,7 @@ class DrawingLayer(Layer):
     title = tr("Drawing")
     tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
     shortcut = "Ctrl+3"
-    colours = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
+    colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
@@ -112,13 +112,13 @@ class DrawingLayer(Layer):
         elif scene.image_seeds is not before.image_seeds:
             self._draw_everywhere()
 
-    def show_draft(self, corners: tuple[Position, ...], path: tuple[Position, ...], colour: str, closed: bool) -> None:
+    def show_draft(self, corners: tuple[Position, ...], path: tuple[Position, ...], color: str, closed: bool) -> None:
         """Show a path that is being drawn."""
-        self._draft.show(corners, path, colour, closed)
+        self._draft.show(corners, path, color, closed)
 
-    def show_ring(self, center: Position | None, radius: float, colour: str) -> None:
+    def show_ring(self, center: Position | None, radius: float, color: str) -> None:
         """Show the ring in which a tool works; None shows none."""
-        self._draft.show_ring(center, radius, colour)
+        self._draft.show_ring(center, radius, color)
 
     def _show(self, document: Document, selected: int | None, started: bool) -> None:
         chosen = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None

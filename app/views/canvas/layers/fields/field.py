@@ -40,7 +40,7 @@ class FieldLayer(Layer):
     tip = tr("Direction in which edges pull.")
     shortcut = "Ctrl+5"
     initially = False
-    colours = (theme.FIELD,)
+    colors = (theme.FIELD,)
     options = (
         Choice(
             "way",

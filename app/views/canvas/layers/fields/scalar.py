@@ -1,4 +1,4 @@
-"""The layers of the edge map and of the potential: numbers at all pixels, shown by colours."""
+"""The layers of the edge map and of the potential: numbers at all pixels, shown by colors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from app.views.canvas.coordinates import image_rectangle, to_xy
 from app.views.canvas.items.item import cached, line_pen
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Choice, Switch
-from app.views.theme import colour_maps
+from app.views.theme import color_maps
 
 _STRONGEST = 235
 """Opacity of the strongest edges, of 255."""
@@ -27,11 +27,11 @@ _LINE = "#d8ffffff"
 
 
 def _maps(names: Sequence[str], tip: str) -> Choice:
-    return Choice("map", tr("Colours"), {name: colour_maps.MAPS[name] for name in names}, names[0], tip)
+    return Choice("map", tr("Colors"), {name: color_maps.MAPS[name] for name in names}, names[0], tip)
 
 
 class ScalarOverlay(Layer):
-    """An overlay of the worker, shape (H, W), in the colours of a map; it is asked for only while it is seen."""
+    """An overlay of the worker, shape (H, W), in the colors of a map; it is asked for only while it is seen."""
 
     initially = False
     z: ClassVar[float]
@@ -48,7 +48,7 @@ class ScalarOverlay(Layer):
 
     @property
     def shades(self) -> np.ndarray | None:
-        """What is seen, before it is coloured; None while nothing is."""
+        """What is seen, before it is colored; None while nothing is."""
         return self._item.image if self._item.isVisible() else None
 
     def show_or_hide(self) -> None:
@@ -69,12 +69,12 @@ class ScalarOverlay(Layer):
             self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))
 
     def follow_choice(self, name: str) -> None:
-        """Change the colours."""
+        """Change the colors."""
         self._item.setLookupTable(self.table())
 
     def table(self) -> np.ndarray:
-        """Colours of the 256 shades."""
-        return colour_maps.table(self.word("map"))
+        """Colors of the 256 shades."""
+        return color_maps.table(self.word("map"))
 
 
 class EdgeMapLayer(ScalarOverlay):
@@ -84,11 +84,11 @@ class EdgeMapLayer(ScalarOverlay):
     title = tr("Edge map")
     tip = tr("Strength of the edges that attract the particles.")
     shortcut = "Ctrl+4"
-    colours = ("#f98c0a",)
+    colors = ("#f98c0a",)
     options = (
         _maps(
-            ("inferno", "magma", "plasma", "viridis", "cividis", colour_maps.GREY),
-            tr("Colours from weak to strong edges."),
+            ("inferno", "magma", "plasma", "viridis", "cividis", color_maps.GRAY),
+            tr("Colors from weak to strong edges."),
         ),
     )
     z = 1.0
@@ -99,17 +99,17 @@ class EdgeMapLayer(ScalarOverlay):
 
 
 class PotentialLayer(ScalarOverlay):
-    """The potential in colours, with lines along which it is constant: particles slide across them, downwards."""
+    """The potential in colors, with lines along which it is constant: particles slide across them, downwards."""
 
     name = "potential"
     title = tr("Potential")
     tip = tr("Potential of the edges and of placed charges: particles slide down, from bright to dark.")
     shortcut = "Ctrl+6"
-    colours = ("#7c7b78",)
+    colors = ("#7c7b78",)
     options = (
         _maps(
-            ("cividis", "viridis", "magma", "plasma", colour_maps.GREY),
-            tr("Colours from low to high potential."),
+            ("cividis", "viridis", "magma", "plasma", color_maps.GRAY),
+            tr("Colors from low to high potential."),
         ),
         Switch("lines", tr("Lines of equal potential"), True, tr("Lines that the force stands upright on.")),
     )
@@ -150,13 +150,13 @@ class PotentialLayer(ScalarOverlay):
             self._lines.setData(*to_xy(np.asarray(lines, dtype=float)))
 
     def follow_choice(self, name: str) -> None:
-        """Change the colours, or ask for the lines."""
+        """Change the colors, or ask for the lines."""
         if name == "map":
             super().follow_choice(name)
         else:
             self.show_or_hide()
 
     def fade(self) -> None:
-        """The colours always let something of the image through."""
+        """The colors always let something of the image through."""
         self._item.setOpacity(_VEIL * self.opacity)
         self._lines.setOpacity(self.opacity)

@@ -14,7 +14,7 @@ from app.views.canvas.coordinates import image_rectangle
 from app.views.canvas.items.item import cached
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Amount, Choice
-from app.views.theme import colour_maps
+from app.views.theme import color_maps
 from cpm_core.image.image import Image
 
 _WHOLE, _HAND = "0", "hand"
@@ -24,26 +24,26 @@ _AT_ONCE = 1 << 22
 
 
 class ImageLayer(Layer):
-    """The grey values in a window: as a percentile of the pixels, or chosen by hand."""
+    """The gray values in a window: as a percentile of the pixels, or chosen by hand."""
 
     name = "image"
     title = tr("Image")
     tip = tr("The image itself.")
     shortcut = "Ctrl+0"
     options = (
-        Choice("map", tr("Colours"), colour_maps.MAPS, colour_maps.GREY, tr("Colours from dark to bright.")),
+        Choice("map", tr("Colors"), color_maps.MAPS, color_maps.GRAY, tr("Colors from dark to bright.")),
         Choice(
             "range",
             tr("Range"),
             {
-                _WHOLE: tr("All grey values"),
+                _WHOLE: tr("All gray values"),
                 "0.1": tr("All but 0.1 % at either end"),
                 "1": tr("All but 1 % at either end"),
                 "5": tr("All but 5 % at either end"),
                 _HAND: tr("By hand"),
             },
             _WHOLE,
-            tr("Grey values that are told apart; what lies below is black, what lies above is white."),
+            tr("Gray values that are told apart; what lies below is black, what lies above is white."),
         ),
         Amount("gamma", tr("Gamma"), 0.2, 3.0, 0.05, 1.0, tr("Less brings out what is dark, more what is bright.")),
     )
@@ -58,30 +58,30 @@ class ImageLayer(Layer):
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Least and largest grey value."""
+        """Least and largest gray value."""
         return self._ends
 
     @property
     def window(self) -> tuple[float, float]:
-        """Grey values shown black and white."""
+        """Gray values shown black and white."""
         return self._window
 
     @property
     def shades(self) -> DisplayImage | None:
-        """What is shown, before it is coloured."""
+        """What is shown, before it is colored."""
         shown: DisplayImage | None = self._item.image
         return shown
 
     def choose_window(self, low: float, high: float) -> None:
-        """Show grey values from `low`, black, to `high`, white."""
+        """Show gray values from `low`, black, to `high`, white."""
         if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self._window:
             self.chosen["range"] = _HAND
             self._use_window(low, high)
 
     def follow_choice(self, name: str) -> None:
-        """Change colours or window."""
+        """Change colors or window."""
         if name == "map":
-            self._item.setLookupTable(None if self.word("map") == colour_maps.GREY else self._table())
+            self._item.setLookupTable(None if self.word("map") == color_maps.GRAY else self._table())
         elif name == "range":
             self._find_window()
         else:
@@ -99,8 +99,8 @@ class ImageLayer(Layer):
         if self.word("range") == _HAND and isinstance(low, int | float) and isinstance(high, int | float):
             self.choose_window(float(low), float(high))
 
-    def _table(self) -> colour_maps.Table:
-        return colour_maps.table(self.word("map"))
+    def _table(self) -> color_maps.Table:
+        return color_maps.table(self.word("map"))
 
     def follow(self, before: Scene) -> None:
         """Show another image, or the shades that have been asked for."""

@@ -1,4 +1,4 @@
-"""The form for the levels and colours of the image."""
+"""The form for the levels and colors of the image."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class ScaleSpace(QWidget):
     Parameters
     ----------
     values : ndarray, shape (H, W)
-        Grey values of the image.
+        Gray values of the image.
     ends : tuple of float
         Least and largest of them.
     window : tuple of float
@@ -45,8 +45,8 @@ class ScaleSpace(QWidget):
         sample = values[::stride, ::stride].ravel()
         self.histogram = Histogram(sample, *ends)
         whole = bool((sample == np.rint(sample)).all())
-        self.low = _field(tr("Black"), tr("Grey value shown black."), *ends, whole)
-        self.high = _field(tr("White"), tr("Grey value shown white."), *ends, whole)
+        self.low = _field(tr("Black"), tr("Gray value shown black."), *ends, whole)
+        self.high = _field(tr("White"), tr("Gray value shown white."), *ends, whole)
         row = QHBoxLayout()
         row.setSpacing(6)
         for title, field in ((tr("Black"), self.low), (tr("White"), self.high)):
@@ -74,12 +74,12 @@ class ScaleSpace(QWidget):
 
 
 class Histogram(QWidget):
-    """How often which grey value occurs, on a logarithmic scale, and the window between two handles.
+    """How often which gray value occurs, on a logarithmic scale, and the window between two handles.
 
     Parameters
     ----------
     sample : ndarray, shape (N,)
-        Grey values.
+        Gray values.
     low, high : float
         Least and largest of all.
     """
@@ -97,7 +97,7 @@ class Histogram(QWidget):
         self.setMinimumHeight(_HEIGHT)
         self.setMouseTracking(True)
         self.setToolTip(
-            tr("How often each grey value occurs. Drag the two lines: black to the left, white to the right.")
+            tr("How often each gray value occurs. Drag the two lines: black to the left, white to the right.")
         )
         self._look(low, high)
 
@@ -113,7 +113,7 @@ class Histogram(QWidget):
         self.update()
 
     def x_of(self, value: float) -> float:
-        """Where a grey value stands [px of the widget]."""
+        """Where a gray value stands [px of the widget]."""
         begin, end = self._axis
         return _HANDLE + (value - begin) / (end - begin) * (self.width() - 2 * _HANDLE)
 
@@ -144,25 +144,25 @@ class Histogram(QWidget):
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         role = QPalette.ColorRole
-        colour = self.palette().color
+        color = self.palette().color
         room = QRectF(self.rect()).adjusted(_HANDLE, 0.5, -_HANDLE, -0.5)
-        painter.fillRect(room, colour(role.Base))
+        painter.fillRect(room, color(role.Base))
         x = room.left() + np.linspace(0.0, room.width(), _BINS)
         y = room.bottom() - self._heights * (room.height() - 4.0)
         outline = [QPointF(a, b) for a, b in zip(x, y, strict=True)]
         painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(colour(role.PlaceholderText))
+        painter.setBrush(color(role.PlaceholderText))
         painter.drawPolygon(QPolygonF([room.bottomLeft(), *outline, room.bottomRight()]))
         low, high = (min(max(self.x_of(value), room.left()), room.right()) for value in self._window)
-        veil = colour(role.Window)
+        veil = color(role.Window)
         veil.setAlpha(170)
         painter.fillRect(QRectF(room.left(), room.top(), low - room.left(), room.height()), veil)
         painter.fillRect(QRectF(high, room.top(), room.right() - high, room.height()), veil)
-        painter.setPen(QPen(colour(role.Highlight), 2.0))
+        painter.setPen(QPen(color(role.Highlight), 2.0))
         for at in (low, high):
             painter.drawLine(QPointF(at, room.top()), QPointF(at, room.bottom()))
         painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(colour(role.Highlight))
+        painter.setBrush(color(role.Highlight))
         for at in (low, high):
             painter.drawRoundedRect(QRectF(at - 4.0, room.center().y() - 8.0, 8.0, 16.0), 2.0, 2.0)
         painter.end()

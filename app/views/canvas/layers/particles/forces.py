@@ -26,7 +26,7 @@ KINDS = {
     "damping": (tr("Damping"), theme.RESTING),
     "total": (tr("Total"), theme.CHOSEN),
 }
-"""Names and colours of the forces, in the order of the legend."""
+"""Names and colors of the forces, in the order of the legend."""
 
 _ALWAYS = ("coulomb", "lorentz", "damping", "total")
 """Forces that stand in the legend even where they are nothing."""
@@ -54,7 +54,7 @@ class ForceLayer(Layer):
     tip = tr("Coulomb, Lorentz and damping force on the particle nearest to the pointer.")
     shortcut = "Ctrl+8"
     initially = False
-    colours = (theme.OPEN, theme.CLOSED, theme.RESTING)
+    colors = (theme.OPEN, theme.CLOSED, theme.RESTING)
     options = (Amount("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -186,13 +186,13 @@ class ForceItem(Pinned):
         """Draw ring, arrows and legend."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        for colour, width in ((theme.HALO, 3.4), (theme.CHOSEN, 1.4)):
-            painter.setPen(QPen(QColor(colour), width))
+        for color, width in ((theme.HALO, 3.4), (theme.CHOSEN, 1.4)):
+            painter.setPen(QPen(QColor(color), width))
             painter.drawEllipse(self._at, 7.0, 7.0)
         for name, vector in self._arrows.items():
             path = _arrow(self._at, QPointF(vector[1], vector[0]))
-            for colour, width in ((theme.HALO, 4.6), (KINDS[name][1], 2.2)):
-                pen = QPen(QColor(colour), width)
+            for color, width in ((theme.HALO, 4.6), (KINDS[name][1], 2.2)):
+                pen = QPen(QColor(color), width)
                 pen.setCapStyle(Qt.PenCapStyle.RoundCap)
                 pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
                 painter.setPen(pen)
@@ -211,9 +211,9 @@ class ForceItem(Pinned):
         painter.drawText(
             QRectF(inner.left(), inner.top(), inner.width(), line), Qt.AlignmentFlag.AlignLeft, self._title
         )
-        for index, (name, colour, figure) in enumerate(self.lines, start=1):
+        for index, (name, color, figure) in enumerate(self.lines, start=1):
             row = QRectF(inner.left(), inner.top() + index * line, inner.width(), line)
-            painter.fillRect(QRectF(row.left(), row.center().y() - 1.5, _SWATCH, 3.0), QColor(colour))
+            painter.fillRect(QRectF(row.left(), row.center().y() - 1.5, _SWATCH, 3.0), QColor(color))
             painter.setPen(QColor(INK))
             painter.drawText(row.adjusted(_SWATCH + 6.0, 0, 0, 0), Qt.AlignmentFlag.AlignLeft, name)
             painter.drawText(row, Qt.AlignmentFlag.AlignRight, figure)

@@ -19,7 +19,7 @@ class GhostLayer(Layer):
     name = "ghost"
     title = tr("Compared branch")
     tip = tr("Particles and contours of the branch that is compared with.")
-    colours = (theme.GHOST,)
+    colors = (theme.GHOST,)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)

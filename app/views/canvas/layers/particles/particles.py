@@ -8,44 +8,44 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtGui import QColor
 
-from app.model.display.colouring import QUANTITIES, SHADES, InsertionTimes, coloured
+from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Choice
-from app.views.canvas.layers.particles.colour_legend import BEGIN, UNKNOWN, ColourLegend
-from app.views.theme import colour_maps, theme
+from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN, ColorLegend
+from app.views.theme import color_maps, theme
 from cpm_core.numerics.types import Array
 
 _STATE = "state"
-_COLOURS = ("viridis", "cividis", "magma")
+_COLORS = ("viridis", "cividis", "magma")
 
 
 class ParticleLayer(Layer):
-    """The particles, coloured by whether they rest or by a quantity."""
+    """The particles, colored by whether they rest or by a quantity."""
 
     name = "particles"
     title = tr("Particles")
     tip = tr("Moving, and nearly at rest.")
     shortcut = "Ctrl+1"
-    colours = (theme.MOVING, theme.RESTING)
+    colors = (theme.MOVING, theme.RESTING)
     ways: ClassVar = {_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
-    """What they can be coloured by: names and titles."""
+    """What they can be colored by: names and titles."""
     options = (
         Choice(
             "colour",
-            tr("Colour by"),
+            tr("Color by"),
             ways,
             _STATE,
             " ".join(quantity.tip for quantity in QUANTITIES.values()),
         ),
         Choice(
             "map",
-            tr("Colours"),
-            {name: colour_maps.MAPS[name] for name in _COLOURS},
+            tr("Colors"),
+            {name: color_maps.MAPS[name] for name in _COLORS},
             "viridis",
-            tr("Colours from little to much."),
+            tr("Colors from little to much."),
         ),
     )
 
@@ -54,7 +54,7 @@ class ParticleLayer(Layer):
         # Contours run over the particles at rest, so that both are seen, and under those that still move.
         self._resting = Discs(theme.RESTING, 7.0, 3.0)
         self._moving = Discs(theme.MOVING, 6.0, 6.0)
-        self.legend = ColourLegend(view)
+        self.legend = ColorLegend(view)
         self.add(self._resting, self._moving)
         self.pin(self.legend)
 
@@ -74,7 +74,7 @@ class ParticleLayer(Layer):
         self._show_legend()
 
     def follow_choice(self, name: str) -> None:
-        """Change the colours."""
+        """Change the colors."""
         palette = [] if self.word("colour") == _STATE else _palette(self.word("map"))
         for discs in (self._resting, self._moving):
             discs.use_palette(palette)
@@ -95,7 +95,7 @@ class ParticleLayer(Layer):
             self._moving.show(snapshot.position[~snapshot.resting])
         else:
             quantity = QUANTITIES[self.word("colour")]
-            shown = coloured(quantity, snapshot.state, InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered))
+            shown = colored(quantity, snapshot.state, InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered))
             for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
                 discs.show(snapshot.position[which], shown.marks[which])
             partly = bool((shown.marks == SHADES).any())
@@ -107,5 +107,5 @@ class ParticleLayer(Layer):
 
 
 def _palette(name: str) -> list[str]:
-    """Colours from little to much, and one for what is not known yet."""
-    return [QColor(*map(int, row)).name() for row in colour_maps.table(name, SHADES, BEGIN)] + [UNKNOWN]
+    """Colors from little to much, and one for what is not known yet."""
+    return [QColor(*map(int, row)).name() for row in color_maps.table(name, SHADES, BEGIN)] + [UNKNOWN]

@@ -39,7 +39,7 @@ class TrailLayer(Layer):
     tip = tr("Where each particle has been.")
     shortcut = "Ctrl+7"
     initially = False
-    colours = (theme.TRAIL,)
+    colors = (theme.TRAIL,)
     options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Moments that a trail reaches back.")),)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -75,19 +75,19 @@ class TrailLayer(Layer):
 
 
 class Segments(OverImage):
-    """Many short lines in bands of one colour that fade.
+    """Many short lines in bands of one color that fade.
 
     Parameters
     ----------
-    colour : str
-        Colour.
+    color : str
+        Color.
     z : float
         Place in the pile of layers.
     """
 
-    def __init__(self, colour: str, z: float) -> None:
+    def __init__(self, color: str, z: float) -> None:
         super().__init__(z, _RIM)
-        self._colour = colour
+        self._color = color
         self._bands: list[Array] = []
         self._lines = internals.PrimitiveArray(QLineF, 4)
 
@@ -111,7 +111,7 @@ class Segments(OverImage):
         painter.resetTransform()
         # A thousand lines look better smoothed; ten thousand would take several frames.
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, sum(map(len, self._bands)) < _MOST // 10)
-        colour = QColor(self._colour)
+        color = QColor(self._color)
         for age in range(len(self._bands) - 1, -1, -1):
             pairs = self._bands[age]
             if not len(pairs):
@@ -121,7 +121,7 @@ class Segments(OverImage):
             for end in (0, 1):
                 table[:, 2 * end] = transform.dx() + pairs[:, end, 1] * transform.m11()
                 table[:, 2 * end + 1] = transform.dy() + pairs[:, end, 0] * transform.m22()
-            colour.setAlphaF(0.85 * (1.0 - age / _BANDS) + 0.1)
-            painter.setPen(QPen(colour, 1.0))
+            color.setAlphaF(0.85 * (1.0 - age / _BANDS) + 0.1)
+            painter.setPen(QPen(color, 1.0))
             painter.drawLines(*self._lines.drawargs())
         painter.restore()

@@ -31,52 +31,52 @@ class Sketch:
     def __init__(self, painter: QPainter) -> None:
         self._painter = painter
 
-    def line(self, points: Sequence[Point], colour: str, width: float = 1.4, *, dashed: bool = False, ink: float = 1.0
+    def line(self, points: Sequence[Point], color: str, width: float = 1.4, *, dashed: bool = False, ink: float = 1.0
              ) -> None:  # fmt: skip
         """A line through points."""
-        self._painter.setPen(_pen(colour, width, dashed, ink))
+        self._painter.setPen(_pen(color, width, dashed, ink))
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
         self._painter.drawPolyline(QPolygonF([QPointF(x, y) for x, y in points]))
 
-    def curve(self, law: Callable[[float], float], colour: str, width: float = 1.4, *, low: float = 6.0,
+    def curve(self, law: Callable[[float], float], color: str, width: float = 1.4, *, low: float = 6.0,
               high: float = WIDTH - 6.0, ink: float = 1.0) -> None:  # fmt: skip
         """The graph of a law y(x)."""
         count = 60
         places = (low + (high - low) * n / count for n in range(count + 1))
-        self.line([(x, law(x)) for x in places], colour, width, ink=ink)
+        self.line([(x, law(x)) for x in places], color, width, ink=ink)
 
-    def particle(self, x: float, y: float, colour: str = PARTICLE, radius: float = 3.2, ink: float = 1.0) -> None:
+    def particle(self, x: float, y: float, color: str = PARTICLE, radius: float = 3.2, ink: float = 1.0) -> None:
         """A particle."""
-        brush = QColor(colour)
+        brush = QColor(color)
         brush.setAlphaF(max(0.0, min(1.0, ink)))
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(brush)
         self._painter.drawEllipse(QPointF(x, y), radius, radius)
 
-    def ring(self, x: float, y: float, across: float, down: float, colour: str, width: float = 1.6, *, ink: float = 1.0
+    def ring(self, x: float, y: float, across: float, down: float, color: str, width: float = 1.6, *, ink: float = 1.0
              ) -> None:  # fmt: skip
         """A closed contour."""
-        self._painter.setPen(_pen(colour, width, False, ink))
+        self._painter.setPen(_pen(color, width, False, ink))
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
         self._painter.drawEllipse(QPointF(x, y), across, down)
 
-    def block(self, x: float, y: float, across: float, down: float, grey: float, line: str = "") -> None:
-        """A rectangle from its upper left corner, of a grey from 0 to 1, with an outline if one is named."""
-        level = round(255 * max(0.0, min(1.0, grey)))
+    def block(self, x: float, y: float, across: float, down: float, gray: float, line: str = "") -> None:
+        """A rectangle from its upper left corner, of a gray from 0 to 1, with an outline if one is named."""
+        level = round(255 * max(0.0, min(1.0, gray)))
         self._painter.setPen(_pen(line, 1.4, False, 1.0) if line else QPen(Qt.PenStyle.NoPen))
         self._painter.setBrush(QColor(level, level, level))
         self._painter.drawRect(QRectF(x, y, across, down))
 
-    def arrow(self, x: float, y: float, length: float, colour: str) -> None:
+    def arrow(self, x: float, y: float, length: float, color: str) -> None:
         """An arrow to the right, or to the left when its length is negative."""
-        self._painter.setPen(_pen(colour, 1.3, False, 1.0))
+        self._painter.setPen(_pen(color, 1.3, False, 1.0))
         tip, way = x + length, math.copysign(3.0, length)
         self._painter.drawLines([QLineF(x, y, tip, y), QLineF(tip, y, tip - way, y - 2.2),
                                  QLineF(tip, y, tip - way, y + 2.2)])  # fmt: skip
 
-    def bracket(self, left: float, right: float, y: float, colour: str = MARK) -> None:
+    def bracket(self, left: float, right: float, y: float, color: str = MARK) -> None:
         """A span, marked from below."""
-        self.line([(left, y - 3), (left, y), (right, y), (right, y - 3)], colour, 1.2)
+        self.line([(left, y - 3), (left, y), (right, y), (right, y - 3)], color, 1.2)
 
 
 def ease(t: float, start: float, end: float) -> float:
@@ -85,8 +85,8 @@ def ease(t: float, start: float, end: float) -> float:
     return share * share * (3.0 - 2.0 * share)
 
 
-def _pen(colour: str, width: float, dashed: bool, ink: float) -> QPen:
-    shade = QColor(colour)
+def _pen(color: str, width: float, dashed: bool, ink: float) -> QPen:
+    shade = QColor(color)
     shade.setAlphaF(max(0.0, min(1.0, ink)))
     pen = QPen(shade, width)
     pen.setCapStyle(Qt.PenCapStyle.RoundCap)

@@ -1,4 +1,4 @@
-"""What particles can be coloured by: one number for each, and the range in which it is shown."""
+"""What particles can be colored by: one number for each, and the range in which it is shown."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cpm_core.segmentation.method import MethodState
 Marks = NDArray[np.uint8]
 
 SHADES = 32
-"""Colours of a palette; one more stands for what is not known yet."""
+"""Colors of a palette; one more stands for what is not known yet."""
 
 _USUAL = 99.0
 """Per cent of the particles that the range is made for: a single fast one must not make all others look alike."""
@@ -69,7 +69,7 @@ def convergence(state: MethodState, _: InsertionTimes) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """Something that particles can be coloured by.
+    """Something that particles can be colored by.
 
     Attributes
     ----------
@@ -103,8 +103,8 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Coloured:
-    """Particles by colour.
+class Colored:
+    """Particles by color.
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ class Coloured:
     high: float
 
 
-def coloured(quantity: Quantity, state: MethodState, inserted: InsertionTimes) -> Coloured:
+def colored(quantity: Quantity, state: MethodState, inserted: InsertionTimes) -> Colored:
     """Shades of all particles of a state; more of the quantity never gives a lower one."""
     values = quantity.of(state, inserted)
     unknown = np.isnan(values)
@@ -133,7 +133,7 @@ def coloured(quantity: Quantity, state: MethodState, inserted: InsertionTimes) -
     fraction[unknown] = 0.0
     marks = np.clip(np.rint(fraction * (SHADES - 1)), 0, SHADES - 1).astype(np.uint8)
     marks[unknown] = SHADES
-    return Coloured(marks, low, high)
+    return Colored(marks, low, high)
 
 
 def _end(values: Array) -> float:

@@ -1,4 +1,4 @@
-"""Colour maps that colour-blind people can read: brighter always means more."""
+"""Color maps that color-blind people can read: brighter always means more."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from app.model.text.language import tr
 
 Table = NDArray[np.uint8]
 
-GREY, INVERTED = "grey", "inverted"
+GRAY, INVERTED = "grey", "inverted"
 
 MAPS: dict[str, str] = {
-    GREY: tr("Grey"),
-    INVERTED: tr("Grey, inverted"),
+    GRAY: tr("Gray"),
+    INVERTED: tr("Gray, inverted"),
     "viridis": tr("Viridis"),
     "cividis": tr("Cividis"),
     "magma": tr("Magma"),
@@ -30,25 +30,25 @@ MAPS: dict[str, str] = {
 
 @lru_cache(maxsize=32)
 def table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
-    """Colours of a map from least to most, shape (entries, 3), not to be written to.
+    """Colors of a map from least to most, shape (entries, 3), not to be written to.
 
     Parameters
     ----------
     name : str
         One of `MAPS`.
     entries : int
-        Number of colours.
+        Number of colors.
     begin : float
-        Part of the map that is left out, from its darkest colour on.
+        Part of the map that is left out, from its darkest color on.
     """
     at = np.linspace(begin, 1.0, entries)
-    if name in (GREY, INVERTED):
-        ramp = np.rint(255.0 * (at if name == GREY else 1.0 - at)).astype(np.uint8)
-        colours = np.repeat(ramp[:, None], 3, axis=1)
+    if name in (GRAY, INVERTED):
+        ramp = np.rint(255.0 * (at if name == GRAY else 1.0 - at)).astype(np.uint8)
+        colors = np.repeat(ramp[:, None], 3, axis=1)
     else:
-        colours = np.asarray(pg.colormap.get(name).map(at, mode="byte")[:, :3], dtype=np.uint8)
-    colours.flags.writeable = False
-    return colours
+        colors = np.asarray(pg.colormap.get(name).map(at, mode="byte")[:, :3], dtype=np.uint8)
+    colors.flags.writeable = False
+    return colors
 
 
 def strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:

@@ -1,4 +1,4 @@
-"""The pictures of the gallery have the colours of the window's canvas."""
+"""The pictures of the gallery have the colors of the window's canvas."""
 
 import pytest
 
@@ -10,21 +10,21 @@ from cpm_core.cli.figures import plotting
     ("drawn", "shown"),
     [("PARTICLE", "MOVING"), *((name, name) for name in ("CLOSED", "OPEN", "JUNCTION", "FIELD", "HALO"))],
 )
-def test_the_gallery_and_the_window_mean_the_same_by_a_colour(drawn, shown):
+def test_the_gallery_and_the_window_mean_the_same_by_a_color(drawn, shown):
     assert getattr(plotting, drawn) == getattr(theme, shown)
 
 
-def luminance(colour):
+def luminance(color):
     """Relative luminance after WCAG 2."""
     red, green, blue = (
         value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
-        for value in (int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5))
+        for value in (int(color[at : at + 2], 16) / 255 for at in (1, 3, 5))
     )
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
 def contrast(one, other):
-    """Contrast ratio of two colours after WCAG 2."""
+    """Contrast ratio of two colors after WCAG 2."""
     light, dark = sorted((luminance(one), luminance(other)), reverse=True)
     return (light + 0.05) / (dark + 0.05)
 
@@ -57,9 +57,9 @@ def test_what_has_the_focus_and_what_is_disabled_can_be_told(used):
         assert contrast(used.faded, getattr(used, ground)) >= 1.9
 
 
-def seen(colour, kind):
-    """A colour as it is seen without one of the three receptors (simulation of Viénot, Brettel and Mollon, 1999)."""
-    rgb = [(int(colour[at : at + 2], 16) / 255) ** 2.2 for at in (1, 3, 5)]
+def seen(color, kind):
+    """A color as it is seen without one of the three receptors (simulation of Viénot, Brettel and Mollon, 1999)."""
+    rgb = [(int(color[at : at + 2], 16) / 255) ** 2.2 for at in (1, 3, 5)]
     long = 17.8824 * rgb[0] + 43.5161 * rgb[1] + 4.11935 * rgb[2]
     medium = 3.45565 * rgb[0] + 27.1554 * rgb[1] + 3.86714 * rgb[2]
     short = 0.0299566 * rgb[0] + 0.184309 * rgb[1] + 1.46709 * rgb[2]
@@ -79,15 +79,15 @@ def seen(colour, kind):
     "pair",
     [("MOVING", "RESTING"), ("CLOSED", "OPEN"), ("CLOSED", "MOVING"), ("REGION", "BARRIER"), ("OPEN", "RESTING")],
 )
-def test_colours_of_data_are_told_apart_by_colour_blind_people(kind, pair):
+def test_colors_of_data_are_told_apart_by_color_blind_people(kind, pair):
     one, other = (seen(getattr(theme, name), kind) for name in pair)
     assert sum((a - b) ** 2 for a, b in zip(one, other, strict=True)) ** 0.5 > 0.2
 
 
 @pytest.mark.parametrize("kind", ["protan", "deutan"])
 def test_thicknesses_get_lighter_for_everybody(kind):
-    lightness = [sum(seen(colour, kind)) for colour in theme.THICKNESSES]
-    shades = [luminance(colour) for colour in theme.THICKNESSES]
+    lightness = [sum(seen(color, kind)) for color in theme.THICKNESSES]
+    shades = [luminance(color) for color in theme.THICKNESSES]
     assert shades == sorted(shades)
     assert all(seen(a, kind) != seen(b, kind) for a, b in zip(theme.THICKNESSES, theme.THICKNESSES[1:], strict=False))
     assert len(set(lightness)) == len(lightness)

@@ -1,4 +1,4 @@
-"""Particles are coloured by what they do: more of it never gives a darker colour, and what is not known says so."""
+"""Particles are colored by what they do: more of it never gives a darker color, and what is not known says so."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
-from app.model.display.colouring import QUANTITIES, SHADES, InsertionTimes, age, coloured, convergence, speed
+from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, age, colored, convergence, speed
 from app.model.display.round_numbers import round_down, round_up
 from app.session.worker.run_record import RunRecord
 from app.views.canvas.items.discs import Discs
-from app.views.theme import colour_maps, theme
+from app.views.theme import color_maps, theme
 from cpm_core import Engine, Parameters
 from cpm_core.dynamics.equilibrium import epsilon
 from cpm_core.particles.coverage import no_coverage
@@ -47,7 +47,7 @@ def test_more_of_a_quantity_never_gives_a_lower_shade(name, seed, count):
         np.arange(1.0, 8.0), np.sort(np.random.default_rng(seed).integers(0, count + 1, 7)).astype(float)
     )
     values = QUANTITIES[name].of(state, inserted)
-    shown = coloured(QUANTITIES[name], state, inserted)
+    shown = colored(QUANTITIES[name], state, inserted)
     known = np.isfinite(values)
     assert (shown.marks[~known] == SHADES).all()
     assert (shown.marks[known] < SHADES).all()
@@ -56,7 +56,7 @@ def test_more_of_a_quantity_never_gives_a_lower_shade(name, seed, count):
 
 @pytest.mark.parametrize("name", ["viridis", "cividis", "magma"])
 def test_a_higher_shade_is_brighter(name):
-    red, green, blue = colour_maps.table(name, SHADES).astype(float).T
+    red, green, blue = color_maps.table(name, SHADES).astype(float).T
     assert (np.diff(0.2126 * red + 0.7152 * green + 0.0722 * blue) > 0).all()
 
 
@@ -93,11 +93,11 @@ def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(comp
     assert told.tolist() == expected
 
 
-def test_each_disc_has_the_colour_of_its_number(qapp):
-    colours = [f"#{red:02x}{green:02x}40" for red, green in itertools.product((0, 80, 160, 240), repeat=2)]
+def test_each_disc_has_the_color_of_its_number(qapp):
+    colors = [f"#{red:02x}{green:02x}40" for red, green in itertools.product((0, 80, 160, 240), repeat=2)]
     discs = Discs(theme.MOVING, 6.0, 0.0)
     discs.use_shape((100, 100))
-    discs.use_palette(colours)
+    discs.use_palette(colors)
     place = np.array([(10.0 * row, 10.0 * col) for row in range(1, 5) for col in range(1, 5)])
     discs.show(place, np.arange(16, dtype=np.uint8))
     drawn = QImage(500, 500, QImage.Format.Format_RGB32)
@@ -106,7 +106,7 @@ def test_each_disc_has_the_colour_of_its_number(qapp):
     painter.scale(10.0, 10.0)
     discs.paint(painter, QStyleOptionGraphicsItem())
     painter.end()
-    assert [drawn.pixelColor(int(10 * col), int(10 * row)).name() for row, col in place] == colours
+    assert [drawn.pixelColor(int(10 * col), int(10 * row)).name() for row, col in place] == colors
 
 
 @given(st.floats(1e-12, 1e12))
@@ -118,7 +118,7 @@ def test_round_numbers_lie_next_to_what_they_stand_for(value):
     assert value * (1 - 1e-9) <= round_up(value) <= 2.5 * value * (1 + 1e-9)
 
 
-def test_colours_are_chosen_by_keys_and_come_with_a_legend(window, hand, ready):
+def test_colors_are_chosen_by_keys_and_come_with_a_legend(window, hand, ready):
     layer = hand.canvas.layers["particles"]
     ready.session.step()
     hand.wait(lambda: layer.count > 0 and ready.session.status.step == 1)

@@ -1,4 +1,4 @@
-"""The legend of the colours of particles, in the lower right corner of the canvas."""
+"""The legend of the colors of particles, in the lower right corner of the canvas."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from PySide6.QtGui import QColor, QPainter
 
 from app.model.text.language import tr
 from app.views.canvas.items.pinned import INK, MARGIN, Pinned
-from app.views.theme import colour_maps, theme
+from app.views.theme import color_maps, theme
 
 BEGIN = 0.18
 """Part of the maps that is too dark to be told from a dark image."""
 
 UNKNOWN = theme.JUNCTION
-"""Colour of particles of which the quantity is not known yet; it is in none of the maps."""
+"""Color of particles of which the quantity is not known yet; it is in none of the maps."""
 
 _WIDTH, _STRIP, _PAD = 170.0, 8.0, 8.0
 
 
-class ColourLegend(Pinned):
-    """A title, a strip of colours, and the values at its ends.
+class ColorLegend(Pinned):
+    """A title, a strip of colors, and the values at its ends.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class ColourLegend(Pinned):
         self._view = view
         self._words = ("", "", "")
         self._partly = False
-        self._map = colour_maps.GREY
+        self._map = color_maps.GRAY
         view.sigResized.connect(self._place)
 
     @property
@@ -60,7 +60,7 @@ class ColourLegend(Pinned):
         painter.setPen(QColor(INK))
         painter.drawText(QRectF(inner.left(), inner.top(), inner.width(), line), Qt.AlignmentFlag.AlignHCenter, title)
         strip = QRectF(inner.left(), inner.top() + line + 2.0, inner.width(), _STRIP)
-        pixels = colour_maps.strip(self._map, 2 * round(strip.width()), 2 * round(strip.height()), BEGIN)
+        pixels = color_maps.strip(self._map, 2 * round(strip.width()), 2 * round(strip.height()), BEGIN)
         painter.drawPixmap(strip, pixels, QRectF(pixels.rect()))
         below = QRectF(inner.left(), strip.bottom() + 1.0, inner.width(), line)
         painter.drawText(below, Qt.AlignmentFlag.AlignLeft, low)
