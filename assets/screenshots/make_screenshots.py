@@ -143,9 +143,9 @@ def trust(stand: Stand) -> None:
     with tempfile.TemporaryDirectory() as folder:
         mask = Path(folder) / "nuclei_mask.png"
         Picture.fromarray((values > np.percentile(values, 88)).astype(np.uint8) * 255).save(mask)
-        window.session.review.truth.load(mask)
+        window.workspace.review.truth.load(mask)
         stand.settle()
-        wait(lambda: window.session.review.truth.idle)
+        wait(lambda: window.workspace.review.truth.idle)
     window.docks.reveal("truth")
     window.docks.reveal("contours")
     stand.do("next_contour")

@@ -63,7 +63,7 @@ def test_the_contour_is_drawn_in_its_color_and_the_image_in_its_gray(window, qtb
     def color(row: float, col: float) -> QColor:
         return picture.pixelColor(canvas.point((row, col)).toPoint() * ratio)
 
-    (found,) = window.session.review.items
+    (found,) = window.workspace.review.items
     drawn = [color(row, col) for row, col in found.contour.points[::10]]
     assert np.mean([seen.saturation() > 60 for seen in drawn]) > 0.9
     row, col = window.session.document.shapes[0].center
