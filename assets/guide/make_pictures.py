@@ -87,7 +87,7 @@ def main() -> None:
     window.actions_by_name["mode_skeleton"].trigger()
     session.reset()
     session.toggle()
-    wait(lambda: session.skeletons.found is not None)
+    wait(lambda: session.scene.skeleton is not None and session.idle)
     take(window, "artery_skeleton")
     show(window, "nuclei.png")
     take(window, "nuclei_start")

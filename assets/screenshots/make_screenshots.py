@@ -21,7 +21,6 @@ from PySide6.QtWidgets import QWidget
 
 from app.model.document import edits
 from app.model.document.samples import sample_called
-from app.session.features.timeline_navigation import navigation_of
 from app.views.application import make_application, open_window
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.view.mosaic import MosaicFeature
@@ -120,13 +119,13 @@ def steering(stand: Stand) -> None:
 
 def branches(stand: Stand) -> None:
     """Two ways on from step 40, compared."""
-    session, navigation = stand.window.session, navigation_of(stand.window.session)
+    session, navigation = stand.window.session, stand.window.workspace.navigation
     stand.run()
     navigation.go(navigation.outline.branch, 40)
     stand.settle()
     session.edit("damping", lambda document: edits.set_parameter(document, "beta", 2.5))
     stand.run(90)
-    navigation.compare(navigation.outline.branches[0].identity)
+    navigation.comparison.compare(navigation.outline.branches[0].identity)
     stand.settle()
     stand.take("branches")
 
@@ -143,9 +142,9 @@ def trust(stand: Stand) -> None:
     with tempfile.TemporaryDirectory() as folder:
         mask = Path(folder) / "nuclei_mask.png"
         Picture.fromarray((values > np.percentile(values, 88)).astype(np.uint8) * 255).save(mask)
-        window.workspace.review.truth.load(mask)
+        window.workspace.truth.load(mask)
         stand.settle()
-        wait(lambda: window.workspace.review.truth.idle)
+        wait(lambda: window.workspace.truth.idle)
     window.docks.reveal("truth")
     window.docks.reveal("contours")
     stand.do("next_contour")
@@ -158,7 +157,7 @@ def skeleton(stand: Stand) -> None:
     stand.open("artery.png")
     stand.do("mode_skeleton", "run")
     session = stand.window.session
-    wait(lambda: session.skeletons.found is not None)
+    wait(lambda: session.scene.skeleton is not None and session.idle)
     stand.take("skeleton")
 
 
