@@ -1,4 +1,4 @@
-"""The one place that tells the user of trouble and news: a bar at the top of the canvas."""
+"""The bar at the top of the canvas that shows errors and messages."""
 
 from __future__ import annotations
 
@@ -9,17 +9,12 @@ from app.model.text.language import tr
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 
-_NEWS_SHOWN = 6000
+_SHOWN = 6000
+"""Time after which a message disappears [ms]."""
 
 
 class MessageBar(QFrame):
-    """One sentence and a button to dismiss it; news go by themselves, trouble stays.
-
-    Parameters
-    ----------
-    parent : QWidget
-        Widget along whose upper edge it lies, without pushing anything aside.
-    """
+    """One sentence and a button to dismiss it, along the upper edge of `parent`; only errors stay."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -47,11 +42,11 @@ class MessageBar(QFrame):
 
     @property
     def text(self) -> str:
-        """What is shown, empty when nothing is."""
+        """The sentence shown, or empty."""
         return "" if self.isHidden() else self._label.text()
 
     def say(self, sentence: str, trouble: bool) -> None:
-        """Show a sentence; news does not push trouble away."""
+        """Show a sentence; it does not replace an error unless it is one."""
         if not trouble and not self.isHidden() and self.objectName() == "trouble":
             return
         self._label.setText(sentence)
@@ -68,10 +63,10 @@ class MessageBar(QFrame):
         if trouble:
             self._timer.stop()
         else:
-            self._timer.start(_NEWS_SHOWN)
+            self._timer.start(_SHOWN)
 
     def place(self) -> None:
-        """Lie along the upper edge of the parent."""
+        """Place the bar along the upper edge of the parent."""
         width = self._above.width()
         self.resize(width, self._row.totalHeightForWidth(width))
         self.move(0, 0)

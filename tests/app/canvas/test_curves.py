@@ -29,21 +29,21 @@ def test_what_is_left_out_is_out_of_sight(ready, hand, monkeypatch, factor) -> N
     hand.wait(lambda: ready.session.idle and hand.canvas.layers.contours.counts == (1, 0))
     ready.canvas_area.hint.hide()
     drawn: list[int] = []
-    in_sight = Curves._in_sight
+    in_sight = Curves._visible
 
     def counted(curves, painter, zoom):
         drawn.append(len(in_sight(curves, painter, zoom)))
         return in_sight(curves, painter, zoom)
 
-    monkeypatch.setattr(Curves, "_in_sight", counted)
+    monkeypatch.setattr(Curves, "_visible", counted)
     hand.canvas.zoom(factor, hand.canvas.point((32.0, 50.0)))
     seen = hand.canvas.grab().toImage()
     few = sum(drawn)
-    monkeypatch.setattr(Curves, "_in_sight", lambda curves, painter, zoom: list(range(len(curves._pieces))))
+    monkeypatch.setattr(Curves, "_visible", lambda curves, painter, zoom: list(range(len(curves._pieces))))
     for item in hand.canvas.layers.contours._lines:
         item.update()
     assert hand.canvas.grab().toImage() == seen
-    monkeypatch.setattr(Curves, "_in_sight", counted)
+    monkeypatch.setattr(Curves, "_visible", counted)
     if factor > 10.0:
         whole = sum(len(item._pieces) for item in hand.canvas.layers.contours._lines)
         assert 0 < few < whole * len(drawn)
