@@ -47,7 +47,7 @@ class FieldLayer(Layer):
             tr("Show as"),
             {_ARROWS: tr("Arrows"), _LINES: tr("Flow lines")},
             _ARROWS,
-            tr("The length of an arrow shows the strength of the force; flow lines show where it leads."),
+            tr("The length of an arrow shows the strength of the force; flow lines follow its direction."),
         ),
     )
 
