@@ -45,12 +45,12 @@ class MessageBar(QFrame):
         """The sentence shown, or empty."""
         return "" if self.isHidden() else self._label.text()
 
-    def say(self, sentence: str, trouble: bool) -> None:
+    def say(self, sentence: str, error: bool) -> None:
         """Show a sentence; it does not replace an error unless it is one."""
-        if not trouble and not self.isHidden() and self.objectName() == "trouble":
+        if not error and not self.isHidden() and self.objectName() == "error":
             return
         self._label.setText(sentence)
-        self.setObjectName("trouble" if trouble else "news")
+        self.setObjectName("error" if error else "message")
         self.style().unpolish(self)
         self.style().polish(self)
         for child in (self._label, self._button):
@@ -60,7 +60,7 @@ class MessageBar(QFrame):
         self.place()
         self.show()
         self.raise_()
-        if trouble:
+        if error:
             self._timer.stop()
         else:
             self._timer.start(_SHOWN)
@@ -78,5 +78,5 @@ class MessageBar(QFrame):
 
     def _tint(self) -> None:
         if self._theme is not None:
-            trouble = self.objectName() == "trouble"
-            self._button.setIcon(icon("close", self._theme.trouble_text if trouble else self._theme.news_text))
+            error = self.objectName() == "error"
+            self._button.setIcon(icon("close", self._theme.error_text if error else self._theme.message_text))

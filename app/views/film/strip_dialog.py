@@ -87,9 +87,9 @@ class StripDialog(QDialog):
         self.width_field.setRange(64, 1600)
         self.width_field.setSuffix(" px")
         self.width_field.setValue(320)
-        self._trouble = QLabel()
-        self._trouble.setObjectName("dim")
-        self._trouble.setWordWrap(True)
+        self._error = QLabel()
+        self._error.setObjectName("dim")
+        self._error.setWordWrap(True)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         self.export = buttons.addButton(tr("Save…"), QDialogButtonBox.ButtonRole.ActionRole)
         self.export.clicked.connect(self._ask_to_save)
@@ -111,7 +111,7 @@ class StripDialog(QDialog):
     @property
     def trouble(self) -> str:
         """The error in the choice, or empty."""
-        return self._trouble.text()
+        return self._error.text()
 
     def show_strip(self, pixels: Pixels) -> None:
         """Show a strip that is ready."""
@@ -141,7 +141,7 @@ class StripDialog(QDialog):
         layout = QVBoxLayout(self)
         layout.addWidget(self._preview, 1)
         layout.addLayout(row)
-        layout.addWidget(self._trouble)
+        layout.addWidget(self._error)
         layout.addWidget(buttons)
         self.resize(760, 520)
 
@@ -156,10 +156,10 @@ class StripDialog(QDialog):
         try:
             self.plan  # noqa: B018  # evaluated for its error
         except ValueError as error:
-            self._trouble.setText(str(error))
+            self._error.setText(str(error))
             self._later.stop()
             return
-        self._trouble.setText("")
+        self._error.setText("")
         self._later.start()
 
     def _begin(self) -> None:

@@ -54,10 +54,10 @@ class Theme:
     accent_hover: str
     chosen: str
     faded: str
-    trouble: str
-    trouble_text: str
-    news: str
-    news_text: str
+    error: str
+    error_text: str
+    message: str
+    message_text: str
 
 
 _COLORS = {
@@ -73,10 +73,10 @@ _COLORS = {
     "accent_hover": ("#185fbb", "#6ba8f5"),
     "chosen": ("#dbe8fa", "#2c425f"),
     "faded": ("#99a1ab", "#6c7682"),
-    "trouble": ("#fde3e1", "#4d2320"),
-    "trouble_text": ("#7d1a14", "#ffd9d5"),
-    "news": ("#dff0e6", "#1e3d2c"),
-    "news_text": ("#14532d", "#d4f3e0"),
+    "error": ("#fde3e1", "#4d2320"),
+    "error_text": ("#7d1a14", "#ffd9d5"),
+    "message": ("#dff0e6", "#1e3d2c"),
+    "message_text": ("#14532d", "#d4f3e0"),
 }
 """Light and dark color of each role."""
 
@@ -110,7 +110,7 @@ def _palette(theme: Theme) -> QPalette:
         role.Text: theme.text,
         role.Button: theme.button,
         role.ButtonText: theme.text,
-        role.BrightText: theme.trouble_text,
+        role.BrightText: theme.error_text,
         role.ToolTipBase: theme.base,
         role.ToolTipText: theme.text,
         role.PlaceholderText: theme.dim,
@@ -237,9 +237,9 @@ def _controls(theme: Theme) -> str:
 def _canvas(theme: Theme) -> str:
     """Message bar and hint on the canvas."""
     return f"""
-    QFrame#trouble {{ background: {theme.trouble}; border: none; }}
-    QFrame#trouble QLabel {{ color: {theme.trouble_text}; }}
-    QFrame#news {{ background: {theme.news}; border: none; }}
-    QFrame#news QLabel {{ color: {theme.news_text}; }}
+    QFrame#error {{ background: {theme.error}; border: none; }}
+    QFrame#error QLabel {{ color: {theme.error_text}; }}
+    QFrame#message {{ background: {theme.message}; border: none; }}
+    QFrame#message QLabel {{ color: {theme.message_text}; }}
     QLabel#hint {{ background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 6px 12px; }}
     """
