@@ -1,4 +1,4 @@
-"""Entry point of ``cpm`` and ``python -m app``: the window, or the command line when a subcommand is named."""
+"""Entry point of ``cpm`` and ``python -m app``: the window, or the command line for a subcommand."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status; 2 when the window cannot be opened or the arguments make no sense.
+        Exit status; 2 when the window cannot be opened or the arguments are invalid.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     if arguments and (arguments[0] in _COMMANDS or arguments[0].startswith("-")):
@@ -29,12 +29,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         return cli.main(arguments)
     if len(arguments) > 1:
-        return _refuse(f"The window opens one image but {len(arguments)} were named; see cpm --help.")
+        return _refuse(f"The window opens one image but {len(arguments)} arguments were given; see cpm --help.")
     return _open_window(arguments[0] if arguments else None)
 
 
 def _open_window(path: str | None) -> int:
-    # Qt is imported only here, so that the command line works where there is none.
+    # Qt is imported only here, so that the command line works without it.
     try:
         from app.views.window.display import why_no_window
 

@@ -1,1 +1,1 @@
-"""What is seen: the main window, the canvas with its layers and tools, and the panels."""
+"""The views: the main window, the canvas with its layers and tools, and the panels."""

@@ -18,14 +18,14 @@ from app.views.main_window import MainWindow
 from app.views.theme.icons import program_icon
 
 SWITCH_INTERVAL = 0.0002
-"""Longest time that the worker keeps the window waiting for the interpreter [s]."""
+"""Longest time that the window waits for the interpreter while the worker computes [s]."""
 
-PICTURE_CACHE = 256 * 1024
-"""Room for what the layers look like; with less than they take together, each would be painted in every frame [KB]."""
+PIXMAP_CACHE = 256 * 1024
+"""Size of the cache for rendered layers [KB]; if it is too small, each layer is painted in every frame."""
 
 
 def make_application() -> QApplication:
-    """The one QApplication, in the style that the window is made for."""
+    """The QApplication, with the style that the window needs."""
     application = QApplication.instance() or QApplication(sys.argv[:1])
     assert isinstance(application, QApplication)
     application.setApplicationName("cpm")
@@ -34,13 +34,13 @@ def make_application() -> QApplication:
     application.setStyle("Fusion")
     application.setWindowIcon(program_icon())
     pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
-    QPixmapCache.setCacheLimit(PICTURE_CACHE)
+    QPixmapCache.setCacheLimit(PIXMAP_CACHE)
     sys.setswitchinterval(SWITCH_INTERVAL)
     return application
 
 
 def open_window(path: str | None = None) -> MainWindow:
-    """Open a window with an image, on the first sample when none is named or the one named cannot be used."""
+    """Open a window with an image; without a usable one, with the first sample."""
     workspace = Workspace()
     window, session = MainWindow(workspace), workspace.session
     sample = samples()[0].path
@@ -55,9 +55,9 @@ def run(path: str | None = None) -> int:
     """Run the desktop program; returns its exit status."""
     application = make_application()
     window = open_window(path)
-    # Once it has its size; somebody who is here for the first time is shown around.
+    # After the window has its size; a new user is offered the tour.
     QTimer.singleShot(0, window, window.feature(HelpFeature).welcome)
-    # Ctrl+C in the terminal closes the window like its own button; Python looks for signals only when it is woken.
+    # Ctrl+C in the terminal closes the window; Python handles signals only while it runs, hence the timer.
     signal.signal(signal.SIGINT, lambda *_: window.close())
     wake = QTimer()
     wake.timeout.connect(lambda: None)

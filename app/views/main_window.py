@@ -1,4 +1,4 @@
-"""The main window: assembles, and holds no logic of its own."""
+"""The main window: it assembles features, panels and menus."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ from app.views.window.tool_palette import ToolPalette
 P = TypeVar("P", bound=Feature)
 
 _SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
-"""Size of the window where the screen has room for it, and what its frame may take of the screen."""
+"""Preferred size of the window, and space on the screen for its frame."""
 
-_GEOMETRY, _PLACES = "window/geometry", "window/panels"
-"""Preferences that keep the window's place and that of its panels."""
+_GEOMETRY, _LAYOUT = "window/geometry", "window/panels"
+"""Keys of the preferences for the geometry of the window and the layout of its panels."""
 
 
 class MainWindow(QMainWindow):
@@ -45,9 +45,9 @@ class MainWindow(QMainWindow):
     Parameters
     ----------
     workspace : Workspace
-        What it shows and drives; closed together with the window.
+        Session and features; closed together with the window.
     preferences : Preferences, optional
-        What is kept from one start to the next.
+        Settings that are stored between sessions.
     """
 
     def __init__(self, workspace: Workspace, preferences: Preferences | None = None) -> None:
@@ -82,7 +82,7 @@ class MainWindow(QMainWindow):
         self.panels = {panel.name: panel.widget for panel in panels}
         self.docks = Docks(self, panels)
         restore = QAction(tr("Restore pane&ls"), self)
-        restore.setStatusTip(tr("Put every panel where it was at first."))
+        restore.setStatusTip(tr("Move every panel to its initial place."))
         restore.triggered.connect(self.docks.restore)
         self.menus.add_section("View", (*(dock.toggleViewAction() for dock in self.docks), restore))
         self._palette_of_tools = ToolPalette(self.actions_by_name)
@@ -94,7 +94,7 @@ class MainWindow(QMainWindow):
         session.status_changed.connect(self._show)
         self.use_theme(self.feature(AppearanceFeature).theme())
         self._show()
-        self._restore_places()
+        self._restore_geometry()
         self.canvas_area.canvas.setFocus()
         self._garbage.start()
 
@@ -105,16 +105,16 @@ class MainWindow(QMainWindow):
         return feature
 
     def refresh(self) -> None:
-        """Show the situation anew."""
+        """Update actions and hint."""
         self._show()
         self.canvas_area.refresh()
 
     def open_image(self, path: str) -> None:
-        """Open an image or a session; what was said about an earlier one is over."""
+        """Open an image or a session."""
         self.feature(OpenSaveFeature).take([Path(path)])
 
     def use_theme(self, used: theme.Theme) -> None:
-        """Take on a theme."""
+        """Apply a theme."""
         theme.apply_theme(used)
         self.actions_by_name.use_theme(used)
         self._palette_of_tools.use_theme(used)
@@ -123,10 +123,10 @@ class MainWindow(QMainWindow):
         for feature in self.features.values():
             feature.use_theme(used)
 
-    # What Qt calls
+    # Called by Qt
 
     def event(self, event: QEvent) -> bool:
-        """Let Space press the button that has the focus, before it is a key of the window."""
+        """Let Space press the focused button instead of running the shortcut of the window."""
         if (
             event.type() == QEvent.Type.ShortcutOverride
             and isinstance(event, QKeyEvent)
@@ -139,12 +139,12 @@ class MainWindow(QMainWindow):
         return super().event(event)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Disappear at once, then stop the worker; a feature that has a reason may keep the window open."""
+        """Hide at once, then stop the worker; a feature may keep the window open."""
         if not all(feature.close() for feature in self.features.values()):
             event.ignore()
             return
         self.preferences.put(_GEOMETRY, self.saveGeometry())
-        self.preferences.put(_PLACES, self.saveState(self.docks.version))
+        self.preferences.put(_LAYOUT, self.saveState(self.docks.version))
         self.docks.leave()
         self.hide()
         self.workspace.close()
@@ -152,24 +152,23 @@ class MainWindow(QMainWindow):
         super().closeEvent(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Files are welcome."""
+        """Accept files."""
         if event.mimeData().hasUrls():
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Take in the files dropped."""
+        """Open the dropped files."""
         event.acceptProposedAction()
         self.feature(OpenSaveFeature).take_dropped(event.mimeData().urls())
 
     def _reveal(self, name: str) -> None:
-        self.docks.reveal(name)
+        self.docks.reveal(name)  # the docks are made after the features
 
     def _show(self) -> None:
-        situation = self.session.situation
-        self.actions_by_name.show(situation)
+        self.actions_by_name.show(self.session.situation)
 
-    def _restore_places(self) -> None:
+    def _restore_geometry(self) -> None:
         geometry = self.preferences.get(_GEOMETRY, QByteArray())
         if not geometry.isEmpty():
             self.restoreGeometry(geometry)
-            self.restoreState(self.preferences.get(_PLACES, QByteArray()), self.docks.version)
+            self.restoreState(self.preferences.get(_LAYOUT, QByteArray()), self.docks.version)

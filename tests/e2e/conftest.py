@@ -1,4 +1,4 @@
-"""Nothing of these tests touches what the person at this computer prefers or has not saved."""
+"""These tests use neither the preferences nor the unsaved work of the user of this computer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the start of the window to the exported files, as a new user goes."""
+"""From the start of the window to the exported files, as a new user works."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def test_every_sample_opens_ready_and_runs(window, qtbot) -> None:
         window.session.reset()
 
 
-def test_a_named_file_that_is_no_image_is_told_and_the_window_starts_on_the_sample(qtbot, tmp_path) -> None:
+def test_a_file_that_is_not_an_image_is_reported_and_the_window_opens_the_sample(qtbot, tmp_path) -> None:
     path = tmp_path / "notes.txt"
     path.write_text("no picture")
     make_application()

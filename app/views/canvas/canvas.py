@@ -8,23 +8,17 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from app.model.text.language import tr
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.layers.layer import Requests
-from app.views.canvas.tools.tool import Grip, Tool
+from app.views.canvas.tools.tool import Tool
 from cpm_core.numerics.types import Position
 
 REACH = 8.0
-"""How far off a line or handle the pointer still takes hold of it [px of the screen]."""
+"""Distance from a line or handle within which the pointer takes hold of it [px of the screen]."""
 
 ZOOM = 1.2
 
 
 class Canvas(ImageView):
-    """Pans and zooms by the pointer, and hands the left button to the tool in use.
-
-    Parameters
-    ----------
-    requests : Requests
-        Where layers ask for what the worker makes.
-    """
+    """Pans and zooms by the pointer, and passes the left button to the tool in use."""
 
     pointed = Signal(object)
     """Position (row, col) under the pointer, or None when it has left."""
@@ -39,7 +33,7 @@ class Canvas(ImageView):
         self.setMinimumSize(320, 240)
         self.setAccessibleName(tr("Image"))
         self.tool: Tool | None = None
-        self.grip: Grip | None = None
+        self.grip: Tool | None = None
         self.led_by_keys = False
         self._dragged: Tool | None = None
         self._pointer: Position | None = None
@@ -47,7 +41,7 @@ class Canvas(ImageView):
 
     @property
     def gesturing(self) -> bool:
-        """Whether a tool is in the middle of something."""
+        """Whether a tool has an unfinished gesture or draft."""
         return self._dragged is not None or (self.tool is not None and self.tool.drafting)
 
     @property
@@ -56,19 +50,19 @@ class Canvas(ImageView):
         return self._dragged is not None
 
     def use_image(self) -> None:
-        """What was begun on another image is over."""
+        """Cancel what was begun on another image."""
         self.cancel()
         super().use_image()
 
     def cancel(self) -> None:
-        """Give up what a tool is in the middle of."""
+        """Cancel the gesture or draft of the tool."""
         tool = self._dragged or (self.tool if self.gesturing else None)
         self._dragged = None
         if tool is not None:
             tool.cancel()
 
     def use(self, tool: Tool) -> None:
-        """Hand the left button to another tool."""
+        """Pass the left button to another tool."""
         self.cancel()
         if self.tool is not None:
             self.tool.put_away()
@@ -77,16 +71,16 @@ class Canvas(ImageView):
             tool.hover(self._pointer)
         self.viewport().setCursor(tool.cursor((-1e9, -1e9), 0.0))
 
-    # What pointer and keys do alike
+    # Common to pointer and keys
 
     def press_at(self, at: Position, reach: float | None = None) -> None:
-        """The left button goes down over a position; `reach` is how far off still counts [px of the image]."""
+        """Press the left button over a position; `reach` is the tolerance for hits [px of the image]."""
         if self.tool is not None and self.shape is not None:
             self._dragged = self._tool_at(at)
             self._dragged.press(at, self._reach() if reach is None else reach)
 
     def lead_to(self, at: Position) -> None:
-        """The pointer has come to a position."""
+        """Move the pointer to a position."""
         self._pointer = at
         if self._dragged is not None:
             self._dragged.drag(at)
@@ -96,29 +90,29 @@ class Canvas(ImageView):
         self.pointed.emit(at)
 
     def let_go(self) -> None:
-        """The left button comes up."""
+        """Release the left button."""
         if self._dragged is not None:
             tool, self._dragged = self._dragged, None
             tool.release()
 
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
-        """Keys are held that may bend what is drawn to a rule."""
+        """Pass the modifier keys that are held to the tool; they may constrain the shape."""
         tool = self._dragged or self.tool
         if tool is not None:
             tool.bend(modifiers)
 
     def leave(self) -> None:
-        """Nothing lies under the pointer any more."""
+        """Take the pointer off the canvas."""
         self._pointer = None
         if self.tool is not None:
             self.tool.put_away()
         self.pointed.emit(None)
 
     def grips(self, at: Position) -> bool:
-        """Whether a handle lies at a position that comes before the tool in use."""
+        """Whether a handle at a position has priority over the tool in use."""
         return self._tool_at(at) is not self.tool
 
-    # What Qt calls
+    # Called by Qt
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin a gesture or a pan."""
@@ -132,7 +126,7 @@ class Canvas(ImageView):
             self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Go on with it, or tell what is under the pointer."""
+        """Continue it, or report the position of the pointer."""
         event.accept()
         at = self.position(event.position())
         if self._panned_from is not None:
@@ -156,7 +150,7 @@ class Canvas(ImageView):
                 self.viewport().setCursor(self._tool_at(at).cursor(at, self._reach()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """A second click is a click like any other."""
+        """Treat the second click like any other."""
         self.mousePressEvent(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -165,27 +159,27 @@ class Canvas(ImageView):
         self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Keys are left to whoever listens."""
+        """Leave keys to the window."""
         event.ignore()
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Not ours."""
+        """Leave keys to the window."""
         event.ignore()
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Tell that the pointer is gone."""
+        """Report that the pointer has left."""
         if not self.led_by_keys:
             self.leave()
         super().leaveEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """A drag does not outlive the focus."""
+        """Cancel the drag when the window loses the focus."""
         if self._dragged is not None and event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
             self.cancel()
         super().focusOutEvent(event)
 
     def _tool_at(self, at: Position) -> Tool:
-        """The tool that a press would go to: what takes hold of a handle comes before the tool in use."""
+        """The tool that receives a press: one that takes hold of a handle has priority over the tool in use."""
         assert self.tool is not None
         if self.grip is not None and not self.tool.drafting and self.grip.grips(at, self._reach()):
             return self.grip

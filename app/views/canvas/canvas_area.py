@@ -1,4 +1,4 @@
-"""The stage: the canvas with the message bar and the hint upon it, following the session."""
+"""The canvas with message bar and hint; it follows the session."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from app.views.canvas.crosshair import Crosshair
 from app.views.canvas.message_bar import MessageBar
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
-from app.views.canvas.tools.tool import Tool
+from app.views.canvas.tools.tool import Tool, ToolContext
 from cpm_core.shapes import Circle
 
 FIRST_TOOL = "circle"
@@ -32,19 +32,11 @@ _DRAFT_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Backspace)
 _PAN = 40.0
 _MIDDLE_FRACTION = 0.2
 _BESIDE_HINT = 16
-"""Least room to either side of the hint [px]."""
+"""Least space on either side of the hint [px]."""
 
 
 class CanvasArea(QWidget):
-    """Shows the canvas and lets the tools work on it.
-
-    Parameters
-    ----------
-    session : Session
-        Whose scene is shown, and whose document the tools edit.
-    review : ContourReview
-        By which contours are picked.
-    """
+    """Shows the scene of a session on the canvas, and lets the tools edit its document and select contours."""
 
     def __init__(self, session: Session, review: ContourReview) -> None:
         super().__init__()
@@ -63,10 +55,9 @@ class CanvasArea(QWidget):
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
         drawing = self.canvas.layers.drawing
-        self._tools: dict[str, Tool] = {
-            entry.name: entry.make(session, review, drawing, lambda: self.show_hint(self._hint)) for entry in TOOLS
-        }
-        self.canvas.grip = SelectTool(session)
+        tools = ToolContext(session, review, drawing, advised=lambda: self.show_hint(self._hint))
+        self._tools: dict[str, Tool] = {entry.name: entry.make(tools) for entry in TOOLS}
+        self.canvas.grip = SelectTool(tools)
         self.canvas.installEventFilter(self)
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
@@ -76,7 +67,7 @@ class CanvasArea(QWidget):
         self._draw()
 
     def use_tool(self, name: str) -> None:
-        """Change the tool; who is about to draw is done with what was selected, whose handles would be in the way."""
+        """Change the tool; a drawing tool deselects the shape, because its handles would be in the way."""
         self.canvas.use(self._tools[name])
         if name != "select":
             self._session.select(None)
@@ -84,7 +75,7 @@ class CanvasArea(QWidget):
         self.show_hint(self._hint)
 
     def escape(self) -> None:
-        """Give up what is being drawn; when nothing is, dismiss the message and select nothing."""
+        """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
         if self.canvas.gesturing:
             self.canvas.cancel()
         elif self.crosshair.at is not None:
@@ -95,11 +86,11 @@ class CanvasArea(QWidget):
             self._review.select(())
 
     def refresh(self) -> None:
-        """Say anew what to do next."""
+        """Update the hint."""
         self.show_hint(self._session.resolved.hint)
 
     def show_hint(self, text: str) -> None:
-        """Say what to do next, at the foot of the canvas; a tool that wants to say something comes first."""
+        """Show what to do next at the bottom of the canvas; advice of the tool has priority."""
         self._hint = text
         tool = self.canvas.tool
         if tool is not None and self._session.document.image is not None:
@@ -110,7 +101,7 @@ class CanvasArea(QWidget):
             self._place_hint()
 
     def add_circle(self) -> None:
-        """Draw a circle in the middle of what is seen."""
+        """Add a circle in the middle of the visible part."""
         seen = self.canvas.view.viewRect()
         image = self._session.document.image
         if image is None:
@@ -123,7 +114,7 @@ class CanvasArea(QWidget):
         self._session.select(len(self._session.document.shapes) - 1)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Keys for the selected shape, and the places of bar and hint when the canvas changes its size."""
+        """Handle keys for the selected shape, and place bar and hint when the canvas is resized."""
         if event.type() == QEvent.Type.Resize:
             self.messages.place()
             self._place_hint()
@@ -138,11 +129,11 @@ class CanvasArea(QWidget):
         self.canvas.draw(self._session.scene)
 
     def _follow_contours(self) -> None:
-        """What is not seen cannot be picked."""
+        """Contours that are not visible cannot be selected."""
         self._review.rejected_seen = bool(self.canvas.layers.contours.chosen["rejected"])
 
     def _wants(self, event: QKeyEvent) -> bool:
-        """Whether a key that is a shortcut of the window belongs to what is being drawn, or to a size."""
+        """Whether a key that is also a shortcut of the window belongs to the draft or changes a size."""
         tool = self.canvas.tool
         if tool is None:
             return False

@@ -1,4 +1,4 @@
-"""The one place where rows and columns become x and y."""
+"""Conversions between positions (row, col) and points (x, y) of the canvas."""
 
 from __future__ import annotations
 
@@ -20,6 +20,6 @@ def to_position(point: QPointF) -> Position:
 
 
 def image_rectangle(shape: tuple[int, ...]) -> QRectF:
-    """Rectangle that an image fills on the canvas; it begins half a pixel before the center of its first."""
+    """Rectangle of an image on the canvas; it begins half a pixel before the center of the first pixel."""
     rows, cols = shape
     return QRectF(-0.5, -0.5, cols, rows)

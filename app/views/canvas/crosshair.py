@@ -1,4 +1,4 @@
-"""The cross-hair: what keys move on the image in place of the pointer, so that every tool can be used without one."""
+"""The cross-hair: keys move it in place of the pointer, so that every tool can be used without a mouse."""
 
 from __future__ import annotations
 
@@ -18,25 +18,17 @@ from cpm_core.numerics.types import Position
 
 _Z = 9.0
 _ARM, _GAP = 18.0, 4.0
-"""How far its lines reach, and how far from the place itself they begin [px of the screen]."""
+"""Distances from its center at which its lines end and begin [px of the screen]."""
 
 _FINE = 0.5
-"""How far off still counts for a tool that works by clicks [px of the image]: keys tell a place without trembling."""
+"""Tolerance for hits of tools that work by clicks [px of the image]; keys are more precise than a pointer."""
 
 _MARGIN = 24.0
-"""How near to the edge of what is seen it may come before the image is moved [px of the screen]."""
+"""Distance from the border of the canvas at which the image is moved [px of the screen]."""
 
 
 class Crosshair:
-    """Presses, drags and lets go on the canvas as the left button does.
-
-    Parameters
-    ----------
-    canvas : Canvas
-        Where it lies.
-    changed : callable
-        Told that `advice` may have changed.
-    """
+    """Presses, drags and releases on the canvas like the left button; `changed` is called when `advice` may change."""
 
     def __init__(self, canvas: Canvas, changed: Callable[[], None]) -> None:
         self._canvas = canvas
@@ -53,7 +45,7 @@ class Crosshair:
 
     @property
     def at(self) -> Position | None:
-        """Where it lies, (row, col); None while it is hidden."""
+        """Its position (row, col); None while it is hidden."""
         return self._at
 
     @property
@@ -62,18 +54,18 @@ class Crosshair:
         tool = self._canvas.tool
         if self._at is None or tool is None:
             return ""
-        told = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} Esc puts it away.")
-        return told.format(what=tool.by_keys)
+        text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} Esc puts it away.")
+        return text.format(what=tool.by_keys)
 
     def toggle(self) -> None:
-        """Show it, or put it away."""
+        """Show or hide it."""
         if self._at is None:
             self.show()
         else:
             self.hide()
 
     def show(self) -> None:
-        """Show it under the pointer, or in the middle of what is seen."""
+        """Show it under the pointer, or in the center of the canvas."""
         canvas = self._canvas
         shape = canvas.shape
         if shape is None:
@@ -86,7 +78,7 @@ class Crosshair:
         canvas.setFocus()
 
     def hide(self) -> None:
-        """Put it away."""
+        """Hide it."""
         if self._at is not None:
             if self._canvas.dragging:
                 self._canvas.cancel()
@@ -97,12 +89,12 @@ class Crosshair:
             self._changed()
 
     def move(self, down: float, right: float) -> None:
-        """Move it by px of the image, and what is being dragged with it."""
+        """Move it, and what is being dragged, by px of the image."""
         if self._at is not None:
             self._place((self._at[0] + down, self._at[1] + right))
 
     def enter(self) -> None:
-        """Press, let go, or both, as the tool works."""
+        """Press, release, or click, depending on the tool."""
         canvas, at = self._canvas, self._at
         tool = canvas.tool
         if at is None or tool is None:
@@ -143,5 +135,5 @@ class Crosshair:
 
 
 def _beyond(place: float, first: float, last: float) -> float:
-    """How far a place lies outside two bounds, less than 0 before the first."""
+    """Signed distance of a place outside two bounds, negative before the first, 0 between them."""
     return min(place - first, 0.0) + max(place - last, 0.0)

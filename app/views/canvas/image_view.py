@@ -1,4 +1,4 @@
-"""A view of an image with everything that is drawn over it: which scene, and where one looks."""
+"""A view of an image and the layers over it, with zoom and pan."""
 
 from __future__ import annotations
 
@@ -20,20 +20,7 @@ _MARGIN = 0.04
 
 
 class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hints
-    """Shows the layers of a scene, and zooms and pans.
-
-    Parameters
-    ----------
-    requests : Requests
-        Where layers ask for what the worker makes.
-
-    Attributes
-    ----------
-    view : pg.ViewBox
-        Where the layers lie.
-    layers : Layers
-        What is drawn.
-    """
+    """Shows the `layers` of a scene in the box `view`, and zooms and pans; `requests` asks the worker for data."""
 
     def __init__(self, requests: Requests) -> None:
         super().__init__(background=theme.CANVAS)
@@ -50,14 +37,14 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         return self._scene.image.shape if self._scene.image is not None else None
 
     def draw(self, scene: Scene) -> None:
-        """Draw a scene; another image is seen as a whole."""
+        """Draw a scene; another image is shown as a whole."""
         before, self._scene = self._scene, scene
         if scene.image is not before.image:
             self.use_image()
         self.layers.draw(scene)
 
     def use_image(self) -> None:
-        """There is another image."""
+        """Begin with another image."""
         self.fit()
 
     def fit(self) -> None:
@@ -67,7 +54,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
             self._fitted = True
 
     def zoom(self, factor: float, around: QPointF | None = None) -> None:
-        """Enlarge by `factor` around a point of the widget, its middle unless given."""
+        """Enlarge by `factor` around a point of the widget, by default its center."""
         point = around if around is not None else QPointF(self.rect().center())
         self.view.scaleBy(
             (1.0 / factor, 1.0 / factor), center=self.view.mapSceneToView(self.mapToScene(point.toPoint()))
@@ -75,7 +62,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         self._fitted = False
 
     def pan(self, right: float, down: float) -> None:
-        """Move what is seen by pixels of the screen."""
+        """Move the visible part by pixels of the screen."""
         width, height = self.view.viewPixelSize()
         self.view.translateBy(x=right * width, y=down * height)
         self._fitted = False
@@ -94,11 +81,11 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         return QPointF(self.mapFromScene(self.view.mapViewToScene(QPointF(position[1], position[0]))))
 
     def view_state(self) -> dict[str, Any]:
-        """Where one looks and how each layer is shown, as plain JSON for a session file."""
+        """Visible part and state of each layer, as plain JSON for a session file."""
         return {"place": self._place(), "layers": {layer.name: layer.view_state() for layer in self.layers}}
 
     def use_view_state(self, state: Mapping[str, Any]) -> None:
-        """Look as a session file says; what it does not say, or says wrongly, stays as it is."""
+        """Restore the state from a session file; missing or invalid entries change nothing."""
         place, layers = state.get("place"), state.get("layers")
         self._use_place(place if isinstance(place, dict) else {})
         for layer in self.layers:
@@ -107,20 +94,20 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
                 layer.use_view_state(kept)
 
     def resizeEvent(self, event: QResizeEvent | None) -> None:
-        """Keep the whole image in sight for as long as the user has not zoomed."""
+        """Keep the whole image visible until the user zooms."""
         super().resizeEvent(event)
         if getattr(self, "_fitted", False):
             self.fit()
 
     def _place(self) -> dict[str, object]:
-        """Where one looks: nothing while the whole image is in sight."""
+        """The visible part, empty while the whole image is visible."""
         if self._fitted:
             return {}
         seen = self.view.viewRect()
         return {"center": [seen.center().y(), seen.center().x()], "rows": seen.height()}
 
     def _use_place(self, state: dict[str, object]) -> None:
-        """Look where a session file says; where it says nothing, or nonsense, at the whole image."""
+        """Restore the visible part from a session file; without a valid one, show the whole image."""
         self.fit()
         center, rows = state.get("center"), state.get("rows")
         if not isinstance(center, list) or not isinstance(rows, int | float) or not 0.01 <= rows <= 1e6:

@@ -1,4 +1,4 @@
-"""The one place that tells the user of trouble and news: a bar at the top of the canvas."""
+"""The bar at the top of the canvas that shows errors and messages."""
 
 from __future__ import annotations
 
@@ -9,17 +9,12 @@ from app.model.text.language import tr
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 
-_NEWS_SHOWN = 6000
+_SHOWN = 6000
+"""Time after which a message disappears [ms]."""
 
 
 class MessageBar(QFrame):
-    """One sentence and a button to dismiss it; news go by themselves, trouble stays.
-
-    Parameters
-    ----------
-    parent : QWidget
-        Widget along whose upper edge it lies, without pushing anything aside.
-    """
+    """One sentence and a button to dismiss it, along the upper edge of `parent`; only errors stay."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -47,15 +42,15 @@ class MessageBar(QFrame):
 
     @property
     def text(self) -> str:
-        """What is shown, empty when nothing is."""
+        """The sentence shown, or empty."""
         return "" if self.isHidden() else self._label.text()
 
-    def say(self, sentence: str, trouble: bool) -> None:
-        """Show a sentence; news does not push trouble away."""
-        if not trouble and not self.isHidden() and self.objectName() == "trouble":
+    def say(self, sentence: str, error: bool) -> None:
+        """Show a sentence; it does not replace an error unless it is one."""
+        if not error and not self.isHidden() and self.objectName() == "error":
             return
         self._label.setText(sentence)
-        self.setObjectName("trouble" if trouble else "news")
+        self.setObjectName("error" if error else "message")
         self.style().unpolish(self)
         self.style().polish(self)
         for child in (self._label, self._button):
@@ -65,13 +60,13 @@ class MessageBar(QFrame):
         self.place()
         self.show()
         self.raise_()
-        if trouble:
+        if error:
             self._timer.stop()
         else:
-            self._timer.start(_NEWS_SHOWN)
+            self._timer.start(_SHOWN)
 
     def place(self) -> None:
-        """Lie along the upper edge of the parent."""
+        """Place the bar along the upper edge of the parent."""
         width = self._above.width()
         self.resize(width, self._row.totalHeightForWidth(width))
         self.move(0, 0)
@@ -83,5 +78,5 @@ class MessageBar(QFrame):
 
     def _tint(self) -> None:
         if self._theme is not None:
-            trouble = self.objectName() == "trouble"
-            self._button.setIcon(icon("close", self._theme.trouble_text if trouble else self._theme.news_text))
+            error = self.objectName() == "error"
+            self._button.setIcon(icon("close", self._theme.error_text if error else self._theme.message_text))

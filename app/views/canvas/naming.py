@@ -1,4 +1,4 @@
-"""A field on the canvas in which a contour is named."""
+"""A field on the canvas for the name of a contour."""
 
 from __future__ import annotations
 
@@ -15,15 +15,7 @@ _WIDTH = 170
 
 
 class NameField(QLineEdit):
-    """Takes the name of one contour: Enter gives it, Esc leaves everything as it was.
-
-    Parameters
-    ----------
-    canvas : Canvas
-        What it lies on.
-    review : ContourReview
-        What it names.
-    """
+    """Asks for the name of one contour of a review: Enter accepts it, Esc changes nothing."""
 
     def __init__(self, canvas: Canvas, review: ContourReview) -> None:
         super().__init__(canvas)
@@ -53,7 +45,7 @@ class NameField(QLineEdit):
         self.setFocus()
 
     def event(self, event: QEvent) -> bool:
-        """Esc is no key of the window as long as a name is written."""
+        """While a name is written, Esc is not a shortcut of the window."""
         override = event.type() == QEvent.Type.ShortcutOverride
         if override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
             event.accept()
@@ -61,15 +53,15 @@ class NameField(QLineEdit):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc gives up."""
+        """Cancel with Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self._leave()
         else:
             super().keyPressEvent(event)
-            event.accept()  # what the field has no use for is no key of the canvas either
+            event.accept()  # keys that the field does not use must not reach the canvas
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Whoever goes elsewhere is done with it."""
+        """Accept the name when the focus moves elsewhere."""
         super().focusOutEvent(event)
         if event.reason() != Qt.FocusReason.PopupFocusReason and self.isVisible():
             self._give()

@@ -1,4 +1,4 @@
-"""What lies under the pointer, in the status bar."""
+"""Position and gray value under the pointer, in the status bar."""
 
 from __future__ import annotations
 
@@ -13,15 +13,7 @@ from cpm_core.numerics.types import Position
 
 
 class PointerReadout(QLabel):
-    """Row, column and gray value; with the size of a pixel known, the place in its unit as well.
-
-    Parameters
-    ----------
-    session : Session
-        Whose image it reads.
-    canvas : Canvas
-        Whose pointer it follows.
-    """
+    """Row, column and gray value; where the size of a pixel is known, also the position in its unit."""
 
     def __init__(self, session: Session, canvas: Canvas) -> None:
         super().__init__()

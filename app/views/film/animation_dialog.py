@@ -1,4 +1,4 @@
-"""The dialog that asks how an animation is to be."""
+"""The dialog for the export of an animation."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from app.views.film.step_choice import every
 from cpm_core.formats.animations import mp4
 
 _FORMATS = (
-    (".gif", tr("GIF, which everything shows")),
-    (".png", tr("APNG, in full color, which browsers show")),
+    (".gif", tr("GIF, shown by all programs")),
+    (".png", tr("APNG, in full color, shown by browsers")),
     (".mp4", tr("MP4, a film for slides and players")),
 )
 _KEY = "animation/"
@@ -35,18 +35,18 @@ _KEY = "animation/"
 
 @dataclass(frozen=True, slots=True)
 class AnimationPlan:
-    """How an animation is to be.
+    """Settings of an animation.
 
     Attributes
     ----------
     steps : tuple of int
-        Steps, a frame each.
+        Steps, one per frame.
     size : tuple of int
         Width and height of a frame [px].
     frames_per_second : int
         Speed.
     zoomed : bool
-        Whether only what the canvas shows now is seen.
+        Whether frames show only the visible part of the canvas.
     suffix : str
         Format.
     """
@@ -59,18 +59,9 @@ class AnimationPlan:
 
 
 class AnimationDialog(QDialog):
-    """Asks for steps, size, speed and format.
+    """Asks for steps from `first` to `last`, size, speed and format; the preferences store the choice.
 
-    Parameters
-    ----------
-    parent : QWidget
-        The window.
-    preferences : Preferences
-        Where the last choice is kept.
-    first, last : int
-        Steps that there are.
-    part : callable
-        What of the image is seen, as a whole or zoomed.
+    `part` returns the part of the image that is shown: all of it, or the visible part for True.
     """
 
     def __init__(
@@ -84,7 +75,7 @@ class AnimationDialog(QDialog):
         self.last = _number(first, last, last)
         self.stride = _number(1, max(last - first, 1), min(preferences.get(_KEY + "every", 1), max(last - first, 1)))
         self.width_field = _number(NARROWEST, WIDEST, preferences.get(_KEY + "width", 640), " px")
-        self.speed = _number(1, 50, preferences.get(_KEY + "speed", 15), tr(" frames a second"))
+        self.speed = _number(1, 50, preferences.get(_KEY + "speed", 15), tr(" frames per second"))
         self.zoomed = QCheckBox(tr("Only the part that the canvas shows now"))
         self.format = QComboBox()
         for suffix, text in _FORMATS:
@@ -107,7 +98,7 @@ class AnimationDialog(QDialog):
 
     @property
     def plan(self) -> AnimationPlan:
-        """What has been chosen."""
+        """The chosen settings."""
         zoomed = self.zoomed.isChecked()
         return AnimationPlan(
             every(self.first.value(), max(self.last.value(), self.first.value()), self.stride.value()),
@@ -119,7 +110,7 @@ class AnimationDialog(QDialog):
 
     @property
     def summary(self) -> str:
-        """What is said about the choice."""
+        """The summary of the choice, or what is missing for it."""
         return self._summary.text()
 
     def _lay_out(self) -> None:
@@ -139,7 +130,7 @@ class AnimationDialog(QDialog):
         form.addRow(tr("Speed"), self.speed)
         form.addRow(tr("Format"), self.format)
         form.addRow("", self._summary)
-        self.stride.setAccessibleName(tr("Every so many steps"))
+        self.stride.setAccessibleName(tr("Steps from frame to frame"))
         self._summary.setMinimumWidth(380)
         self._summary.setMinimumHeight(3 * self.fontMetrics().lineSpacing())
         layout = QVBoxLayout(self)
@@ -151,9 +142,9 @@ class AnimationDialog(QDialog):
         plan = self.plan
         missing = _missing(plan.suffix)
         seconds = len(plan.steps) / plan.frames_per_second
-        words = tr("{count} frames of {width} × {height} px, {seconds} s. What the canvas shows now is drawn.")
-        told = words.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1], seconds=f"{seconds:.1f}")
-        self._summary.setText(missing or told)
+        words = tr("{count} frames of {width} × {height} px, {seconds} s. The layers are drawn as on the canvas now.")
+        summary = words.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1], seconds=f"{seconds:.1f}")
+        self._summary.setText(missing or summary)
         self.stride.setSuffix(tr(" steps") if self.stride.value() > 1 else tr(" step"))
         self.export.setEnabled(not missing)
 
@@ -167,7 +158,7 @@ class AnimationDialog(QDialog):
 
 
 def _missing(suffix: str) -> str:
-    """What has to be installed for a format, empty when nothing."""
+    """What has to be installed for a format, or empty."""
     try:
         if suffix in mp4.ANIMATES:
             mp4.check()

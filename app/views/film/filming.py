@@ -1,4 +1,4 @@
-"""Filming: frame after frame is found on the worker thread and drawn in the window, one at a time."""
+"""Filming: the worker prepares the moments of a film one at a time, and the window draws the frames."""
 
 from __future__ import annotations
 
@@ -13,36 +13,35 @@ from app.session.worker.commands.frames import FrameTaken, TakeFrame
 from app.views.film.frame_renderer import FrameRenderer
 from cpm_core.numerics.types import Pixels
 
-_PATIENCE = 15
-"""Time between two looks whether there is room for a frame [ms]."""
+_INTERVAL = 15
+"""Time between two checks whether another frame can be taken [ms]."""
 
 
 class Filming(QObject):
-    """Gives the frames of a film one after the other to whoever takes them, until its task is over.
+    """Passes the frames of a film to `take`, one after the other, until its task is over.
 
-    Only one frame is asked for at a time and drawn in a turn of the event loop of its own, so that the window stays
-    usable meanwhile.
+    One frame is requested at a time and drawn in its own turn of the event loop, so that the window stays usable.
 
     Parameters
     ----------
     session : Session
-        Whose run is filmed.
+        Session with the run.
     renderer : FrameRenderer
-        Who draws; closed at the end.
+        Draws the frames; closed at the end.
     task : Task
-        What it is done for.
+        The task; canceling it ends the film.
     places : sequence of tuple of int
         Branches and steps.
     contours : bool
-        Whether contours are seen.
+        Whether contours are shown.
     compared : int or None
-        Branch seen beside.
+        Branch to compare with.
     take : callable
-        Given every frame.
+        Called with every frame.
     end : callable
-        Called after the last one has been taken.
+        Called after the last frame.
     has_room : callable
-        Whether another frame can be taken already.
+        Returns whether another frame can be taken.
     """
 
     def __init__(
@@ -70,23 +69,19 @@ class Filming(QObject):
         self._generation = session.generation
         self._next = 0
         self._due = False
-        self._over = False
+        self.over = False
+        """Whether no more frames are taken."""
         self._timer = QTimer(self)
-        self._timer.setInterval(_PATIENCE)
+        self._timer.setInterval(_INTERVAL)
         self._timer.timeout.connect(self._go_on)
         self._timer.start()
         session.listen(FrameTaken, self._take_frame)
         self._go_on()
 
-    @property
-    def over(self) -> bool:
-        """Whether no more frames are taken."""
-        return self._over
-
     def stop(self) -> None:
         """Take no more frames."""
-        if not self._over:
-            self._over = True
+        if not self.over:
+            self.over = True
             self._timer.stop()
             self._session.stop_listening(FrameTaken, self._take_frame)
             self._renderer.close()
@@ -102,13 +97,13 @@ class Filming(QObject):
             self._session.post(command)
 
     def _take_frame(self, report: FrameTaken) -> None:
-        if report.task is not self._task or self._over or self._task.over:
+        if report.task is not self._task or self.over or self._task.over:
             return
         self._due = False
         if report.moment is None:
             self._task.cancel()
-            told = report.sentence or tr("The run that was to be filmed is gone, so nothing has been written.")
-            self._session.say(told, True)
+            gone = tr("The run of the film is gone, so nothing has been written.")
+            self._session.say(report.sentence or gone, True)
             self.stop()
             return
         self._take(self._renderer.draw(report))

@@ -1,4 +1,4 @@
-"""Frames: the layers as they are on the canvas, drawn off the screen for any moment of the run."""
+"""Frames: the layers of the canvas, drawn off-screen for any moment of the run."""
 
 from __future__ import annotations
 
@@ -17,50 +17,50 @@ from app.views.canvas.image_view import ImageView
 from cpm_core.numerics.types import Pixels
 
 NARROWEST, WIDEST = 64, 3840
-"""Widths that a frame may have [px]."""
+"""Smallest and largest width of a frame [px]."""
 
 
 def seen_part(canvas: Canvas, shape: tuple[int, ...], zoomed: bool) -> QRectF:
-    """What of the image a frame shows: all of it, or what the canvas shows of it."""
+    """Part of the image that a frame shows: all of it, or the visible part of the canvas."""
     whole = image_rectangle(shape)
     part = canvas.view.viewRect().intersected(whole) if zoomed else whole
     return whole if part.isEmpty() else part
 
 
 def frame_size(part: QRectF, width: int) -> tuple[int, int]:
-    """Width and height of a frame, both even as films want them [px]."""
+    """Width and height of a frame, both even as film formats need them [px]."""
     height = width * part.height() / max(part.width(), 1e-9)
     return max(2 * round(width / 2), 2), min(max(2 * round(height / 2), 2), 2 * WIDEST)
 
 
 class NoRequests:
-    """Asks for nothing: what the layers of a film show has been asked for by those of the window."""
+    """Ignores requests: the layers of the window have already made them."""
 
     def post(self, command: Command) -> None:
-        """The worker is left alone."""
+        """Do nothing."""
 
     def want_overlay(self, name: str, wanted: bool) -> None:
-        """Overlays are those of the window."""
+        """Do nothing."""
 
 
 class FrameRenderer:
-    """A second view that is never on the screen, with the layers of the canvas as they are when it is made.
+    """An off-screen view with the present settings of the layers of a canvas.
 
     Parameters
     ----------
     scene : Scene
-        What is shown besides the moments of the run.
+        The scene shown in addition to the moments of the run.
     canvas : Canvas
-        The canvas that it looks like.
+        The canvas whose layers are copied.
     part : QRectF
-        What of the image is seen.
+        Visible part of the image.
     size : tuple of int
         Width and height [px].
     """
 
     def __init__(self, scene: Scene, canvas: Canvas, part: QRectF, size: tuple[int, int]) -> None:
         self._size = size
-        # selection and differences are of the contours that are shown now, not of those of other moments
+        # selection and differences belong to the present contours, not to those of other moments
         self._scene = replace(scene, selected_contours=frozenset(), hovered_contour=None, differences=())
         self._view = ImageView(NoRequests())
         self._view.setAttribute(Qt.WidgetAttribute.WA_DontShowOnScreen)
@@ -68,14 +68,14 @@ class FrameRenderer:
         self._view.setFrameStyle(0)
         self._view.resize(*size)
         self._view.show()
-        # a new image resets what is chosen about its layer, and the moments are those that are drawn later
+        # a new image resets the options of its layer; the moments are drawn later
         self._view.draw(Scene(scene.image, scene.display, document=scene.document, selected=scene.selected))
         for layer in canvas.layers:
             self._view.layers[layer.name].use_view_state(layer.view_state())
         self._view.view.setRange(part, padding=0.0)
 
     def draw(self, taken: FrameTaken) -> Pixels:
-        """Draw a moment: red, green and blue, shape (H, W, 3)."""
+        """Draw a moment as RGB values, shape (H, W, 3)."""
         tracked = taken.contours.tracked if taken.contours is not None else None
         contours = ReviewedContours.of(tracked, self._scene.document.marks)
         scene = replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours)
@@ -87,20 +87,20 @@ class FrameRenderer:
         return to_array(picture)
 
     def close(self) -> None:
-        """Take it down."""
-        self._view.hide()  # its own close() takes the scene from under items that still live
+        """Delete the view."""
+        self._view.hide()  # close() would delete the graphics scene before its items
         self._view.deleteLater()
 
 
 def to_array(picture: QImage) -> Pixels:
-    """Pixels of a picture, shape (H, W, 3)."""
+    """RGB values of a picture, shape (H, W, 3)."""
     plain = picture.convertToFormat(QImage.Format.Format_RGB888)
     rows = np.frombuffer(plain.constBits(), np.uint8).reshape(plain.height(), plain.bytesPerLine())
     return rows[:, : 3 * plain.width()].reshape(plain.height(), plain.width(), 3).copy()
 
 
 def to_picture(frame: Pixels) -> QImage:
-    """A picture of pixels, shape (H, W, 3)."""
+    """Picture of RGB values, shape (H, W, 3)."""
     pixels = np.ascontiguousarray(frame)
     height, width = pixels.shape[:2]
     return QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()

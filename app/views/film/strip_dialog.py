@@ -1,4 +1,4 @@
-"""The dialog of the snapshot strip: some steps side by side, each with its caption, as they will be saved."""
+"""The dialog of the snapshot strip: some steps side by side, each with a caption, with a preview."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from app.views.film.step_choice import evenly, written
 from cpm_core.numerics.types import Pixels
 
 _AFTER = 300
-"""Time after the last change until the preview is made anew [ms]."""
+"""Time after the last change until the preview is updated [ms]."""
 
 _FIRST_COUNT, _MOST = 4, 24
 
 
 @dataclass(frozen=True, slots=True)
 class StripPlan:
-    """How a strip is to be.
+    """Settings of a strip.
 
     Attributes
     ----------
@@ -50,18 +50,9 @@ class StripPlan:
 
 
 class StripDialog(QDialog):
-    """Asks for steps and shows the strip.
+    """Asks for steps from `first` to `last` and shows the strip.
 
-    Parameters
-    ----------
-    parent : QWidget
-        The window.
-    first, last : int
-        Steps that there are.
-    draw : callable
-        Begins to draw a strip, which is given to `show_strip` when it is ready.
-    save : callable
-        Saves the strip that is shown.
+    `draw` begins to draw a strip, which `show_strip` receives when it is ready; `save` saves the strip shown.
     """
 
     def __init__(
@@ -77,7 +68,8 @@ class StripDialog(QDialog):
         self._span = (first, last)
         self._draw = draw
         self._save = save
-        self._pixels: Pixels | None = None
+        self.pixels: Pixels | None = None
+        """The strip shown."""
         self._preview = QLabel(tr("Drawing…"))
         self._preview.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._preview.setMinimumSize(QSize(560, 300))
@@ -95,9 +87,9 @@ class StripDialog(QDialog):
         self.width_field.setRange(64, 1600)
         self.width_field.setSuffix(" px")
         self.width_field.setValue(320)
-        self._trouble = QLabel()
-        self._trouble.setObjectName("dim")
-        self._trouble.setWordWrap(True)
+        self._error = QLabel()
+        self._error.setObjectName("dim")
+        self._error.setWordWrap(True)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         self.export = buttons.addButton(tr("Save…"), QDialogButtonBox.ButtonRole.ActionRole)
         self.export.clicked.connect(self._ask_to_save)
@@ -113,27 +105,22 @@ class StripDialog(QDialog):
 
     @property
     def plan(self) -> StripPlan:
-        """What has been chosen; ValueError where no steps are written."""
+        """The chosen settings; ValueError for invalid steps."""
         return StripPlan(written(self.steps.text(), *self._span), self.columns.value(), self.width_field.value())
 
     @property
-    def pixels(self) -> Pixels | None:
-        """The strip that is shown."""
-        return self._pixels
-
-    @property
     def trouble(self) -> str:
-        """What is wrong with the choice."""
-        return self._trouble.text()
+        """The error in the choice, or empty."""
+        return self._error.text()
 
     def show_strip(self, pixels: Pixels) -> None:
         """Show a strip that is ready."""
-        self._pixels = pixels
+        self.pixels = pixels
         self.export.setEnabled(True)
         self._fit()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Fit the preview into its place."""
+        """Fit the preview into its area."""
         if event.type() == QEvent.Type.Resize:
             self._fit()
         return super().eventFilter(watched, event)
@@ -154,7 +141,7 @@ class StripDialog(QDialog):
         layout = QVBoxLayout(self)
         layout.addWidget(self._preview, 1)
         layout.addLayout(row)
-        layout.addWidget(self._trouble)
+        layout.addWidget(self._error)
         layout.addWidget(buttons)
         self.resize(760, 520)
 
@@ -167,25 +154,25 @@ class StripDialog(QDialog):
     def _change(self) -> None:
         self.export.setEnabled(False)
         try:
-            self.plan  # noqa: B018  # asked for what is wrong with it
+            self.plan  # noqa: B018  # evaluated for its error
         except ValueError as error:
-            self._trouble.setText(str(error))
+            self._error.setText(str(error))
             self._later.stop()
             return
-        self._trouble.setText("")
+        self._error.setText("")
         self._later.start()
 
     def _begin(self) -> None:
         self._draw(self.plan)
 
     def _fit(self) -> None:
-        if self._pixels is not None:
-            whole = QPixmap.fromImage(to_picture(self._pixels))
+        if self.pixels is not None:
+            whole = QPixmap.fromImage(to_picture(self.pixels))
             room = self._preview.size()
             kept, smooth = Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation
             small = whole.width() <= room.width() and whole.height() <= room.height()
             self._preview.setPixmap(whole if small else whole.scaled(room, kept, smooth))
 
     def _ask_to_save(self) -> None:
-        if self._pixels is not None:
-            self._save(self._pixels)
+        if self.pixels is not None:
+            self._save(self.pixels)

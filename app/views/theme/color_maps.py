@@ -1,4 +1,4 @@
-"""Color maps that color-blind people can read: brighter always means more."""
+"""Color maps for color-blind people: brighter always means more."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MAPS: dict[str, str] = {
 
 @lru_cache(maxsize=32)
 def table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
-    """Colors of a map from least to most, shape (entries, 3), not to be written to.
+    """Colors of a map from low to high, shape (entries, 3), read-only.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
     entries : int
         Number of colors.
     begin : float
-        Part of the map that is left out, from its darkest color on.
+        Part of the map that is left out at its dark end.
     """
     at = np.linspace(begin, 1.0, entries)
     if name in (GRAY, INVERTED):
@@ -52,7 +52,7 @@ def table(name: str, entries: int = 256, begin: float = 0.0) -> Table:
 
 
 def strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:
-    """A map as a strip from least, left, to most, right [px]."""
+    """A map as a strip of a size in px, from low on the left to high on the right."""
     row = table(name, 256, begin)
     image = QImage(row.tobytes(), len(row), 1, 3 * len(row), QImage.Format.Format_RGB888)
     ways = (Qt.AspectRatioMode.IgnoreAspectRatio, Qt.TransformationMode.SmoothTransformation)
@@ -60,5 +60,5 @@ def strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:
 
 
 def icon(name: str) -> QIcon:
-    """A map for a list to choose from."""
+    """Icon of a map."""
     return QIcon(strip(name, 36, 12))

@@ -1,4 +1,4 @@
-"""Colors that contours can be given: those that color-blind people tell apart come first."""
+"""Colors for contours; those that color-blind people can distinguish come first."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ PALETTE: tuple[tuple[str, str], ...] = (
     (tr("Reddish purple"), "#cc79a7"),
     (tr("White"), "#ffffff"),
 )
-"""Hues after Okabe and Ito, with white where they have black: the canvas is dark."""
+"""Hues after Okabe and Ito, with white instead of black because the canvas is dark."""
 
 
 def fill_colors(menu: QMenu, parent: QWidget, choose: Callable[[str], None]) -> None:
-    """Fill a menu with colors; what is chosen is told as ``"#rrggbb"``, or empty for none."""
+    """Fill a menu with colors; `choose` is called with ``"#rrggbb"``, or with an empty text for none."""
     for title, color in PALETTE:
         menu.addAction(swatch(color), title).triggered.connect(lambda _=False, color=color: choose(color))
     menu.addSeparator()

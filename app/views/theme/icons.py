@@ -1,4 +1,4 @@
-"""Icons drawn from the program's own SVG files in the color of the text around them."""
+"""Icons from the SVG files of the program, in the color of the text around them."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ _SIZES = (16, 20, 24, 32, 40, 48)
 
 @cache
 def icon(name: str, color: str, faded: str | None = None) -> QIcon:
-    """Icon by name, drawn once.
+    """Icon by name, rendered once.
 
     Parameters
     ----------
     name : str
-        Name of the SVG file, without its ending.
+        Name of the SVG file without its suffix.
     color : str
-        Takes the place of ``currentColor`` in the file.
+        Replaces ``currentColor`` in the file.
     faded : str, optional
         The same for the disabled icon.
     """
-    drawing = asset(f"icons/{name}.svg").read_text(encoding="utf-8")
+    source = asset(f"icons/{name}.svg").read_text(encoding="utf-8")
     made = QIcon()
     for mode, tint in ((QIcon.Mode.Normal, color), (QIcon.Mode.Disabled, faded)):
         if tint is not None:
-            renderer = QSvgRenderer(QByteArray(drawing.replace("currentColor", tint).encode()))
+            renderer = QSvgRenderer(QByteArray(source.replace("currentColor", tint).encode()))
             for size in _SIZES:
                 made.addPixmap(_pixmap(renderer, size), mode)
     return made

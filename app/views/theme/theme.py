@@ -1,4 +1,4 @@
-"""Colors: a light and a dark palette for the window, and colors on the canvas that color-blind people tell apart."""
+"""Colors: a light and a dark theme for the window, and colors on the canvas that color-blind people can distinguish."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication
 
-# The canvas is dark in either theme, so that the image is the brightest thing on it. Hues after Okabe and Ito.
+# The canvas is dark in both themes, so that the image is the brightest object. Hues after Okabe and Ito.
 CANVAS = "#14161a"
 MOVING = "#f0e442"
 RESTING = "#2bd4a4"
@@ -33,7 +33,7 @@ FIELD = "#ff9ad5"
 TRAIL = "#7fd0ff"
 GHOST = "#c792ff"
 THICKNESSES = ("#6a7fd1", "#3f9fd0", "#35bcab", "#8ccf5e", "#f3e04b")
-"""From thin to thick: lighter and lighter, and told apart without telling red from green."""
+"""From thin to thick: of increasing lightness, distinguishable without distinguishing red from green."""
 DISK = "#70ffffff"
 
 
@@ -54,60 +54,44 @@ class Theme:
     accent_hover: str
     chosen: str
     faded: str
-    trouble: str
-    trouble_text: str
-    news: str
-    news_text: str
+    error: str
+    error_text: str
+    message: str
+    message_text: str
 
 
-LIGHT = Theme(
-    dark=False,
-    window="#f3f4f6",
-    panel="#fafbfc",
-    base="#ffffff",
-    button="#eceef1",
-    text="#1b1f24",
-    dim="#5a6470",
-    line="#cfd4da",
-    accent="#1f6fd6",
-    accent_text="#ffffff",
-    accent_hover="#185fbb",
-    chosen="#dbe8fa",
-    faded="#99a1ab",
-    trouble="#fde3e1",
-    trouble_text="#7d1a14",
-    news="#dff0e6",
-    news_text="#14532d",
-)
-DARK = Theme(
-    dark=True,
-    window="#1e2126",
-    panel="#22262c",
-    base="#343a43",
-    button="#3a414b",
-    text="#e7eaee",
-    dim="#9aa4b0",
-    line="#464d58",
-    accent="#4d94ee",
-    accent_text="#0c1016",
-    accent_hover="#6ba8f5",
-    chosen="#2c425f",
-    faded="#6c7682",
-    trouble="#4d2320",
-    trouble_text="#ffd9d5",
-    news="#1e3d2c",
-    news_text="#d4f3e0",
-)
+_COLORS = {
+    "window": ("#f3f4f6", "#1e2126"),
+    "panel": ("#fafbfc", "#22262c"),
+    "base": ("#ffffff", "#343a43"),
+    "button": ("#eceef1", "#3a414b"),
+    "text": ("#1b1f24", "#e7eaee"),
+    "dim": ("#5a6470", "#9aa4b0"),
+    "line": ("#cfd4da", "#464d58"),
+    "accent": ("#1f6fd6", "#4d94ee"),
+    "accent_text": ("#ffffff", "#0c1016"),
+    "accent_hover": ("#185fbb", "#6ba8f5"),
+    "chosen": ("#dbe8fa", "#2c425f"),
+    "faded": ("#99a1ab", "#6c7682"),
+    "error": ("#fde3e1", "#4d2320"),
+    "error_text": ("#7d1a14", "#ffd9d5"),
+    "message": ("#dff0e6", "#1e3d2c"),
+    "message_text": ("#14532d", "#d4f3e0"),
+}
+"""Light and dark color of each role."""
+
+LIGHT = Theme(dark=False, **{role: colors[0] for role, colors in _COLORS.items()})
+DARK = Theme(dark=True, **{role: colors[1] for role, colors in _COLORS.items()})
 
 
 def system_theme() -> Theme:
-    """The theme that the desktop asks for; the light one when it does not say."""
+    """The theme of the desktop, the light one where it is unknown."""
     dark = QGuiApplication.styleHints().colorScheme() == Qt.ColorScheme.Dark
     return DARK if dark else LIGHT
 
 
 def apply_theme(theme: Theme) -> None:
-    """Give the whole application a theme; one that it has already is not given anew, for that takes long."""
+    """Set the theme of the application, unless it is set already, because that takes long."""
     application = QApplication.instance()
     sheet = _style_sheet(theme)
     if isinstance(application, QApplication) and application.styleSheet() != sheet:
@@ -126,7 +110,7 @@ def _palette(theme: Theme) -> QPalette:
         role.Text: theme.text,
         role.Button: theme.button,
         role.ButtonText: theme.text,
-        role.BrightText: theme.trouble_text,
+        role.BrightText: theme.error_text,
         role.ToolTipBase: theme.base,
         role.ToolTipText: theme.text,
         role.PlaceholderText: theme.dim,
@@ -251,11 +235,11 @@ def _controls(theme: Theme) -> str:
 
 
 def _canvas(theme: Theme) -> str:
-    """What lies upon the canvas."""
+    """Message bar and hint on the canvas."""
     return f"""
-    QFrame#trouble {{ background: {theme.trouble}; border: none; }}
-    QFrame#trouble QLabel {{ color: {theme.trouble_text}; }}
-    QFrame#news {{ background: {theme.news}; border: none; }}
-    QFrame#news QLabel {{ color: {theme.news_text}; }}
+    QFrame#error {{ background: {theme.error}; border: none; }}
+    QFrame#error QLabel {{ color: {theme.error_text}; }}
+    QFrame#message {{ background: {theme.message}; border: none; }}
+    QFrame#message QLabel {{ color: {theme.message_text}; }}
     QLabel#hint {{ background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 6px 12px; }}
     """

@@ -1,1 +1,1 @@
-"""Small widgets that any panel may use."""
+"""Small widgets for panels, and specifications of actions."""

@@ -1,4 +1,4 @@
-"""The specification of an action: its words and keys, what it does, and where it stands in the menus."""
+"""The specification of an action: texts, keys, effect, and place in the menus."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMenu
 from app.model.state.situation import Condition, Situation, always
 
 TOGGLE, STATE = "toggle", "state"
-"""Groups of actions that are checkable by themselves, and of those that are checked as `ActionSpec.holds` says."""
+"""Groups of actions that the user checks, and of those whose check mark follows `ActionSpec.holds`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,36 +20,35 @@ class ActionSpec:
     Attributes
     ----------
     name : str
-        What it is called in code.
+        Name in code.
     menu : str
-        Menu that it stands in; ``"File>Open sample"`` names a menu within a menu.
+        Its menu; ``"File>Open sample"`` names a submenu.
     text : str
         Text in the menu.
     do : callable
-        What it does; a toggle is given whether it is checked.
+        Its effect; a toggle passes whether it is checked.
     shortcuts : tuple of str
-        Keys, the first of which is shown.
+        Keys; the first one is shown.
     tip : str
         One sentence for the tooltip and the status bar.
     icon : str
         Name of the icon, empty for none.
     group : str
-        Actions of the same group are alternatives; `TOGGLE` makes it checkable by itself, `STATE` checked as `holds`
-        says.
+        Actions of the same group are alternatives; `TOGGLE` and `STATE` are independent check marks.
     checked : bool
-        Whether it is checked at first.
+        Whether it is initially checked.
     gap : bool
-        Whether a line is drawn above it.
+        Whether a separator is drawn above it.
     when : callable
-        Situations in which it makes sense.
+        Situations in which it is enabled.
     holds : callable, optional
         Situations in which it is checked, for the group `STATE`.
     worded : callable, optional
-        Its text in a situation, where that changes.
+        Its text in a situation, where it changes.
     pictured : callable, optional
-        Its icon in a situation, where that changes.
+        Its icon in a situation, where it changes.
     short : str
-        Text on a button of a tool bar where that of the menu is too long.
+        Text on a tool button where that of the menu is too long.
     """
 
     name: str
@@ -71,19 +70,7 @@ class ActionSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Submenu:
-    """A menu within a menu whose content is only known when it is opened.
-
-    Attributes
-    ----------
-    name : str
-        What it is called in code.
-    menu, text : str
-        Menu that it stands in, and its title.
-    fill : callable
-        Given the empty menu before it is shown.
-    gap : bool
-        Whether a line is drawn above it.
-    """
+    """A submenu that `fill` fills each time before it opens; the rest is as in `ActionSpec`."""
 
     name: str
     menu: str

@@ -1,4 +1,4 @@
-"""The Qt actions made from their specifications, shown as the situation demands."""
+"""The Qt actions made from their specifications; their state follows the situation."""
 
 from __future__ import annotations
 
@@ -13,19 +13,11 @@ from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import STATE, TOGGLE, ActionSpec
 
 PRIMARY = "run"
-"""The action whose icon lies on the accent color."""
+"""The action whose button has the accent color."""
 
 
 class Actions:
-    """One Qt action for each specification.
-
-    Parameters
-    ----------
-    parent : QWidget
-        Window in which their keys work.
-    specs : iterable of ActionSpec
-        What there is.
-    """
+    """One Qt action for each specification; their keys work in the window `parent`."""
 
     def __init__(self, parent: QWidget, specs: Iterable[ActionSpec]) -> None:
         self._theme: Theme | None = None
@@ -51,7 +43,7 @@ class Actions:
         return iter(self._specs.values())
 
     def show(self, situation: Situation) -> None:
-        """Enable what makes sense and word it accordingly."""
+        """Update state, text and icon of all actions."""
         for name, spec in self._specs.items():
             self._actions[name].setEnabled(spec.when(situation))
         for spec in self._changing:
@@ -99,6 +91,6 @@ class Actions:
 
 
 def tooltip(text: str, spec: ActionSpec) -> str:
-    """Name, key and meaning of an action in one line."""
+    """Name, key and tip of an action in one line."""
     keys = f" ({spec.shortcuts[0]})" if spec.shortcuts else ""
     return f"{text.replace('&', '').rstrip('…')}{keys}: {spec.tip}"

@@ -10,14 +10,14 @@ _MARK = 3.5
 
 
 class MarkedSlider(QSlider):
-    """Slider in steps of a given size; a double click brings the default back.
+    """Slider in steps of a given size; a double click restores the default.
 
     Parameters
     ----------
     low, high, step : float
         Range and increment.
     default : float or None
-        Where the mark stands; None for no mark.
+        Position of the mark; None for no mark.
     """
 
     moved_to = Signal(float)
@@ -33,7 +33,7 @@ class MarkedSlider(QSlider):
         self.valueChanged.connect(self._moved)
 
     def set_range(self, low: float, high: float, step: float) -> None:
-        """Change range and increment; the value is to be shown anew."""
+        """Change range and increment; call `show_value` afterwards."""
         self._low, self._step = low, step
         self.blockSignals(True)
         count = max(1, round((high - low) / step))
@@ -43,20 +43,20 @@ class MarkedSlider(QSlider):
         self.update()
 
     def show_value(self, value: float) -> None:
-        """Show a value without telling anybody; one outside the range shows at its end."""
+        """Show a value without emitting a signal; one outside the range is shown at its end."""
         self.blockSignals(True)
         self.setValue(round((value - self._low) / self._step))
         self.blockSignals(False)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Scroll the column rather than the value, unless the slider has been chosen."""
+        """Change the value only while the slider has the focus; otherwise the column scrolls."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:
             event.ignore()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Back to the default."""
+        """Restore the default."""
         event.accept()
         self.restored.emit()
 

@@ -1,4 +1,4 @@
-"""One thing that may be preferred, as a row of the dialog of the preferences, and the field of a choice."""
+"""A row of the preferences dialog, and a field for alternatives."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class PreferenceRow:
     Attributes
     ----------
     section : str
-        Heading under which it stands; rows with the same one stand together.
+        Heading above the rows of one section.
     label : str
-        What it is, before the widget; may be empty.
+        Label before the widget; may be empty.
     make : callable
-        Makes the widget anew each time the dialog is opened; what is chosen in it is kept at once by whoever made it.
+        Makes a new widget each time the dialog opens; the widget itself stores changes immediately.
     note : str
         A sentence below it.
     """
@@ -33,15 +33,7 @@ class PreferenceRow:
 
 
 def choice(specs: Iterable[ActionSpec], current: str) -> QWidget:
-    """A field that offers actions by their texts and does what the one chosen does.
-
-    Parameters
-    ----------
-    specs : iterable of ActionSpec
-        Alternatives.
-    current : str
-        Name of the one that holds.
-    """
+    """A field that offers alternative actions by their texts and does the chosen one; `current` is the name in use."""
     offered = list(specs)
     field = QComboBox()
     for spec in offered:

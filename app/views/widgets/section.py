@@ -1,4 +1,4 @@
-"""A part of the side column: a heading that folds what is below it."""
+"""A section of a panel: a heading that folds the content below it."""
 
 from __future__ import annotations
 
@@ -7,17 +7,7 @@ from PySide6.QtWidgets import QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 
 class Section(QWidget):
-    """Heading and content.
-
-    Parameters
-    ----------
-    title : str
-        Heading.
-    content : QWidget
-        What is folded away and brought back.
-    unfolded : bool
-        Whether it is seen at first.
-    """
+    """A heading and a content that can be folded; it is initially visible if `unfolded`."""
 
     def __init__(self, title: str, content: QWidget, unfolded: bool = True) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""Space on a button that has the keyboard's attention presses the button, and does not run or hold the particles."""
+"""Space presses a focused button and does not run or pause the particles."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QAbstractButton
 
 class _SpaceKey(QObject):
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Claim the key before it is taken for a shortcut of the window."""
+        """Accept the key before it becomes a shortcut of the window."""
         if event.type() != QEvent.Type.ShortcutOverride or not isinstance(event, QKeyEvent):
             return False
         if event.key() == Qt.Key.Key_Space and event.modifiers() == Qt.KeyboardModifier.NoModifier:

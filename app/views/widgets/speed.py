@@ -11,7 +11,7 @@ from app.session.session import Session
 
 
 class SpeedControl(QWidget):
-    """A slider from one step a second to as many as there can be."""
+    """A slider from one step per second to as many as possible."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
@@ -28,7 +28,7 @@ class SpeedControl(QWidget):
         name = QLabel(tr("Speed"))
         name.setObjectName("dim")
         for widget in (self, self.slider, self.label, name):
-            widget.setToolTip(tr("Most steps a second ([ slower, ] faster)."))
+            widget.setToolTip(tr("Largest number of steps per second ([ slower, ] faster)."))
         layout = QHBoxLayout(self)
         layout.setContentsMargins(6, 0, 6, 0)
         layout.addWidget(name)

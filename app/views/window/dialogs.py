@@ -1,4 +1,4 @@
-"""The dialogs that ask for a file, and the question before unsaved work would be lost."""
+"""The dialogs that ask for a file, and the question about unsaved work."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Answer = Literal["save", "discard", "cancel"]
 
 
 def ask_for_file(parent: QWidget, folder: str) -> str:
-    """Path of an image or a session to open, empty when the user has thought better of it."""
+    """Path of an image or a session to open, empty when the user cancels."""
     images = " ".join(f"*{suffix}" for suffix in READABLE)
     kinds = (
         tr("Images and sessions ({patterns})").format(patterns=f"{images} *{SUFFIX}"),
@@ -28,14 +28,14 @@ def ask_for_file(parent: QWidget, folder: str) -> str:
 
 
 def ask_where_to_save(parent: QWidget, suggestion: str) -> str:
-    """Path to save a session to, empty when the user has thought better of it; a suffix left out is added."""
+    """Path to save a session to, empty when the user cancels; a missing suffix is added."""
     kind = tr("Sessions ({patterns})").format(patterns=f"*{SUFFIX}")
     chosen, _ = QFileDialog.getSaveFileName(parent, tr("Save session"), suggestion, kind)
     return chosen + SUFFIX if chosen and Path(chosen).suffix.lower() != SUFFIX else chosen
 
 
 def ask_for_export(parent: QWidget, suggestion: str) -> str:
-    """Path to export contours to, empty when the user has thought better of it; a suffix left out is added."""
+    """Path to export contours to, empty when the user cancels; a missing suffix is added."""
     filters = {f"{tr(text)} (*{suffix})": suffix for suffix, text in WRITABLE.items()}
     chosen, used = QFileDialog.getSaveFileName(parent, tr("Export contours"), suggestion, ";;".join(filters))
     if chosen and not Path(chosen).suffix:
@@ -44,10 +44,10 @@ def ask_for_export(parent: QWidget, suggestion: str) -> str:
 
 
 def ask_about_unsaved(parent: QWidget, name: str) -> Answer:
-    """What is to become of unsaved work called `name`."""
+    """What to do with unsaved work called `name`."""
     box = QMessageBox(QMessageBox.Icon.Warning, tr("Unsaved work"), tr("Save the work on “{name}”?").format(name=name))
     box.setParent(parent, box.windowFlags())
-    box.setInformativeText(tr("What is drawn, the parameters and what was said about contours would be lost."))
+    box.setInformativeText(tr("The drawing, the parameters and the review of the contours would be lost."))
     standard = QMessageBox.StandardButton
     box.setStandardButtons(standard.Save | standard.Discard | standard.Cancel)
     box.setDefaultButton(standard.Save)

@@ -1,4 +1,4 @@
-"""Whether a window can be opened at all; Qt itself ends the process without a word that helps."""
+"""Checks whether a window can be opened; Qt itself ends the process without a useful message."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import os
 import sys
 from pathlib import Path
 
-_README = "the README names the few system libraries that Qt wants"
+_README = "the README names the few system libraries that Qt needs"
 
 
 def why_no_window() -> str:
-    """One sentence on why no window can be opened here, empty when nothing speaks against it."""
+    """One sentence on why no window can be opened here, or empty."""
     chosen = os.environ.get("QT_QPA_PLATFORM", "")
     if not sys.platform.startswith("linux") or chosen.partition(":")[0] not in ("", "xcb"):
         return ""
@@ -23,7 +23,7 @@ def why_no_window() -> str:
 
 
 def _missing_library() -> str:
-    """Load what Qt would load, for only the loader tells which library is missing."""
+    """Load the plugin of Qt, because only the loader reports which library is missing."""
     from PySide6.QtCore import QLibraryInfo
 
     plugins = Path(QLibraryInfo.path(QLibraryInfo.LibraryPath.PluginsPath))
@@ -36,7 +36,7 @@ def _missing_library() -> str:
 
 
 def _refused() -> str:
-    """Knock at the display."""
+    """Try to connect to the display."""
     try:
         xcb = ctypes.CDLL("libxcb.so.1")
     except OSError:

@@ -1,17 +1,17 @@
-"""Panels in docks around the canvas."""
+"""Panels in docks around the canvas, and their headings."""
 
 from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
 
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
 from PySide6.QtGui import QKeySequence
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
+from PySide6.QtWidgets import QDockWidget, QHBoxLayout, QLabel, QMainWindow, QTabBar, QTabWidget, QToolButton, QWidget
 
 from app.model.text.language import tr
+from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.panel_title import PanelTitle
 from app.views.window.feature import Area, Panel
 
 _AREAS: dict[Area, Qt.DockWidgetArea] = {
@@ -20,29 +20,22 @@ _AREAS: dict[Area, Qt.DockWidgetArea] = {
     "bottom": Qt.DockWidgetArea.BottomDockWidgetArea,
 }
 _WIDTH = 352
-"""Width of what stands beside the canvas at first [px]."""
+"""Initial width of the panels beside the canvas [px]."""
 
 _LEAST = 1
-"""Height of what lies below the canvas: as little as it bears [px]."""
+"""Requested height of the panels below the canvas; Qt enlarges it to their minimum [px]."""
 
 _NEXT = 4
-"""Distance at which a panel lies just below its tabs [px]."""
+"""Largest distance of a panel from the tabs above it [px]."""
 
 _UPPER_SHARE = 0.36
-"""Share of the height that the uppermost panel beside the canvas gets."""
+"""Share of the height for the uppermost panel beside the canvas."""
 
 
 class Docks(QObject):
-    """One dock a panel, which a person may move, close and bring back.
+    """One dock for each panel, which the user can move, close and open again.
 
-    Panels that lie upon each other are named by their tabs and need no heading of their own.
-
-    Parameters
-    ----------
-    window : QMainWindow
-        Around whose canvas they lie.
-    panels : iterable of Panel
-        What there is.
+    Tabbed panels are named by their tabs and have no heading.
     """
 
     def __init__(self, window: QMainWindow, panels: Iterable[Panel]) -> None:
@@ -55,7 +48,7 @@ class Docks(QObject):
         self._tidying = QTimer(self)
         self._tidying.setSingleShot(True)
         self._tidying.timeout.connect(self._tidy)
-        # What stands beside the canvas goes down to the foot of the window; what lies below it is as wide as it.
+        # Panels beside the canvas reach the bottom of the window; those below the canvas are as wide as the canvas.
         window.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
         window.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
         window.setDockOptions(
@@ -77,7 +70,7 @@ class Docks(QObject):
 
     @property
     def version(self) -> int:
-        """Number of the places that are remembered: where other panels were known, new ones would have none."""
+        """Version of the stored layout, computed from the panels: a layout with other panels cannot be used."""
         return zlib.crc32(",".join(self._docks).encode()) & 0x7FFFFFFF
 
     def reveal(self, name: str) -> None:
@@ -86,7 +79,7 @@ class Docks(QObject):
         self._docks[name].raise_()
 
     def restore(self) -> None:
-        """Put every panel where it is at first."""
+        """Move every panel to its initial place."""
         window = self._window
         first: dict[tuple[Area, str], QDockWidget] = {}
         for panel in self._panels:
@@ -110,7 +103,7 @@ class Docks(QObject):
         self._tidying.start()
 
     def leave(self) -> None:
-        """Take away the panels that are windows of their own, for the window is about to close."""
+        """Hide the floating panels before the window closes."""
         for dock in self:
             if dock.isFloating():
                 dock.hide()
@@ -121,7 +114,7 @@ class Docks(QObject):
             title.use_theme(theme)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Panels come to lie upon each other without any signal; then a tab bar has been added to the window."""
+        """Tidy when a tab bar may have been added: Qt emits no signal when panels become tabbed."""
         if event.type() in (QEvent.Type.ChildAdded, QEvent.Type.LayoutRequest):
             self._tidying.start()
         return super().eventFilter(watched, event)
@@ -138,11 +131,11 @@ class Docks(QObject):
         self._titles[panel.name] = PanelTitle(dock)
         self._untitled[panel.name] = QWidget(dock)
         dock.setTitleBarWidget(self._titles[panel.name])
-        for told in (dock.topLevelChanged, dock.dockLocationChanged, dock.visibilityChanged):
-            told.connect(self._look_soon)
+        for changed in (dock.topLevelChanged, dock.dockLocationChanged, dock.visibilityChanged):
+            changed.connect(lambda *_: self._tidying.start())
 
     def _share_height(self, beside: Sequence[QDockWidget]) -> None:
-        """The uppermost gets what it needs at least, and no more than its share; what can be scrolled gets the rest."""
+        """Give the uppermost panel its share, but at least its minimum, and the rest in equal parts to the others."""
         if len(beside) > 1:
             least = beside[0].minimumSizeHint().height()
             first = max(least, round(_UPPER_SHARE * self._window.height()))
@@ -150,18 +143,15 @@ class Docks(QObject):
             heights = [first, *(rest for _ in beside[1:])]
             self._window.resizeDocks(beside, heights, Qt.Orientation.Vertical)
 
-    def _look_soon(self) -> None:
-        self._tidying.start()
-
-    def _leads(self, bar: QTabBar) -> bool:
-        """Whether one of the panels lies just below a bar of tabs."""
+    def _has_panel(self, bar: QTabBar) -> bool:
+        """Whether a panel lies directly below a tab bar."""
         place = bar.geometry()
         return any(
             not dock.isHidden() and dock.x() == place.x() and 0 <= dock.y() - place.bottom() <= _NEXT for dock in self
         )
 
     def _tidy(self) -> None:
-        """Give headings to the panels that have no tab, and let no tab cut its name off."""
+        """Give headings to the panels without a tab, and show the full names in tabs."""
         for name, dock in self._docks.items():
             beside: Sequence[QDockWidget] = self._window.tabifiedDockWidgets(dock)
             tabbed = not dock.isFloating() and any(not other.isHidden() for other in beside)
@@ -172,13 +162,53 @@ class Docks(QObject):
                 before.hide()
                 wanted.show()
         for bar in self._window.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly):
-            # Qt leaves bars of arrangements that are over where they were, with names of panels that are elsewhere.
-            # Those that it has put out of sight are left alone: it would show them again, and that would never end.
+            # Qt leaves tab bars of earlier arrangements in place, with names of panels that are elsewhere. Those that
+            # it has moved outside the window are not touched: Qt would show them again, in an endless loop.
             away = bar.geometry().right() < 0 or bar.geometry().bottom() < 0
-            if not away and bar.isHidden() == self._leads(bar):
+            if not away and bar.isHidden() == self._has_panel(bar):
                 bar.setVisible(bar.isHidden())
             if bar.elideMode() != Qt.TextElideMode.ElideNone:
                 bar.setElideMode(Qt.TextElideMode.ElideNone)
                 bar.setUsesScrollButtons(True)
                 bar.setExpanding(False)
                 bar.setDrawBase(False)
+
+
+class PanelTitle(QWidget):
+    """Replaces the title bar of a dock: its name, and buttons to detach and to close it."""
+
+    def __init__(self, dock: QDockWidget) -> None:
+        super().__init__(dock)
+        self.setObjectName("title")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        name = QLabel(dock.windowTitle())
+        name.setObjectName("heading")
+        self._detach = self._button(tr("Detach the panel {title}, or put it back.").format(title=dock.windowTitle()))
+        self._close = self._button(
+            tr("Close the panel {title}; the menu View opens it again.").format(title=dock.windowTitle())
+        )
+        self._detach.clicked.connect(lambda: dock.setFloating(not dock.isFloating()))
+        self._close.clicked.connect(dock.close)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(12, 3, 4, 3)
+        row.setSpacing(0)
+        row.addWidget(name)
+        row.addStretch(1)
+        row.addWidget(self._detach)
+        row.addWidget(self._close)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the buttons."""
+        self._detach.setIcon(icon("loosen", theme.dim))
+        self._close.setIcon(icon("close", theme.dim))
+
+    @staticmethod
+    def _button(tip: str) -> QToolButton:
+        button = QToolButton()
+        button.setObjectName("quiet")
+        button.setIconSize(QSize(14, 14))
+        button.setAutoRaise(True)
+        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        button.setToolTip(tip)
+        button.setAccessibleName(tip)
+        return button

@@ -1,6 +1,6 @@
-"""A feature of the window: what belongs together of its actions, panels and what they do.
+"""A feature of the window: related actions and panels.
 
-A new one is a module in `app.views.features` and a line in its list.
+A new one is a module in `app.views.features` and an entry in its list.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ class FeatureContext:
     canvas_area : CanvasArea
         Canvas, layers and tools.
     preferences : Preferences
-        What is kept from one start to the next.
+        Settings that are stored between sessions.
     action_specs : callable
-        All actions there are, once the window is built.
+        Returns all actions, once the window is built.
     preference_rows : callable
-        All that may be preferred, once the window is built.
+        Returns all rows of the preferences dialog, once the window is built.
     reveal : callable
-        Opens a panel by its name and brings it to the front.
+        Opens a panel by name and brings it to the front.
     use_theme : callable
-        Gives the window another theme.
+        Sets the theme of the window.
     refresh : callable
-        Shows the situation anew, where something has changed that the session does not know.
+        Updates the window after a change that the session does not report.
     """
 
     window: QMainWindow
@@ -66,22 +66,22 @@ class FeatureContext:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Panel:
-    """A panel beside the canvas, which can be moved, closed and brought back by the menu View.
+    """A panel beside the canvas; it can be moved, closed, and opened again from the menu View.
 
     Attributes
     ----------
     name : str
-        What it is called in code; its place is remembered by it.
+        Name in code and in the stored layout.
     title : str
-        Its heading.
+        Heading.
     widget : QWidget
-        What it shows.
+        Content.
     area : {"left", "right", "bottom"}
-        Where it is at first.
+        Initial area.
     tab : str
-        Panels of one area with the same tab lie upon each other; empty for a place of its own.
+        Panels of one area with the same value are tabbed; empty for a panel without tab.
     shown : bool
-        Whether it is open at first.
+        Whether it is initially open.
     shortcut : str
         Key that opens or closes it.
     """
@@ -96,19 +96,13 @@ class Panel:
 
 
 class Feature:
-    """What features have in common.
-
-    Parameters
-    ----------
-    context : FeatureContext
-        What it works with.
-    """
+    """Base class of features."""
 
     def __init__(self, context: FeatureContext) -> None:
         self.context = context
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
-        """Its actions, in the order in which they stand in the menus."""
+        """Its actions, in the order of the menus."""
         return ()
 
     def panels(self) -> Sequence[Panel]:
@@ -116,12 +110,12 @@ class Feature:
         return ()
 
     def preferences(self) -> Sequence[PreferenceRow]:
-        """What a person may prefer about it, for the dialog of the preferences."""
+        """Its rows of the preferences dialog."""
         return ()
 
     def use_theme(self, theme: Theme) -> None:
-        """Take on the colors of a theme, as far as the palette does not do so by itself."""
+        """Apply the colors of a theme that the palette does not set."""
 
     def close(self) -> bool:
-        """The window is about to close: end what is going on; False keeps it open."""
+        """End its work before the window closes; False keeps the window open."""
         return True

@@ -1,4 +1,4 @@
-"""Garbage collection on the window's thread only."""
+"""Garbage collection on the thread of the window only."""
 
 from __future__ import annotations
 
@@ -7,19 +7,14 @@ import gc
 from PySide6.QtCore import QObject, QTimer
 
 _EVERY = 1000
-"""Time between two looks at how much there is [ms]."""
+"""Time between two checks [ms]."""
 
 
 class GarbageCollector(QObject):
-    """Collects what refers to itself while a window is open, and keeps Python from doing so by itself.
+    """Collects reference cycles while a window is open, instead of the automatic collection of Python.
 
-    Python collects on whichever thread happens to ask for memory. Widgets and what lies on a canvas are often part of
-    such garbage, and Qt falls over when they are destroyed on a thread that is not theirs, such as the worker's.
-
-    Parameters
-    ----------
-    parent : QObject
-        The window.
+    Python collects on any thread that allocates memory. Widgets and graphics items are often part of reference cycles,
+    and Qt crashes when they are destroyed on another thread than their own, such as that of the worker.
     """
 
     def __init__(self, parent: QObject) -> None:
@@ -30,20 +25,20 @@ class GarbageCollector(QObject):
         self._timer.timeout.connect(self.collect)
 
     def start(self) -> None:
-        """From now on only here."""
+        """Replace the automatic collection."""
         self._automatic = gc.isenabled()
         gc.disable()
         self._timer.start()
 
     def stop(self) -> None:
-        """From now on as before."""
+        """Restore the automatic collection."""
         self._timer.stop()
         if self._automatic:
             gc.enable()
 
     @staticmethod
     def collect() -> None:
-        """Collect each generation that Python would collect, had it been let."""
+        """Collect each generation that Python would collect."""
         for generation, (count, threshold) in enumerate(zip(gc.get_count(), gc.get_threshold(), strict=True)):
             if count > threshold:
                 gc.collect(generation)

@@ -21,24 +21,14 @@ MENUS = {
     "Contours": tr("&Contours"),
     "Help": tr("&Help"),
 }
-"""Menus by the names that the specifications use, in the order in which they stand."""
+"""Titles of the menus by the names that the specifications use, in their order."""
 
 QUIT = "quit"
-"""The action that stands last in its menu, whatever features add more to it."""
+"""The action that is always the last of its menu."""
 
 
 class Menus:
-    """The menus of a window.
-
-    Parameters
-    ----------
-    bar : QMenuBar
-        Where they hang.
-    specs : iterable of ActionSpec or Submenu
-        What stands in them.
-    actions : Actions
-        The actions of these specifications.
-    """
+    """The menus of a window, made from specifications and their actions."""
 
     def __init__(self, bar: QMenuBar, specs: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
         self._menus: dict[str, QMenu] = {}
@@ -58,14 +48,14 @@ class Menus:
                 menu.addAction(actions[spec.name])
 
     def __getitem__(self, path: str) -> QMenu:
-        """A menu by its name, made when it is not there and lies within another."""
+        """A menu by its path; a missing submenu is created."""
         if path not in self._menus:
             outer, _, title = path.rpartition(">")
             self._menus[path] = self[outer].addMenu(title)
         return self._menus[path]
 
     def add_section(self, path: str, actions: Iterable[QAction]) -> None:
-        """Add actions of another origin at the end of a menu, below a line."""
+        """Add other actions at the end of a menu, below a separator."""
         self[path].addSeparator()
         self[path].addActions(list(actions))
 

@@ -1,4 +1,4 @@
-"""The dialog of the preferences, filled with what the features add."""
+"""The preferences dialog, filled by the features."""
 
 from __future__ import annotations
 
@@ -13,15 +13,7 @@ _WIDTH, _HIGHEST = 500, 560
 
 
 class PreferencesDialog(QDialog):
-    """Sections of rows; what is changed holds at once, so that there is nothing to apply.
-
-    Parameters
-    ----------
-    parent : QWidget
-        The window.
-    rows : iterable of PreferenceRow
-        What may be preferred.
-    """
+    """Sections of rows; changes take effect immediately."""
 
     def __init__(self, parent: QWidget, rows: Iterable[PreferenceRow]) -> None:
         super().__init__(parent)

@@ -1,4 +1,4 @@
-"""The files that were open lately."""
+"""The recent files."""
 
 from __future__ import annotations
 
@@ -11,21 +11,13 @@ from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 
 MOST = 10
-"""How many are remembered."""
+"""Largest number of files in the list."""
 
 _KEY = "files/recent"
 
 
 class RecentFiles:
-    """Their list, the newest first, and the menu that shows it.
-
-    Parameters
-    ----------
-    preferences : Preferences
-        Where the list is kept.
-    open_file : callable
-        Given the path of a file that was chosen.
-    """
+    """Their list in the preferences, the newest first, and its menu; `open_file` is called with a chosen path."""
 
     def __init__(self, preferences: Preferences, open_file: Callable[[Path], None]) -> None:
         self._preferences = preferences
@@ -37,23 +29,22 @@ class RecentFiles:
         return [Path(path) for path in self._preferences.get(_KEY, [""]) if path]
 
     def add(self, path: Path) -> None:
-        """A file has been opened or saved."""
+        """Put a file first that has been opened or saved."""
         path = path.absolute()
         others = [other for other in self.paths if other != path]
         self._preferences.put(_KEY, [str(each) for each in (path, *others)][:MOST])
 
     def fill(self, menu: QMenu) -> None:
-        """One line a file; those that are gone are gray."""
+        """Fill a menu with the files; missing ones are disabled."""
         paths = self.paths
         for number, path in enumerate(paths, start=1):
             name = path.name.replace("&", "&&")
             key = f"&{number} " if number < 10 else f"{number} "
             action = menu.addAction(f"{key}{name}")
-            there = path.is_file()
-            action.setEnabled(there)
-            told = str(path) if there else tr("{path} is not there any more.").format(path=path)
-            action.setToolTip(told)
-            action.setStatusTip(told)
+            action.setEnabled(path.is_file())
+            tip = str(path) if action.isEnabled() else tr("{path} does not exist any more.").format(path=path)
+            action.setToolTip(tip)
+            action.setStatusTip(tip)
             action.triggered.connect(lambda _=False, path=path: self._open_file(path))
         if not paths:
             menu.addAction(tr("Nothing yet")).setEnabled(False)

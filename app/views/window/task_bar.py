@@ -1,4 +1,4 @@
-"""Long work in the status bar: what is being done, how far it is, how long it takes yet, and a button to give it up."""
+"""Long tasks in the status bar: name, progress, remaining time, and a button to cancel."""
 
 from __future__ import annotations
 
@@ -12,20 +12,14 @@ from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 
 SHOWN_AFTER = 0.3
-"""Time that work may take before anybody is told of it: what is over sooner would only flicker [s]."""
+"""Time after which a task is shown, so that short tasks do not flicker [s]."""
 
 _WIDTH = 140
-_HUNDREDTHS = 1000
+_FULL = 1000
 
 
 class TaskBar(QWidget):
-    """The oldest task that is going on; it is not there while there is none.
-
-    Parameters
-    ----------
-    tasks : Tasks
-        What it follows.
-    """
+    """Shows the oldest running task, and is hidden while none is running."""
 
     def __init__(self, tasks: Tasks) -> None:
         super().__init__()
@@ -57,11 +51,11 @@ class TaskBar(QWidget):
 
     @property
     def text(self) -> str:
-        """What is shown, empty when nothing is."""
+        """The text shown, or empty."""
         return "" if self.isHidden() else f"{self._name.text()} {self._left.text()}".strip()
 
     def cancel(self) -> None:
-        """Give up the task that is shown, or the first that is about to be."""
+        """Cancel the task shown, or the first one that will be shown."""
         shown = self._task
         task = shown or next((task for task in self._tasks.current if task.cancellable), None)
         if task is not None:
@@ -88,9 +82,9 @@ class TaskBar(QWidget):
         self._button.setVisible(task.cancellable)
         self._button.setToolTip(tr("Cancel: {name}").format(name=task.name))
         self.setToolTip("\n".join(each.name for each in current))
-        self._bar.setMaximum(0 if task.fraction is None else _HUNDREDTHS)
+        self._bar.setMaximum(0 if task.fraction is None else _FULL)
         if task.fraction is not None:
-            self._bar.setValue(round(_HUNDREDTHS * task.fraction))
+            self._bar.setValue(round(_FULL * task.fraction))
         self.show()
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QFontMetrics
+from PySide6.QtGui import QAction, QFontMetrics
 from PySide6.QtWidgets import QHBoxLayout, QToolBar, QToolButton, QWidget
 
 from app.model.document.modes import MODES
@@ -11,20 +11,12 @@ from app.model.text.language import tr
 from app.views.widgets.actions import PRIMARY, Actions
 
 _FILES, _EDITS, _RUN, _AFTER = ("open", "save"), ("undo", "redo"), ("run", "step", "reset"), ("fit", "export")
-_PICTURES = ("undo", "redo", "fit")
-"""Buttons that everybody knows without a text."""
+_ICON_ONLY = ("undo", "redo", "fit")
+"""Buttons that need no text."""
 
 
 class ToolBar(QToolBar):
-    """Buttons for what is done most; an action that no feature adds is left out.
-
-    Parameters
-    ----------
-    actions : Actions
-        The actions that the buttons stand for.
-    speed : QWidget
-        The speed control.
-    """
+    """Buttons for the most frequent actions that exist, and the speed control."""
 
     def __init__(self, actions: Actions, speed: QWidget) -> None:
         super().__init__(tr("Run"))
@@ -33,30 +25,28 @@ class ToolBar(QToolBar):
         self.toggleViewAction().setEnabled(False)
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self._add(actions, *_FILES)
+        self.addSeparator()
         self._add(actions, *_EDITS)
+        self.addSeparator()
         self.addWidget(_modes(actions))
         self.addSeparator()
         self._add(actions, *_RUN)
+        self.addSeparator()
         self.addWidget(speed)
         self.addSeparator()
-        for name in _AFTER:
-            self._add_one(actions, name)
+        self._add(actions, *_AFTER)
 
     def _add(self, actions: Actions, *names: str) -> None:
-        for name in names:
-            self._add_one(actions, name)
-        self.addSeparator()
+        for name in filter(actions.__contains__, names):
+            self._add_one(actions[name], name)
 
-    def _add_one(self, actions: Actions, name: str) -> None:
-        if name not in actions:
-            return
-        action = actions[name]
+    def _add_one(self, action: QAction, name: str) -> None:
         self.addAction(action)
         button = self.widgetForAction(action)
         if isinstance(button, QToolButton):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.setObjectName("primary" if name == PRIMARY else name)
-            if name in _PICTURES:
+            if name in _ICON_ONLY:
                 button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
                 button.setAccessibleName(action.iconText())
             if name == PRIMARY:
@@ -67,7 +57,7 @@ class ToolBar(QToolBar):
 
 
 def _modes(actions: Actions) -> QWidget:
-    """The modes side by side, as one control of which one part is pressed."""
+    """The modes side by side, as one segmented control."""
     segments = QWidget()
     segments.setObjectName("segments")
     row = QHBoxLayout(segments)

@@ -16,17 +16,11 @@ from app.views.widgets.actions import Actions
 from cpm_core.shapes import KINDS
 
 _COLUMNS, _BUTTON = 2, 34
-"""Buttons beside each other, and the side of each [px]: all tools find room in a window of 720 px."""
+"""Buttons in a row, and side of a button [px], such that all tools fit in a window 720 px high."""
 
 
 class ToolPalette(QToolBar):
-    """One button a tool, by what they are for, and one for the starts that need no drawing.
-
-    Parameters
-    ----------
-    actions : Actions
-        The actions that the buttons stand for.
-    """
+    """One button for each tool, in groups, and one for the starts that need no drawing."""
 
     def __init__(self, actions: Actions) -> None:
         super().__init__(tr("Tools"))
@@ -58,7 +52,7 @@ class ToolPalette(QToolBar):
         self.addWidget(case)
 
     def use_theme(self, theme: Theme) -> None:
-        """Tint the button that is no action."""
+        """Tint the button without an action."""
         self.starts.setIcon(icon("everywhere", theme.text, faded=theme.line))
 
     def _make(self, action: QAction, name: str) -> QToolButton:
@@ -66,7 +60,7 @@ class ToolPalette(QToolBar):
         button.setDefaultAction(action)
         button.setFixedSize(_BUTTON, _BUTTON)
         button.setAccessibleName(action.text().replace("&", ""))
-        self._dress(button, name)
+        self._set_style(button, name)
         self.buttons[name] = button
         return button
 
@@ -80,12 +74,12 @@ class ToolPalette(QToolBar):
         button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         button.setToolTip(tr("Starts that need no drawing: everywhere, on strong edges, at centers."))
         button.setAccessibleName(tr("Starts that need no drawing"))
-        self._dress(button, "starts")
+        self._set_style(button, "starts")
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         return button
 
-    def _dress(self, button: QToolButton, name: str) -> None:
+    def _set_style(self, button: QToolButton, name: str) -> None:
         button.setObjectName(name)
         button.setIconSize(self.iconSize())
         button.setAutoRaise(True)

@@ -1,4 +1,4 @@
-"""Curves: what is not in sight is not drawn, and that is never seen."""
+"""Curves: pieces outside the visible part are not painted, and the picture is the same."""
 
 from __future__ import annotations
 
@@ -23,27 +23,28 @@ def test_boxes_are_the_least_and_largest_coordinates_of_each_path(drawn) -> None
 
 
 @pytest.mark.parametrize("factor", [0.4, 1.0, 1.3, 3.0, 14.0])
-def test_what_is_left_out_is_out_of_sight(ready, hand, monkeypatch, factor) -> None:
+def test_pieces_that_are_not_painted_are_not_visible(ready, hand, monkeypatch, factor) -> None:
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle and hand.canvas.layers.contours.counts == (1, 0))
     ready.canvas_area.hint.hide()
     drawn: list[int] = []
-    in_sight = Curves._in_sight
+    visible = Curves._visible
 
     def counted(curves, painter, zoom):
-        drawn.append(len(in_sight(curves, painter, zoom)))
-        return in_sight(curves, painter, zoom)
+        drawn.append(len(visible(curves, painter, zoom)))
+        return visible(curves, painter, zoom)
 
-    monkeypatch.setattr(Curves, "_in_sight", counted)
+    monkeypatch.setattr(Curves, "_visible", counted)
     hand.canvas.zoom(factor, hand.canvas.point((32.0, 50.0)))
     seen = hand.canvas.grab().toImage()
     few = sum(drawn)
-    monkeypatch.setattr(Curves, "_in_sight", lambda curves, painter, zoom: list(range(len(curves._pieces))))
-    for item in hand.canvas.layers.contours._lines:
+    monkeypatch.setattr(Curves, "_visible", lambda curves, painter, zoom: list(range(len(curves._pieces))))
+    lines = [item for item in hand.canvas.layers.contours._items if isinstance(item, Curves)]
+    for item in lines:
         item.update()
     assert hand.canvas.grab().toImage() == seen
-    monkeypatch.setattr(Curves, "_in_sight", counted)
+    monkeypatch.setattr(Curves, "_visible", counted)
     if factor > 10.0:
-        whole = sum(len(item._pieces) for item in hand.canvas.layers.contours._lines)
+        whole = sum(len(item._pieces) for item in lines)
         assert 0 < few < whole * len(drawn)

@@ -1,4 +1,4 @@
-"""The scale bar is as long as it says, in whatever unit and at whatever zoom."""
+"""The scale bar has the length of its label, in every unit and at every zoom."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ METRES = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
 
 
 def length_said(label: str, unit: str) -> float:
-    """Length that a label tells, in a unit."""
+    """Length that a label states, in a unit."""
     figure, name = label.split()
     number = float(figure.replace(",", ""))
     return number if name == unit else number * METRES[name] / METRES[unit]
@@ -55,7 +55,7 @@ def show(window, unit: str | None) -> None:
     session.show(replace(session.scene, image=image, display=np.zeros((64, 64), np.uint8)))
 
 
-def test_the_bar_follows_the_zoom_and_is_only_there_with_a_unit(window, hand):
+def test_the_bar_follows_the_zoom_and_is_shown_only_with_a_unit(window, hand):
     layer = hand.canvas.layers["scale_bar"]
     show(window, None)
     assert not layer.item.isVisible()
@@ -76,7 +76,7 @@ def test_the_bar_follows_the_zoom_and_is_only_there_with_a_unit(window, hand):
     assert not layer.item.isVisible()
 
 
-def test_the_pointer_is_told_in_the_unit_as_well(window, hand):
+def test_the_position_of_the_pointer_is_also_shown_in_the_unit(window, hand):
     show(window, "µm")
     hand.move(10, 40)
     assert window.pointer_readout.text().startswith("row 10, col 40  (2.5 µm, 20 µm):  ")

@@ -1,4 +1,4 @@
-"""A trail leads through the places where its particle has been, and through no others."""
+"""A trail contains the earlier positions of its particle, and no others."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from app.model.display.trails import Trails
 
 
 def ways_of(trails: Trails, moments: list[dict[int, tuple[float, float]]]) -> list[set[tuple[float, ...]]]:
-    """Add moments with the particles in any order, and give the ways that are kept, newest first."""
+    """Add moments with the particles in any order, and return the trails, newest first."""
     rng = np.random.default_rng(len(moments))
     for step, moment in enumerate(moments):
         identity = rng.permutation(np.array(sorted(moment), dtype=np.int64))
@@ -27,7 +27,7 @@ MOMENTS = st.lists(
 
 
 @given(MOMENTS, st.integers(1, 4))
-def test_trails_are_the_earlier_places_of_the_same_particle(moments, length):
+def test_trails_are_the_earlier_positions_of_the_same_particle(moments, length):
     expected = [
         {(*before[i], *after[i]) for i in before.keys() & after.keys() if before[i] != after[i]}
         for before, after in pairwise(moments)
@@ -35,15 +35,15 @@ def test_trails_are_the_earlier_places_of_the_same_particle(moments, length):
     assert ways_of(Trails(length), moments) == expected[::-1][:length]
 
 
-def test_going_back_in_time_begins_anew():
+def test_going_back_in_time_clears_the_trails():
     trails = Trails(5)
-    at, who = np.array([[1.0, 2.0]]), np.array([0])
+    at, identity = np.array([[1.0, 2.0]]), np.array([0])
     for step in range(4):
-        trails.add(step, who, at + step)
+        trails.add(step, identity, at + step)
     assert len(trails) == 3
-    trails.add(1, who, at)
+    trails.add(1, identity, at)
     assert len(trails) == 0
-    trails.add(2, who, at + 1.0)
+    trails.add(2, identity, at + 1.0)
     assert len(trails) == 1
 
 
@@ -65,15 +65,15 @@ def test_the_trails_on_the_canvas_are_where_the_particles_came_from(ready, hand)
     before, after = places[4], places[5]
     newest = next(iter(layer.trails))
     assert len(newest) > 5
-    who = {place: identity for identity, place in after.items()}
+    identity = {place: identity for identity, place in after.items()}
     for start, end in newest:
-        assert before[who[tuple(end)]] == tuple(start)
+        assert before[identity[tuple(end)]] == tuple(start)
     session.reset()
     hand.wait(lambda: session.idle)
     assert len(layer.trails) == 0
 
 
-def test_however_many_ways_there_are_the_newest_are_drawn(ready, hand):
+def test_of_too_many_trails_the_newest_are_drawn(ready, hand):
     layer = hand.canvas.layers["trails"]
     rng = np.random.default_rng(0)
     ways = [rng.uniform(0, 60, (count, 2, 2)) for count in (100_000, 5)]

@@ -1,4 +1,4 @@
-"""Flow lines follow the field, lie evenly, and never cross; lines of equal potential are where it is equal."""
+"""Flow lines follow the field, are evenly spaced, and never cross; the potential is constant along its iso-lines."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ WHOLE = Seen(0.0, 0.0, SIDE - 1.0, SIDE - 1.0)
 
 @settings(max_examples=25, deadline=None)
 @given(st.floats(0.0, 6.28), st.floats(8.0, 20.0))
-def test_in_an_even_field_lines_are_straight_and_lead_its_way(angle, spacing):
+def test_in_a_uniform_field_lines_are_straight_and_follow_its_direction(angle, spacing):
     way = np.array([np.sin(angle), np.cos(angle)])
     lines = flow_lines(np.broadcast_to(way[:, None, None], (2, SIDE, SIDE)), WHOLE, spacing)
     assert lines
@@ -37,12 +37,12 @@ def test_around_a_center_lines_are_circles():
     for line in lines:
         distance = np.hypot(*(line - (SIDE - 1) / 2).T)
         if distance.mean() > 20.0:
-            # Euler's steps lead outwards, by half their square over the radius each
+            # Euler's steps drift outwards, by half their square over the radius each
             assert np.ptp(distance) < 0.08 * distance.mean()
     assert len(lines) > 40
 
 
-def test_no_two_lines_run_through_the_same_place():
+def test_no_two_lines_share_a_place():
     lines = flow_lines(np.stack([-ROW, -COL]), WHOLE, 10.0)
     cells = [set(map(tuple, (line[:-1] / (0.34 * 10.0)).astype(int))) for line in lines]
     for index, cell in enumerate(cells):
@@ -50,7 +50,7 @@ def test_no_two_lines_run_through_the_same_place():
             assert not cell & other
 
 
-def test_lines_lie_where_one_looks_and_nowhere_without_a_field():
+def test_lines_lie_in_the_visible_part_and_there_are_none_without_a_field():
     field = np.ones((2, SIDE, SIDE))
     seen = Seen(30.0, 40.0, 70.0, 100.0)
     for line in flow_lines(field, seen, 6.0):
@@ -59,7 +59,7 @@ def test_lines_lie_where_one_looks_and_nowhere_without_a_field():
     assert flow_lines(field, Seen(500.0, 500.0, 600.0, 600.0), 6.0) == []
 
 
-def test_lines_and_their_heads_are_drawn_apart():
+def test_lines_and_their_heads_are_not_connected():
     lines = [np.array([[0.0, 0.0], [0.0, 5.0], [0.0, 10.0]]), np.array([[3.0, 0.0], [8.0, 0.0]])]
     points, connected = line_points(lines, 2.0)
     pieces = np.split(points, np.flatnonzero(connected == 0)[:-1] + 1)
@@ -94,7 +94,7 @@ def test_where_the_potential_is_higher_it_is_shown_no_darker():
     assert (shown[0], shown[-1]) == (0, 255)
 
 
-def test_potential_and_flow_lines_are_shown_when_asked_for(ready, hand):
+def test_potential_and_flow_lines_are_shown_on_request(ready, hand):
     session, layers = ready.session, hand.canvas.layers
     potential, field = layers["potential"], layers["field"]
     ready.actions_by_name["layer_potential"].trigger()

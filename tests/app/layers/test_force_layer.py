@@ -1,4 +1,4 @@
-"""The forces shown are those of the engine on the particle that is pointed at."""
+"""The forces shown are those of the engine on the particle under the pointer."""
 
 from __future__ import annotations
 
@@ -46,15 +46,15 @@ def test_the_forces_on_the_particle_under_the_pointer_are_those_of_the_engine(he
         assert held.item.isVisible()
 
 
-def test_every_force_is_named_with_its_figure(held, ready, hand):
+def test_every_force_is_listed_with_its_magnitude(held, ready, hand):
     at = moment(ready)[1].position[3]
     hand.move(*at)
     hand.wait(lambda: held.probed is not None)
-    told = {name: figure for name, _, figure in held.item.lines}
-    assert {"Coulomb", "Lorentz", "Damping", "Total"} <= told.keys()
+    listed = {name: figure for name, _, figure in held.item.lines}
+    assert {"Coulomb", "Lorentz", "Damping", "Total"} <= listed.keys()
     for kind, (title, _) in KINDS.items():
-        if title in told:
-            assert told[title] == f"{np.hypot(*held.probed.forces[kind]):.3f}"
+        if title in listed:
+            assert listed[title] == f"{np.hypot(*held.probed.forces[kind]):.3f}"
 
 
 def test_the_legend_lies_on_the_canvas_and_not_on_the_particle(held, ready, hand):
@@ -70,7 +70,7 @@ def test_the_legend_lies_on_the_canvas_and_not_on_the_particle(held, ready, hand
             assert not held.item._legend.contains(held.item._at)
 
 
-def test_far_from_all_particles_there_is_nothing_to_tell(held, ready, hand):
+def test_far_from_all_particles_no_forces_are_shown(held, ready, hand):
     hand.move(*moment(ready)[1].position[0])
     hand.wait(lambda: held.probed is not None)
     hand.canvas.zoom(4.0)
@@ -79,7 +79,7 @@ def test_far_from_all_particles_there_is_nothing_to_tell(held, ready, hand):
     assert not held.item.isVisible()
 
 
-def test_without_the_pointer_the_particle_in_the_middle_of_what_is_seen_is_told_of(held, ready, hand):
+def test_without_the_pointer_the_particle_nearest_to_the_center_is_shown(held, ready, hand):
     _, state, _ = moment(ready)
     hand.canvas.pointed.emit(None)
     hand.canvas.setFocus()
@@ -103,7 +103,7 @@ def test_the_forces_follow_a_run_and_vanish_with_it(held, ready, hand):
     assert not held.item.isVisible()
 
 
-def test_a_probe_that_comes_too_late_finds_nothing(held, ready, hand):
+def test_a_late_probe_finds_nothing(held, ready, hand):
     heard = []
     ready.session.listen(Probed, heard.append)
     ready.session.post(Probe(ready.session.generation - 1, (1.0, 1.0), 1e9))

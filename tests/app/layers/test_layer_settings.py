@@ -1,4 +1,4 @@
-"""Whatever can be chosen about a layer can be chosen in the panel, is kept, and comes back."""
+"""Every option of a layer can be changed in the panel, is stored, and is restored."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def another(option: Amount | Choice | Switch, value: object) -> object:
     return option.low if value != option.low else option.high
 
 
-def test_every_setting_of_every_layer_comes_back_from_its_view_state(window):
+def test_every_option_of_every_layer_is_restored_from_its_view_state(window):
     for layer in window.canvas_area.canvas.layers:
         before = layer.view_state()
         layer.set_shown(not layer.shown)
@@ -38,7 +38,7 @@ def test_every_setting_of_every_layer_comes_back_from_its_view_state(window):
 
 
 @pytest.mark.parametrize("nonsense", [None, 7.5, "no such way", True, -3, float("nan"), [1], {}])
-def test_a_setting_that_makes_no_sense_changes_nothing(window, nonsense):
+def test_an_invalid_setting_changes_nothing(window, nonsense):
     for layer in window.canvas_area.canvas.layers:
         before = layer.view_state()
         wrong = {option.name: nonsense for option in layer.options if option.taken(nonsense) is None}
@@ -91,7 +91,7 @@ def test_layers_have_keys_of_their_own(window):
     assert len(set(others)) == len(others)
 
 
-def test_the_menu_tells_and_changes_what_particles_are_colored_by(window, hand):
+def test_the_menu_shows_and_changes_what_particles_are_colored_by(window, hand):
     actions, layer = window.actions_by_name, hand.canvas.layers["particles"]
     for way in layer.ways:
         layer.choose("colour", way)

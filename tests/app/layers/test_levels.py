@@ -1,4 +1,4 @@
-"""The image is shown in the window that was chosen, from its own values: nothing is lost where it is narrow."""
+"""The image is shown in the chosen window, from its own values: a narrow window loses no gray value."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def test_the_window_is_that_of_the_percentiles(values, percent):
 
 
 @given(IMAGES, st.floats(-1e4, 1e5), st.floats(0.1, 1e5), st.sampled_from([0.4, 1.0, 2.2]))
-def test_shades_are_the_share_of_the_window_bent_by_gamma(values, low, width, gamma):
+def test_shades_are_the_fraction_of_the_window_to_the_power_of_gamma(values, low, width, gamma):
     shown = apply_window(values, IntensityWindow(low, low + width, gamma))
     exact = 255.0 * np.clip((values - low) / (low + width - low), 0.0, 1.0) ** gamma
-    # the table of bent shades is as coarse as 1 in 4095, where the curve is steepest
+    # the table of shades is as coarse as 1 in 4095, where the curve is steepest
     assert (np.abs(shown - exact) <= 0.5 + (1e-6 if gamma == 1.0 else 255.0 * (1 / 8190.0) ** min(gamma, 1.0))).all()
 
 
-def test_256_neighboring_values_of_16_bits_are_all_told_apart():
+def test_256_neighboring_values_of_16_bits_have_different_shades():
     values = np.arange(65536.0).reshape(256, 256)
     assert len(np.unique(display_of_image(values)[40])) <= 2
     assert apply_window(values, IntensityWindow(40 * 256.0, 40 * 256.0 + 255.0))[40].tolist() == list(range(256))
@@ -50,7 +50,7 @@ def deep(window, hand, tmp_path):
     return hand.canvas.layers["image"], row.settings, values
 
 
-def test_a_cut_brings_out_what_an_outlier_hides(deep, hand):
+def test_a_percentile_window_shows_what_an_outlier_hides(deep, hand):
     layer, form, values = deep
     assert layer.window == (3000.0, 65535.0)
     assert layer.shades[10:20].max() < 2

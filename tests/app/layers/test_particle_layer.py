@@ -1,4 +1,4 @@
-"""Every particle that is in sight is drawn where it is, and nothing else is."""
+"""Every visible particle is drawn at its position, and nothing else is drawn."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def picture(position: np.ndarray, ratio: int, zoom: float, corner: np.ndarray) -
 @pytest.mark.parametrize("ratio", [1, 2])
 @pytest.mark.parametrize("zoom", [0.4, 1.0, 3.7])
 @pytest.mark.parametrize("count", [30, 400])
-def test_particles_in_sight_cover_their_pixel_and_the_rest_stays_free(qapp, ratio, zoom, count):
+def test_visible_particles_cover_their_pixel_and_the_rest_stays_free(qapp, ratio, zoom, count):
     rng = np.random.default_rng(count)
     corner = np.array((101.3, 52.8))
     position = corner + rng.uniform(-0.5, 1.5, (count, 2)) * (HEIGHT, WIDTH) / zoom
@@ -56,7 +56,7 @@ def test_particles_in_sight_cover_their_pixel_and_the_rest_stays_free(qapp, rati
     assert not drawn[nearest > ratio * (0.5 * LARGEST + 1.0) + 1.0].any()
 
 
-def test_a_particle_is_as_large_and_of_the_color_that_it_should_be(qapp):
+def test_a_particle_has_the_right_size_and_color(qapp):
     drawn = picture(np.array([[10.0, 20.0]]), 1, 5.0, np.zeros(2))
     blue, green, red, _ = drawn[50, 100]
     assert QColor(int(red), int(green), int(blue)) == QColor(theme.MOVING)
@@ -73,7 +73,7 @@ def test_a_particle_is_as_large_and_of_the_color_that_it_should_be(qapp):
         ((HEIGHT + 1.0, 90.0), (1.0, 0.0), (HEIGHT - 1, 90)),
     ],
 )
-def test_the_half_of_a_particle_that_reaches_into_sight_is_drawn(qapp, place, outward, beside):
+def test_the_visible_half_of_a_particle_is_drawn(qapp, place, outward, beside):
     near, far = np.array([place]), np.array([place]) + 4.0 * np.array([outward])
     assert picture(near / 3.0, 1, 3.0, np.zeros(2))[(*beside, 3)] > 0
     assert not picture(far / 3.0, 1, 3.0, np.zeros(2)).any()

@@ -39,8 +39,8 @@ TEXT_ON = (
     *(("dim", ground) for ground in ("window", "panel", "base")),
     ("accent_text", "accent"),
     ("accent_text", "accent_hover"),
-    ("trouble_text", "trouble"),
-    ("news_text", "news"),
+    ("error_text", "error"),
+    ("message_text", "message"),
 )
 
 

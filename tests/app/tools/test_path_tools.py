@@ -56,7 +56,7 @@ def test_clicks_place_corners_and_enter_ends_the_path_as_one_step_of_undo(window
 
 
 @pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
-def test_a_drag_draws_freehand_and_the_path_keeps_to_where_the_pointer_went(window, hand, key) -> None:
+def test_a_drag_draws_freehand_and_the_path_follows_the_pointer(window, hand, key) -> None:
     hand.key(key)
     angles = np.linspace(0.0, 1.5 * np.pi, 120)
     way = [(32.0 + 20.0 * math.sin(angle), 32.0 + 20.0 * math.cos(angle)) for angle in angles]
@@ -92,7 +92,7 @@ def test_a_click_on_the_first_corner_closes_a_region_but_not_a_barrier(window, h
 
 
 @pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
-def test_escape_gives_up_a_path_and_leaves_nothing_to_undo(window, hand, key) -> None:
+def test_escape_discards_a_path_and_leaves_nothing_to_undo(window, hand, key) -> None:
     hand.key(key)
     hand.click(10, 10)
     hand.click(10, 40)
@@ -107,7 +107,7 @@ def test_escape_gives_up_a_path_and_leaves_nothing_to_undo(window, hand, key) ->
     assert "Esc gives up" not in window.canvas_area.hint.text()
 
 
-def test_backspace_takes_back_the_last_corner_and_leaves_the_selected_shape_alone(ready, hand) -> None:
+def test_backspace_removes_the_last_corner_and_not_the_selected_shape(ready, hand) -> None:
     ready.session.select(0)
     hand.canvas.setFocus()
     hand.key(KEY.Key_B)
@@ -131,7 +131,7 @@ def test_a_single_click_makes_nothing_and_says_how(window, hand, key) -> None:
     assert "corner by corner" in window.canvas_area.messages.text
 
 
-def test_another_tool_gives_up_the_path_that_was_begun(window, hand) -> None:
+def test_another_tool_discards_the_path_that_was_begun(window, hand) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_I)
     hand.click(10, 10)
@@ -165,7 +165,7 @@ def test_a_path_is_selected_on_its_line_moved_by_drag_and_keys_and_deleted(windo
 
 
 @pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
-def test_a_corner_of_the_selected_path_is_led_elsewhere_whichever_tool_is_in_use(window, hand, key) -> None:
+def test_a_corner_of_the_selected_path_can_be_dragged_with_any_tool(window, hand, key) -> None:
     draw(hand, key)
     hand.drag(CORNERS[1], (15, 50), (20, 54))
     assert near(only(window).points, (CORNERS[0], (20.0, 54.0), *CORNERS[2:]))
@@ -208,7 +208,7 @@ def test_a_limit_drawn_during_a_run_acts_in_it_at_once(ready, hand) -> None:
     assert ready.session.scene.snapshot.position[:, 0].max() < 40.0 + PIXEL
 
 
-def test_a_region_beside_the_image_is_refused_in_a_sentence(ready, hand) -> None:
+def test_a_region_outside_the_image_is_rejected_with_a_message(ready, hand) -> None:
     hand.canvas.fit()
     hand.canvas.zoom(0.5)
     draw(hand, KEY.Key_I, ((70.0, 70.0), (70.0, 90.0), (90.0, 90.0)))
@@ -218,7 +218,7 @@ def test_a_region_beside_the_image_is_refused_in_a_sentence(ready, hand) -> None
     assert ready.session.status.phase == "ready"
 
 
-def test_what_lies_outside_a_region_is_dimmed_and_a_barrier_is_seen_until_the_drawing_is_hidden(window, hand) -> None:
+def test_the_outside_of_a_region_is_dimmed_and_a_barrier_is_shown_until_the_drawing_is_hidden(window, hand) -> None:
     def seen() -> QImage:
         return hand.canvas.viewport().grab().toImage()
 

@@ -1,4 +1,4 @@
-"""Starts that need no drawing: switched on and off, shown where they are, and kept to regions of interest."""
+"""Starts that need no drawing: switched on and off, shown at their positions, and limited to regions of interest."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KEYS = {
 
 
 def expected(kind: str, values: np.ndarray) -> np.ndarray:
-    """What the core gives for an image."""
+    """Seeds that the core finds for an image."""
     match kind:
         case "grid":
             return uniform_grid(values.shape)
@@ -31,7 +31,7 @@ def expected(kind: str, values: np.ndarray) -> np.ndarray:
 
 @pytest.fixture
 def seen(record) -> list:
-    """The places that the session has told of."""
+    """The seeds that the session has reported."""
     return record("image_seeds")
 
 
@@ -83,7 +83,7 @@ def test_it_is_selected_in_turn_and_deleted_like_any_shape(ready, hand) -> None:
     assert hand.canvas.layers.drawing.everywhere == 0
 
 
-def test_a_region_of_interest_keeps_them_and_the_smoothing_moves_them(window, hand, seen) -> None:
+def test_a_region_of_interest_limits_the_seeds_and_the_smoothing_moves_them(window, hand, seen) -> None:
     hand.key(*KEYS["gradient"])
     hand.wait(lambda: bool(seen))
     everywhere = seen[-1][Everywhere("gradient")]
@@ -100,7 +100,7 @@ def test_a_region_of_interest_keeps_them_and_the_smoothing_moves_them(window, ha
     assert len(seen) == 3
 
 
-def test_the_window_says_that_it_is_looking_for_places_and_what_went_wrong(window, hand, monkeypatch, caplog) -> None:
+def test_the_window_reports_the_search_for_seeds_and_its_errors(window, hand, monkeypatch, caplog) -> None:
     def fail(*_: object) -> None:
         raise RuntimeError("out of places")
 
@@ -113,7 +113,7 @@ def test_the_window_says_that_it_is_looking_for_places_and_what_went_wrong(windo
     assert "out of places" in caplog.text
 
 
-def test_places_found_late_do_not_land_on_another_image(window, hand, seen, tmp_path) -> None:
+def test_seeds_found_late_are_not_shown_on_another_image(window, hand, seen, tmp_path) -> None:
     other = tmp_path / "other.npy"
     np.save(other, np.indices((40, 50)).sum(axis=0) % 17 * 1.0)
     hand.key(*KEYS["grid"])

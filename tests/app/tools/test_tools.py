@@ -1,4 +1,4 @@
-"""The tools do with real mouse and key events what a user expects of them."""
+"""The tools work as a user expects, with real mouse and key events."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_a_click_with_the_circle_tool_draws_nothing_and_says_how(window, hand) -
     assert "drag" in window.canvas_area.messages.text
 
 
-def test_escape_takes_back_the_circle_being_drawn_and_leaves_nothing_to_undo(window, hand) -> None:
+def test_escape_deletes_the_circle_being_drawn_and_leaves_nothing_to_undo(window, hand) -> None:
     hand.press(30, 20)
     hand.move(30, 40)
     assert len(window.session.document.shapes) == 1
@@ -108,7 +108,7 @@ def test_everything_can_be_drawn_moved_and_deleted_with_keys_alone(window, hand)
     assert window.session.document.shapes == ()
 
 
-def test_the_wheel_zooms_around_the_pointer_and_fit_brings_all_back(window, hand) -> None:
+def test_the_wheel_zooms_around_the_pointer_and_fit_shows_the_whole_image(window, hand) -> None:
     canvas = hand.canvas
     whole = canvas.view.viewRect()
     point = QPointF(hand.at(20, 44))
@@ -136,7 +136,7 @@ def test_a_drag_with_another_button_pans_by_what_the_pointer_moves(window, hand,
     assert window.session.document.shapes == ()
 
 
-def test_the_status_bar_tells_position_and_gray_value_under_the_pointer(window, hand) -> None:
+def test_the_status_bar_shows_position_and_gray_value_under_the_pointer(window, hand) -> None:
     hand.move(32, 32)
     assert window.pointer_readout.text() == "row 32, col 32:  200"
     hand.move(3, 60)

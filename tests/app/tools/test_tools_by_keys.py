@@ -1,4 +1,4 @@
-"""Every tool is used without a pointer: a cross-hair is led by arrow keys, and Enter is the button."""
+"""Every tool works without a pointer: arrow keys move a cross-hair, and Enter is the button."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ KEYS = {tool.name: getattr(KEY, f"Key_{tool.shortcut}") for tool in TOOLS}
 
 @pytest.fixture
 def keys(window, hand):
-    """Keys in a row on the image; the cross-hair begins in the middle of what is seen."""
+    """Keys in a row on the image; the cross-hair begins in the center of the visible part."""
     QCursor.setPos(window.mapToGlobal(QPoint(2, 2)))  # off the image, wherever it was left
     hand.canvas.setFocus()
     names = {"^": KEY.Key_Up, "v": KEY.Key_Down, "<": KEY.Key_Left, ">": KEY.Key_Right, "!": KEY.Key_Return}
@@ -39,7 +39,7 @@ def drawn(window):
     return window.session.document.shapes
 
 
-def test_enter_shows_the_cross_hair_in_the_middle_and_arrows_lead_it(window, hand, keys) -> None:
+def test_enter_shows_the_cross_hair_in_the_center_and_arrows_move_it(window, hand, keys) -> None:
     crosshair = window.canvas_area.crosshair
     assert crosshair.at is None
     keys("!")
@@ -68,7 +68,7 @@ def test_paths_are_drawn_corner_by_corner_and_ended_by_a_second_enter(window, ha
     assert shape.points == ((row, col), (row + 10, col), (row + 10, col + 10))
 
 
-def test_the_last_corner_is_taken_back_and_ctrl_enter_ends_a_path(window, hand, keys) -> None:
+def test_backspace_removes_the_last_corner_and_ctrl_enter_ends_a_path(window, hand, keys) -> None:
     hand.key(KEYS["stroke"])
     keys("!")
     row, col = window.canvas_area.crosshair.at
@@ -100,7 +100,7 @@ def test_points_are_placed_one_enter_each(window, hand, keys) -> None:
 
 
 @pytest.mark.parametrize("name", ["attract", "repel"])
-def test_a_charge_is_dropped_led_and_let_go_and_taken_hold_of_again(window, hand, keys, name) -> None:
+def test_a_charge_is_placed_dragged_released_and_dragged_again(window, hand, keys, name) -> None:
     hand.key(KEYS[name])
     keys("!")
     row, col = window.canvas_area.crosshair.at
@@ -137,7 +137,7 @@ def test_a_shape_and_its_handle_are_dragged_with_the_select_tool(window, hand, k
     assert drawn(window) == (Circle((row, col + 10), 13.0),)
 
 
-def test_escape_gives_up_the_drag_before_it_puts_the_cross_hair_away(window, hand, keys) -> None:
+def test_escape_cancels_the_drag_before_it_hides_the_cross_hair(window, hand, keys) -> None:
     keys("!!>")
     assert len(drawn(window)) == 1
     hand.key(KEY.Key_Escape)
@@ -148,7 +148,7 @@ def test_escape_gives_up_the_drag_before_it_puts_the_cross_hair_away(window, han
     assert window.canvas_area.crosshair.at is None
 
 
-def test_a_press_of_the_pointer_takes_over_from_the_cross_hair(window, hand, keys) -> None:
+def test_a_press_of_the_pointer_hides_the_cross_hair(window, hand, keys) -> None:
     keys("!")
     hand.move(5, 5)
     assert window.canvas_area.crosshair.at == pytest.approx((32, 32), abs=1)
@@ -158,13 +158,13 @@ def test_a_press_of_the_pointer_takes_over_from_the_cross_hair(window, hand, key
     assert circle.radius == pytest.approx(8, abs=0.5)
 
 
-def test_the_image_follows_the_cross_hair_out_of_sight(window, hand, keys) -> None:
+def test_the_image_scrolls_with_the_cross_hair(window, hand, keys) -> None:
     hand.canvas.zoom(8.0)
     keys("!>>>vvv")
     assert hand.canvas.view.viewRect().contains(*reversed(window.canvas_area.crosshair.at))
 
 
-def test_enter_on_an_empty_stage_does_nothing_and_space_still_runs(window, hand, keys) -> None:
+def test_space_still_runs_while_the_cross_hair_is_shown(window, hand, keys) -> None:
     window.session.edit("add", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
     keys("!")
     hand.key(KEY.Key_Space)

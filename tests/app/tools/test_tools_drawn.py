@@ -72,7 +72,7 @@ def test_shift_makes_an_ellipse_round_and_ctrl_draws_it_from_its_center(window, 
     assert both.radii == pytest.approx((8, 8), abs=PIXEL)
 
 
-def test_shift_leads_the_sides_of_a_path_in_eight_directions(window, hand) -> None:
+def test_shift_restricts_the_sides_of_a_path_to_eight_directions(window, hand) -> None:
     hand.key(KEY.Key_O)
     hand.click(10, 10)
     for end in ((12, 40), (43, 38), (30, 22)):
@@ -85,7 +85,7 @@ def test_shift_leads_the_sides_of_a_path_in_eight_directions(window, hand) -> No
     assert tuple(points[1]) == pytest.approx((10, 40), abs=PIXEL)
 
 
-def test_an_ellipse_is_resized_and_turned_by_its_handles_whichever_tool_is_in_use(window, hand) -> None:
+def test_an_ellipse_is_resized_and_turned_by_its_handles_with_any_tool(window, hand) -> None:
     add(window, Ellipse((32.0, 32.0), (20.0, 10.0)))
     window.session.select(0)
     hand.drag((32, 52), (32, 46), (35, 44))
@@ -169,7 +169,7 @@ def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_
 
 
 @pytest.mark.parametrize("key", [KEY.Key_Y, KEY.Key_E])
-def test_less_and_greater_change_the_ring_which_is_seen_and_leaves_with_the_pointer(window, hand, key) -> None:
+def test_less_and_greater_change_the_ring_which_is_shown_and_hidden_with_the_pointer(window, hand, key) -> None:
     hand.canvas.setFocus()
     hand.key(key)
     ring = hand.canvas.layers.drawing._draft._ring
@@ -204,7 +204,7 @@ def test_escape_during_a_drag_leaves_the_drawing_as_it_was_and_nothing_to_undo(w
     assert not window.actions_by_name["undo"].isEnabled()
 
 
-def test_the_eraser_takes_points_one_by_one_and_other_shapes_that_it_touches_and_leaves_the_rest(window, hand) -> None:
+def test_the_eraser_deletes_single_points_and_other_shapes_that_it_touches_and_keeps_the_rest(window, hand) -> None:
     far = Circle((50.0, 50.0), 5.0)
     points = Points(((10.0, 10.0), (10.0, 20.0), (10.0, 30.0), (40.0, 10.0)))
     touched = (Barrier(((5.0, 15.0), (15.0, 15.0))), Stroke(((12.0, 25.0), (30.0, 25.0))), Charge((10.0, 27.0)))
@@ -219,7 +219,7 @@ def test_the_eraser_takes_points_one_by_one_and_other_shapes_that_it_touches_and
     assert window.session.document.shapes == (far, points, *touched)
 
 
-def test_the_middle_of_a_circle_is_not_the_circle_for_an_eraser(window, hand) -> None:
+def test_the_eraser_does_not_touch_a_circle_in_its_center(window, hand) -> None:
     circle = Circle((32.0, 32.0), 20.0)
     add(window, circle)
     hand.key(KEY.Key_E)
@@ -230,7 +230,7 @@ def test_the_middle_of_a_circle_is_not_the_circle_for_an_eraser(window, hand) ->
 
 
 @pytest.mark.parametrize(("key", "sign"), [(KEY.Key_A, 1), (KEY.Key_D, -1)])
-def test_a_click_drops_a_charge_and_a_drag_takes_hold_of_it_again(window, hand, key, sign) -> None:
+def test_a_click_places_a_charge_and_a_drag_moves_it(window, hand, key, sign) -> None:
     hand.key(key)
     hand.click(20, 20)
     dropped = only(window)

@@ -1,4 +1,4 @@
-"""Panels keep their place, name themselves once, cut no name off, and can be put back."""
+"""Panels keep their places, show their names once and in full, and can be restored."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def seen_bars(window: QMainWindow) -> list[QTabBar]:
     return [bar for bar in window.findChildren(QTabBar) if not bar.visibleRegion().isEmpty()]
 
 
-def test_panels_upon_each_other_are_named_by_their_tabs_and_others_by_their_heading(window, hand) -> None:
+def test_tabbed_panels_are_named_by_their_tabs_and_others_by_their_heading(window, hand) -> None:
     docks = window.docks
     hand.wait(lambda: docks["parameters"].titleBarWidget().objectName() == "")
     assert docks["run"].titleBarWidget().objectName() == "title"
@@ -27,12 +27,12 @@ def test_panels_upon_each_other_are_named_by_their_tabs_and_others_by_their_head
     assert docks["layers"].titleBarWidget().objectName() == "title"
 
 
-def test_the_heading_loosens_and_closes_its_panel(window, hand) -> None:
+def test_the_heading_detaches_and_closes_its_panel(window, hand) -> None:
     dock = window.docks["run"]
-    loosen, close = dock.titleBarWidget().findChildren(QToolButton)
-    hand.qtbot.mouseClick(loosen, Qt.MouseButton.LeftButton)
+    detach, close = dock.titleBarWidget().findChildren(QToolButton)
+    hand.qtbot.mouseClick(detach, Qt.MouseButton.LeftButton)
     assert dock.isFloating()
-    hand.qtbot.mouseClick(loosen, Qt.MouseButton.LeftButton)
+    hand.qtbot.mouseClick(detach, Qt.MouseButton.LeftButton)
     assert not dock.isFloating()
     hand.qtbot.mouseClick(close, Qt.MouseButton.LeftButton)
     assert dock.isHidden()
@@ -40,7 +40,7 @@ def test_the_heading_loosens_and_closes_its_panel(window, hand) -> None:
     assert not dock.isHidden()
 
 
-def test_panels_are_put_back_where_they_were(window, hand) -> None:
+def test_panels_are_restored_to_their_initial_places(window, hand) -> None:
     before = {dock.objectName(): window.dockWidgetArea(dock) for dock in window.docks}
     window.docks["run"].close()
     window.docks["layers"].setFloating(True)
@@ -53,7 +53,7 @@ def test_panels_are_put_back_where_they_were(window, hand) -> None:
     assert window.docks["layers"] in window.tabifiedDockWidgets(window.docks["parameters"])
 
 
-def test_panels_are_found_where_they_were_left(qtbot, workspace, window, hand) -> None:
+def test_panels_keep_their_places_for_the_next_start(qtbot, workspace, window, hand) -> None:
     window.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, window.docks["run"])
     window.close()
     again = MainWindow(workspace, Preferences())
@@ -63,7 +63,7 @@ def test_panels_are_found_where_they_were_left(qtbot, workspace, window, hand) -
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_six_panels_upon_each_other_show_their_names_in_full(window, qtbot, theme) -> None:
+def test_six_tabbed_panels_show_their_names_in_full(window, qtbot, theme) -> None:
     window.actions_by_name[f"theme_{theme}"].trigger()
     other = QMainWindow()
     qtbot.addWidget(other)
@@ -105,7 +105,7 @@ def test_every_button_of_the_tool_bar_has_room_at_1280(window, hand) -> None:
 
 
 class Requests(QObject):
-    """Counts the requests of a window to be laid out anew."""
+    """Counts the layout requests of a window."""
 
     count = 0
 
@@ -114,7 +114,7 @@ class Requests(QObject):
         return False
 
 
-def test_a_window_that_is_left_alone_comes_to_rest(window, hand) -> None:
+def test_an_idle_window_makes_no_layout_requests(window, hand) -> None:
     requests = Requests()
     window.installEventFilter(requests)
     window.docks.reveal("contours")

@@ -1,4 +1,4 @@
-"""The guide: its pages name real actions and samples, its links do what they say, and what it promises comes true."""
+"""The guide: its pages name existing actions and samples, its links work, and its claims hold."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def guide(window, hand) -> Guide:
     return window.feature(HelpFeature).guide
 
 
-def test_three_real_tasks_are_walked_through() -> None:
+def test_three_real_tasks_are_explained() -> None:
     tasks = [page for page in PAGES if page.sample]
     assert [page.name for page in tasks] == ["artery", "nuclei", "hand"]
     for page in tasks:
@@ -46,7 +46,7 @@ def test_every_action_that_is_named_exists(window, guide) -> None:
         assert page.title in guide.text.toPlainText()
 
 
-def test_every_link_leads_somewhere_and_every_picture_is_there(window, guide) -> None:
+def test_every_link_has_a_target_and_every_picture_exists(window, guide) -> None:
     for link in LINKS:
         kind, _, name = link.partition(":")
         assert kind in ("page", "sample")

@@ -1,4 +1,4 @@
-"""The tour: five bubbles by buttons or keys, shown once to those who are new and again when asked for."""
+"""The tour: five bubbles by buttons or keys, shown once to new users and again on request."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_no_text_of_a_bubble_is_cut_off(window, hand, tour) -> None:
             assert label.width() >= label.minimumSizeHint().width()
 
 
-def test_the_tour_is_led_by_keys_and_does_not_run_anything(ready, hand) -> None:
+def test_the_tour_is_controlled_by_keys_and_starts_no_run(ready, hand) -> None:
     ready.actions_by_name["tour"].trigger()
     tour = ready.feature(HelpFeature).tour
     for key, at in ((Qt.Key.Key_Right, 1), (Qt.Key.Key_Return, 2), (Qt.Key.Key_Left, 1), (Qt.Key.Key_Space, 2)):
@@ -63,7 +63,7 @@ def test_back_and_skip_do_what_they_say(window, hand, tour) -> None:
     assert window.feature(HelpFeature).tour is None
 
 
-def test_the_bubble_stays_with_its_target_when_the_window_changes_its_size(window, hand, tour) -> None:
+def test_the_bubble_stays_with_its_target_when_the_window_is_resized(window, hand, tour) -> None:
     tour.go(4)
     window.resize(1300, 800)
     target = tour._stops[4].target()
@@ -71,13 +71,13 @@ def test_the_bubble_stays_with_its_target_when_the_window_changes_its_size(windo
     assert window.rect().contains(tour.geometry())
 
 
-def test_the_window_can_be_used_meanwhile(window, hand, tour) -> None:
+def test_the_window_stays_usable_during_the_tour(window, hand, tour) -> None:
     tour.go(1)
     hand.drag((40.0, 40.0), (46.0, 40.0))
     assert len(window.session.document.shapes) == 1
 
 
-def test_it_is_shown_once_and_only_when_a_person_starts_the_program(qtbot, compiled_loops, image_file) -> None:
+def test_the_tour_is_shown_once_and_only_when_a_user_starts_the_program(qtbot, compiled_loops, image_file) -> None:
     for seen_before in (False, True):
         window = open_window(str(image_file))
         qtbot.waitUntil(lambda window=window: window.session.document.image is not None)

@@ -1,4 +1,4 @@
-"""Curves on the canvas, drawn once and kept until they change."""
+"""Curves on the canvas, cached until they change."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from cpm_core.numerics.types import Array
 _RIM = 4.0
 _PIECE = 64
 _UNSEEN = 0.1
-"""Distance off a line at which a corner is not seen [px of the screen]."""
+"""Distance from a line below which a corner is invisible [px of the screen]."""
 
 _STEPS = 2
-"""Zooms, for each time as large, at which it is told anew what cannot be seen; in between a little more is drawn."""
+"""Zooms per factor of two at which invisible corners are removed again; in between slightly more is drawn."""
 
 _WIDEST = 12.0
-"""Room that the widest line takes beside its corners [px of the screen]."""
+"""Margin for the widest line beside its corners [px of the screen]."""
 
 _MANY = 100
-"""Pieces in sight from which on the painter must be spared."""
+"""Number of visible pieces from which halos are drawn without antialiasing."""
 
 _DASHES = (2.5, 1.8)
 
@@ -37,18 +37,18 @@ _DASHES = (2.5, 1.8)
 class Curves(OverImage):
     """Curves of one color with a dark halo.
 
-    Each is drawn in pieces of its own: the time that Qt takes for a wide line grows much faster than its length.
+    Each is drawn in pieces: the time that Qt takes for a wide line grows much faster than its length.
 
     Parameters
     ----------
     color : str
         Color.
     z : float
-        Place in the pile of layers.
+        Place in the stack of layers.
     width, halo : float
-        Widths of the line and of what is dark around it, 0 for nothing dark [px of the screen].
+        Widths of the line and of its halo, 0 for no halo [px of the screen].
     dashed : bool
-        Whether the color is interrupted.
+        Whether the line is dashed.
     """
 
     def __init__(self, color: str, z: float, width: float = 2.0, halo: float = 3.6, dashed: bool = False) -> None:
@@ -62,7 +62,6 @@ class Curves(OverImage):
         self._pieces: list[QPainterPath] = []
         self._boxes = boxes([])
         self._made_for = 0.0
-        self._wanted = True
         self.count = 0
         self.setVisible(False)
         cached(self)
@@ -73,36 +72,36 @@ class Curves(OverImage):
             self.count = len(paths)
             self._paths, self._made_for = paths, 0.0
             self.update()
-            self.set_wanted(self._wanted)
+            self.set_shown(self._shown)
 
-    def set_wanted(self, wanted: bool) -> None:
-        """Say whether the curves are to be seen; where there are none, nothing is drawn in any frame."""
-        self._wanted = wanted
-        self.setVisible(wanted and self.count > 0)
+    @property
+    def empty(self) -> bool:
+        """Whether there are no curves."""
+        return self.count == 0
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the halos, then the curves."""
         painter.setBrush(QColor(0, 0, 0, 0))
         zoom = painter.worldTransform().m11() * painter.device().devicePixelRatioF()
         self._make_pieces(2.0 ** (math.ceil(_STEPS * math.log2(zoom)) / _STEPS))
-        seen = self._in_sight(painter, zoom)
+        seen = self._visible(painter, zoom)
         for pen in self._pens:
-            # Of many halos nobody sees whether they are smooth; the lines upon them are.
+            # Where there are many halos, jagged ones are not visible below the smooth lines.
             painter.setRenderHint(QPainter.RenderHint.Antialiasing, pen is self._pens[-1] or len(seen) < _MANY)
             painter.setPen(pen)
             for index in seen:
                 painter.drawPath(self._pieces[index])
 
     def _make_pieces(self, zoom: float) -> None:
-        """Leave out what cannot be told apart where a px of the image is `zoom` pixels of the screen: it takes long."""
+        """Make the pieces for `zoom` px of the screen per px of the image, without corners that are invisible there."""
         if self._made_for != zoom:
             self._made_for = zoom
             seen = [piece for path in coarser(self._paths, _UNSEEN / zoom) for piece in pieces(path)]
             self._pieces = [pg.arrayToQPath(*to_xy(piece)) for piece in seen]
             self._boxes = boxes(seen)
 
-    def _in_sight(self, painter: QPainter, zoom: float) -> list[int]:
-        """Pieces that reach into what is painted: the painter takes as long for the others."""
+    def _visible(self, painter: QPainter, zoom: float) -> list[int]:
+        """Indices of the visible pieces; the others would take the painter as long."""
         device, (inverse, _) = painter.device(), painter.worldTransform().inverted()
         seen, rim = inverse.mapRect(QRectF(0.0, 0.0, device.width(), device.height())), _WIDEST / zoom
         (top, left), (bottom, right) = self._boxes
@@ -111,7 +110,7 @@ class Curves(OverImage):
 
 
 def pieces(path: Array) -> Iterator[Array]:
-    """Pieces of a path that overlap by a segment, so that no joint is left open."""
+    """Pieces of a path that overlap by a segment, so that no joint stays open."""
     for begin in range(0, max(len(path) - 1, 1), _PIECE):
         yield np.ascontiguousarray(path[max(begin - 1, 0) : begin + _PIECE + 1])
 

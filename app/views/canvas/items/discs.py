@@ -1,4 +1,4 @@
-"""Discs on the canvas, many of them, drawn anew in every frame and therefore made to be fast."""
+"""Many discs on the canvas, drawn fast because they change in every frame."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ _SMALLEST = 2.4
 """Least diameter of a disc [px of the screen]."""
 
 _SPAN = 2.4
-"""Diameter of a disc [px of the image], a little more than the spacing of the particles."""
+"""Diameter of a disc [px of the image], slightly larger than the spacing of the particles."""
 
 Marks = NDArray[np.uint8]
 
 NO_POSITIONS: Array = np.empty((0, 2))
 
 _RIM = 16.0
-"""Room around the image for particles on its border [px of the image]."""
+"""Margin around the image for particles on its border [px of the image]."""
 
 
 class Discs(OverImage):
-    """Discs of one color or of a palette, as large as the image is enlarged, within bounds: they hide next to nothing.
+    """Discs of one color or of a palette; their size follows the zoom within bounds.
 
-    All are stamps of one picture, in which the colors stand side by side, in a single call of the painter. A scatter
-    plot of pyqtgraph does the same, but only after some milliseconds of book-keeping for symbols that differ.
+    All are drawn by a single call of the painter from one pixmap that contains the colors side by side. A scatter plot
+    of pyqtgraph does the same, but needs several milliseconds of preparation because its symbols may differ.
 
     Parameters
     ----------
@@ -43,7 +43,12 @@ class Discs(OverImage):
     diameter : float
         Largest diameter [px of the screen].
     z : float
-        Place in the pile of layers.
+        Place in the stack of layers.
+
+    Attributes
+    ----------
+    position : ndarray, shape (N, 2)
+        Centers (row, col) [px of the image].
     """
 
     def __init__(self, color: str, diameter: float, z: float) -> None:
@@ -51,44 +56,39 @@ class Discs(OverImage):
         self._own = (color,)
         self._colors: Sequence[str] = self._own
         self._diameter = diameter
-        self._position = np.empty((0, 2))
+        self.position: Array = np.empty((0, 2))
         self._marks: Marks | None = None
         self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)
         self._stamp = QPixmap()
         self._stamped: tuple[object, ...] = ()
 
     @property
-    def position(self) -> Array:
-        """Where they are (row, col), shape (N, 2)."""
-        return self._position
-
-    @property
     def count(self) -> int:
         """Number of discs."""
-        return len(self._position)
+        return len(self.position)
 
     def use_palette(self, colors: Sequence[str] = ()) -> None:
-        """Draw in these colors, by default in the one of its own; the discs are to be shown anew."""
+        """Set the palette, by default the own color; call `show` afterwards."""
         self._colors = tuple(colors) or self._own
 
     def show(self, position: Array, color: Marks | None = None) -> None:
-        """Show discs at (row, col), shape (N, 2), each in the color of the palette that its number says."""
-        if len(position) or len(self._position):
-            self._position, self._marks = position, color
+        """Show discs at (row, col), shape (N, 2); `color`, shape (N,), holds indices into the palette."""
+        if len(position) or len(self.position):
+            self.position, self._marks = position, color
             self.update()
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
-        """Stamp them all."""
-        if not len(self._position):
+        """Draw all discs."""
+        if not len(self.position):
             return
         device = painter.device()
         ratio = device.devicePixelRatioF()
         transform = painter.worldTransform()
         stamp = self._stamp_for(ratio, transform.m11())
         origin = transform.map(QPointF(0.0, 0.0))
-        x, y = to_xy(self._position)
+        x, y = to_xy(self.position)
         x, y = origin.x() + x * transform.m11(), origin.y() + y * transform.m22()
-        # The painter takes as long for a stamp that is not seen as for one that is.
+        # A disc outside the visible part takes the painter as long as one inside.
         side = stamp.height()
         reach = side / ratio
         seen = (x > -reach) & (x < device.width() + reach) & (y > -reach) & (y < device.height() + reach)
@@ -111,7 +111,7 @@ class Discs(OverImage):
         painter.restore()
 
     def _stamp_for(self, ratio: float, zoom: float) -> QPixmap:
-        """The discs of all colors for a screen with `ratio` pixels to a point and an image enlarged by `zoom`."""
+        """Pixmap of the discs of all colors, for `ratio` device pixels per point and an image enlarged by `zoom`."""
         diameter = round(ratio * min(self._diameter, max(_SMALLEST, _SPAN * zoom)), 1)
         if self._stamped != (diameter, ratio, self._colors):
             self._stamped = (diameter, ratio, self._colors)
@@ -120,7 +120,7 @@ class Discs(OverImage):
             self._stamp.fill(Qt.GlobalColor.transparent)
             painter = QPainter(self._stamp)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            # A rim sets large discs off from each other; around small ones it would be all that is seen.
+            # A rim separates large discs from each other; around small ones it would hide the color.
             strength = round(190 * min(1.0, max(0.0, (diameter / ratio - _SMALLEST) / 3.0)))
             painter.setPen(QPen(QColor(0, 0, 0, strength), 0.9 * ratio) if strength else Qt.PenStyle.NoPen)
             for index, color in enumerate(self._colors):

@@ -1,4 +1,4 @@
-"""What items on the canvas have in common: the room over an image, pens and caching."""
+"""Common parts of items on the canvas: the area over an image, pens, caching and markers."""
 
 from __future__ import annotations
 
@@ -20,40 +20,51 @@ def line_pen(color: str, width: float) -> QPen:
 
 
 def cached(item: QGraphicsItem) -> None:
-    """Keep what an item looks like until it changes, for what lies above it changes much more often."""
+    """Cache the rendered item until it changes: the items above it change much more often."""
     item.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
 
 
 class OverImage(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
-    """An item as large as the image and a rim around it.
+    """An item that covers the image and a rim around it.
 
     Parameters
     ----------
     z : float
-        Place in the pile of layers.
+        Place in the stack of layers.
     rim : float
-        Width of the rim unless another is asked for [px of the image].
+        Default width of the rim [px of the image].
     """
 
     def __init__(self, z: float, rim: float) -> None:
         super().__init__()
         self._room = QRectF()
         self._rim = rim
+        self._shown = True
         self.setZValue(z)
 
     def use_shape(self, shape: tuple[int, ...], rim: float | None = None) -> None:
-        """Make room for an image of this shape and, all around, for a rim of so many px of the image."""
+        """Cover an image of this shape and a rim around it."""
         width = self._rim if rim is None else rim
         self.prepareGeometryChange()
         self._room = image_rectangle(shape).adjusted(-width, -width, width, width)
 
+    @property
+    def empty(self) -> bool:
+        """Whether there is nothing to draw."""
+        return False
+
+    def set_shown(self, shown: bool) -> None:
+        """Show or hide the item; an empty one is hidden and costs nothing in a frame."""
+        self._shown = shown
+        self.setVisible(shown and not self.empty)
+
     def boundingRect(self) -> QRectF:
-        """Room that may be drawn on."""
+        """The area that may be drawn on."""
         return self._room
 
 
 class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no type hints
-    """Symbols of one size, few of them, that cost nothing in a frame where nothing is shown."""
+    """A few symbols of one size; without symbols, painting costs nothing."""
 
     def paint(self, painter: Any, *rest: Any) -> None:
         """Draw the markers, if there are any."""

@@ -1,4 +1,4 @@
-"""What lies on the canvas and does not move with the image: legends and bars, on a dark ground that any image bears."""
+"""Items that do not move with the image: legends and bars, on a dark background that is readable on any image."""
 
 from __future__ import annotations
 
@@ -10,19 +10,16 @@ from PySide6.QtWidgets import QApplication, QStyleOptionGraphicsItem, QWidget
 from app.views.canvas.items.item import cached
 
 MARGIN = 12.0
-"""Distance from the rim of the canvas [px of the screen]."""
+"""Distance from the border of the canvas [px of the screen]."""
 
-GROUND, INK, FAINT = "#cc101216", "#f2f4f7", "#b6bec9"
-"""Colors behind text, of text, and of what is less important."""
+BACKGROUND, INK, FAINT = "#cc101216", "#f2f4f7", "#b6bec9"
+"""Colors behind text, of text, and of less important text."""
 
 _Z = 20.0
 
 
 class Pinned(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
-    """Something of a size in px of the screen, which subclasses draw in `draw`.
-
-    Nothing is drawn while its size is empty.
-    """
+    """An item with a size in px of the screen; subclasses draw in `draw`, unless the size is empty."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -33,18 +30,18 @@ class Pinned(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type 
 
     @property
     def size(self) -> QSizeF:
-        """Its size."""
+        """Size [px of the screen]."""
         return self._size
 
     def resize(self, size: QSizeF) -> None:
-        """Take on a size, and look anew."""
+        """Set the size and redraw."""
         if size != self._size:
             self.prepareGeometryChange()
             self._size = size
         self.update()
 
     def put(self, corner: QPointF) -> None:
-        """Lay its upper left corner upon a point of the canvas, a whole one, for its text is sharp only there."""
+        """Move the upper left corner to a point of the canvas, rounded to whole px to keep the text sharp."""
         self.setPos(QPointF(round(corner.x()), round(corner.y())))
 
     def font(self) -> QFont:
@@ -58,20 +55,20 @@ class Pinned(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type 
         return QFontMetricsF(self.font())
 
     def boundingRect(self) -> QRectF:
-        """Room that is drawn on."""
+        """The area that is drawn on."""
         return QRectF(QPointF(0.0, 0.0), self._size)
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
-        """Draw the ground and what stands upon it."""
+        """Draw the background and the content."""
         if self._size.isEmpty():
             return
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(QColor(0, 0, 0, 0))
-        painter.setBrush(QColor(GROUND))
+        painter.setBrush(QColor(BACKGROUND))
         painter.drawRoundedRect(self.boundingRect(), 5.0, 5.0)
         painter.setFont(self.font())
         self.draw(painter)
 
     def draw(self, painter: QPainter) -> None:
-        """Draw what stands upon the ground."""
+        """Draw the content."""
         raise NotImplementedError

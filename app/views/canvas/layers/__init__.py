@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TypeVar
 
 import pyqtgraph as pg
 from PySide6.QtWidgets import QWidget
@@ -15,7 +16,7 @@ from app.views.canvas.layers.drawn.drawing import DrawingLayer
 from app.views.canvas.layers.fields.field import FieldLayer
 from app.views.canvas.layers.fields.scalar import EdgeMapLayer, PotentialLayer
 from app.views.canvas.layers.image.image import ImageLayer
-from app.views.canvas.layers.image.image_form import ImageForm
+from app.views.canvas.layers.image.levels import ImageForm
 from app.views.canvas.layers.image.scale_bar import ScaleBarLayer
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.layer_form import LayerForm
@@ -23,6 +24,8 @@ from app.views.canvas.layers.particles.forces import ForceLayer
 from app.views.canvas.layers.particles.ghost import GhostLayer
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.canvas.layers.particles.trails import TrailLayer
+
+L = TypeVar("L", bound=Layer)
 
 LAYERS: tuple[type[Layer], ...] = (
     ParticleLayer,
@@ -39,22 +42,18 @@ LAYERS: tuple[type[Layer], ...] = (
     ImageLayer,
     ScaleBarLayer,
 )
-"""All layers in the order in which panel and menu list them; where they lie in the pile they know themselves."""
+"""All layers in the order of panel and menu; each defines its own place in the stack."""
 
 
 class Layers:
-    """The layers of one canvas by name.
-
-    Parameters
-    ----------
-    view : pg.ViewBox
-        Where they lie.
-    requests : Requests
-        Where they ask for what the worker makes.
-    """
+    """The layers of one canvas by name; `view` is the parent of their items, `requests` asks the worker for data."""
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         self._layers = {kind.name: kind(view, requests) for kind in LAYERS}
+        self.particles = self._of(ParticleLayer)
+        self.forces = self._of(ForceLayer)
+        self.contours = self._of(ContourLayer)
+        self.drawing = self._of(DrawingLayer)
 
     def __getitem__(self, name: str) -> Layer:
         return self._layers[name]
@@ -67,35 +66,12 @@ class Layers:
         for layer in self:
             layer.draw(scene)
 
-    @property
-    def particles(self) -> ParticleLayer:
-        """The particles."""
-        layer = self._layers["particles"]
-        assert isinstance(layer, ParticleLayer)
-        return layer
-
-    @property
-    def forces(self) -> ForceLayer:
-        """The forces on the particle under the pointer."""
-        layer = self._layers["forces"]
-        assert isinstance(layer, ForceLayer)
-        return layer
-
-    @property
-    def contours(self) -> ContourLayer:
-        """The contours."""
-        layer = self._layers["contours"]
-        assert isinstance(layer, ContourLayer)
-        return layer
-
-    @property
-    def drawing(self) -> DrawingLayer:
-        """What is drawn."""
-        layer = self._layers["drawing"]
-        assert isinstance(layer, DrawingLayer)
+    def _of(self, kind: type[L]) -> L:
+        layer = self._layers[kind.name]
+        assert isinstance(layer, kind)
         return layer
 
 
 def form_of(layer: Layer) -> QWidget:
-    """A form for what can be chosen about a layer, made anew at each call."""
+    """A new form for the options of a layer."""
     return ImageForm(layer) if isinstance(layer, ImageLayer) else LayerForm(layer)

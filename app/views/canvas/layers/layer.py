@@ -1,4 +1,4 @@
-"""A layer of the canvas: something that is seen or not, and draws of a scene what has changed."""
+"""A layer of the canvas: it can be shown or hidden, and draws what has changed in a scene."""
 
 from __future__ import annotations
 
@@ -15,50 +15,48 @@ from app.views.canvas.layers.options import Option, Value
 
 
 class Requests(Protocol):
-    """What layers ask of the worker; the answers come as parts of a scene."""
+    """Requests of layers to the worker; the answers arrive as parts of a scene."""
 
     def post(self, command: Command) -> None:
         """Send a command to the worker."""
 
     def want_overlay(self, name: str, wanted: bool) -> None:
-        """Say whether an overlay is to be kept up to date; see `app.session.worker.overlays`."""
+        """Switch the updates of an overlay on or off; see `app.session.worker.overlays`."""
 
 
 class Layer(QObject):
-    """What layers have in common.
-
-    Subclasses set the class variables, add their items with `add`, and draw in `follow`.
+    """Base class of layers: subclasses set the class variables, add their items with `add`, and draw in `follow`.
 
     Parameters
     ----------
     view : pg.ViewBox
-        Where its items lie.
+        Parent of its items.
     requests : Requests
-        Where it asks for what the worker makes.
+        Receives its requests to the worker.
 
     Attributes
     ----------
     scene : Scene
-        What has been drawn last.
+        The scene drawn last.
     """
 
     name: ClassVar[str]
-    """What it is called in code, and in a session file."""
+    """Name in code and in a session file."""
     title: ClassVar[str]
-    """What it is called in panel and menu."""
+    """Name in panel and menu."""
     tip: ClassVar[str] = ""
-    """What it shows, in a sentence."""
+    """What it shows, in one sentence."""
     shortcut: ClassVar[str] = ""
-    """Key that shows or hides it."""
+    """Key that shows or hides the layer."""
     initially: ClassVar[bool] = True
     """Whether it is shown at first."""
     colors: ClassVar[tuple[str, ...]] = ()
-    """Legend."""
+    """Colors of its legend."""
     options: ClassVar[tuple[Option, ...]] = ()
-    """What can be chosen about it, besides its opacity."""
+    """Its options besides the opacity."""
 
     changed = Signal()
-    """It is shown, hidden, of another opacity, or something else has been chosen now."""
+    """Visibility, opacity or an option has changed."""
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__()
@@ -77,53 +75,53 @@ class Layer(QObject):
             self.view.addItem(item, ignoreBounds=True)
 
     def pin(self, *items: QGraphicsItem) -> None:
-        """Put items on the canvas that do not move with the image; their places are in px of the screen."""
+        """Put items on the canvas that do not move with the image; their positions are in px of the screen."""
         for item in items:
             self._items.append(item)
             item.setParentItem(self.view)
 
     def draw(self, scene: Scene) -> None:
-        """Draw what of a scene is not what has been drawn last."""
+        """Draw what has changed since the last scene."""
         before, self.scene = self.scene, scene
         if scene.image is not None and scene.image is not before.image:
             self.use_shape(scene.image.shape)
         self.follow(before)
 
     def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Make room for an image of this shape."""
+        """Cover an image of this shape."""
         for item in self._items:
             if isinstance(item, OverImage):
                 item.use_shape(shape)
 
     def follow(self, before: Scene) -> None:
-        """Draw those parts of `scene` that are others than in the one before."""
+        """Draw the parts of `scene` that differ from the scene before."""
 
     def set_shown(self, shown: bool) -> None:
-        """Show or hide it."""
+        """Show or hide the layer."""
         if shown != self.shown:
             self.shown = shown
             self.show_or_hide()
             self.changed.emit()
 
     def set_opacity(self, opacity: float) -> None:
-        """Let what lies below shine through, from 0 to 1."""
+        """Set the opacity, from 0 to 1."""
         if opacity != self.opacity:
             self.opacity = opacity
             self.fade()
             self.changed.emit()
 
     def show_or_hide(self) -> None:
-        """Do to the items what `shown` says."""
+        """Apply `shown` to the items."""
         for item in self._items:
-            item.setVisible(self.shown)
+            (item.set_shown if isinstance(item, OverImage) else item.setVisible)(self.shown)
 
     def fade(self) -> None:
-        """Do to the items what `opacity` says."""
+        """Apply `opacity` to the items."""
         for item in self._items:
             item.setOpacity(self.opacity)
 
     def choose(self, name: str, value: object) -> None:
-        """Choose something about it; a value that makes no sense changes nothing."""
+        """Set an option; an invalid value changes nothing."""
         option = next(option for option in self.options if option.name == name)
         taken = option.taken(value)
         if taken is not None and taken != self.chosen[name]:
@@ -132,27 +130,27 @@ class Layer(QObject):
             self.changed.emit()
 
     def follow_choice(self, name: str) -> None:
-        """Do to the items what has been chosen."""
+        """Apply an option that has changed."""
 
     def word(self, name: str) -> str:
-        """Which way has been chosen."""
+        """Value of a `Choice`."""
         return str(self.chosen[name])
 
     def number(self, name: str) -> float:
-        """Which number has been chosen."""
+        """Value of an `Amount`."""
         return float(self.chosen[name])
 
     @property
     def settable(self) -> bool:
-        """Whether there is something to be chosen about it."""
+        """Whether the layer has options."""
         return bool(self.options)
 
     def view_state(self) -> dict[str, object]:
-        """What a session file keeps of it."""
+        """Its state for a session file."""
         return {"shown": self.shown, "opacity": self.opacity, **self.chosen}
 
     def use_view_state(self, state: dict[str, object]) -> None:
-        """Look as a session file says; what it does not say, or says wrongly, stays as it is."""
+        """Restore the state from a session file; missing or invalid entries change nothing."""
         shown, opacity = state.get("shown"), state.get("opacity")
         if isinstance(shown, bool):
             self.set_shown(shown)

@@ -1,4 +1,4 @@
-"""The form in which something is chosen about a layer."""
+"""The form for the options of a layer."""
 
 from __future__ import annotations
 
@@ -15,13 +15,7 @@ from app.views.widgets.space_key import own_space
 
 
 class LayerForm(QWidget):
-    """A row for each option of a layer, which shows as well what is chosen elsewhere.
-
-    Parameters
-    ----------
-    layer : Layer
-        Whose options.
-    """
+    """A row for each option of a layer; it also follows changes that are made elsewhere."""
 
     def __init__(self, layer: Layer) -> None:
         super().__init__()
@@ -39,7 +33,7 @@ class LayerForm(QWidget):
         self.show_chosen()
 
     def show_chosen(self) -> None:
-        """Show what is chosen."""
+        """Show the values of the options."""
         for show in self._showing:
             show()
 

@@ -1,4 +1,4 @@
-"""What can be chosen about a layer: said once, shown in the panel and kept in a session file by all layers alike."""
+"""Options of layers: declared once, shown in the panel and stored in a session file in the same way for all layers."""
 
 from __future__ import annotations
 
@@ -11,44 +11,32 @@ Value = str | float | bool
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of several ways.
+    """One of several alternatives.
 
     Attributes
     ----------
-    name, title : str
-        What it is called in a session file, and in the panel.
+    name, title, tip : str
+        Name in a session file, name in the panel, and what it does in one sentence.
     ways : mapping
-        Names and titles of the ways.
+        Names and titles of the alternatives.
     first : str
-        The one chosen at first.
-    tip : str
-        What it does, in a sentence.
+        The default.
     """
 
     name: str
     title: str
     ways: Mapping[str, str]
     first: str
-    tip: str = ""
+    tip: str
 
     def taken(self, value: object) -> Value | None:
-        """The value as it is kept, None when it is not one of the ways."""
+        """The value to store, None when it is not one of the alternatives."""
         return value if isinstance(value, str) and value in self.ways else None
 
 
 @dataclass(frozen=True, slots=True)
 class Amount:
-    """A number within bounds.
-
-    Attributes
-    ----------
-    name, title : str
-        What it is called in a session file, and in the panel.
-    low, high, step, first : float
-        Bounds, increment, and the value at first.
-    tip : str
-        What it does, in a sentence.
-    """
+    """A number between `low` and `high` in increments of `step`, by default `first`; the rest is as in `Choice`."""
 
     name: str
     title: str
@@ -56,35 +44,25 @@ class Amount:
     high: float
     step: float
     first: float
-    tip: str = ""
+    tip: str
 
     def taken(self, value: object) -> Value | None:
-        """The value as it is kept, None when it is no number within the bounds."""
+        """The value to store, None when it is not a number within the bounds."""
         number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
         return float(value) if number and self.low <= value <= self.high else None  # type: ignore[operator,arg-type]
 
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """Something that is so or not.
-
-    Attributes
-    ----------
-    name, title : str
-        What it is called in a session file, and in the panel.
-    first : bool
-        How it is at first.
-    tip : str
-        What it does, in a sentence.
-    """
+    """Something that is on or off, by default `first`; the rest is as in `Choice`."""
 
     name: str
     title: str
     first: bool
-    tip: str = ""
+    tip: str
 
     def taken(self, value: object) -> Value | None:
-        """The value as it is kept, None when it is no truth value."""
+        """The value to store, None when it is not a truth value."""
         return value if isinstance(value, bool) else None
 
 

@@ -1,4 +1,4 @@
-"""The tool that picks contours."""
+"""The tool that selects contours."""
 
 from __future__ import annotations
 
@@ -6,31 +6,31 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 
 from app.model.text.language import tr
-from app.session.features.contour_review import ContourReview
-from app.views.canvas.tools.tool import Cursor, Momentary
+from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
 from cpm_core.numerics.types import Position
 
 
-class ContourTool(Momentary):
-    """Selects the contour under the pointer; with Shift or Ctrl, one more or one less."""
+class ContourTool(Tool):
+    """Selects the contour under the pointer; with Shift or Ctrl it adds the contour to the selection or removes it."""
 
     name = "contours"
+    tip = tr("Click a contour to select it; X rejects, K keeps, Enter names it.")
     clicks = True
     by_keys = tr("Enter selects the contour under it.")
 
-    def __init__(self, review: ContourReview) -> None:
-        super().__init__()
-        self._review = review
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._review = context.review
 
     @property
     def advice(self) -> str:
-        """What can be done to contours."""
+        """What can be done with contours."""
         if self._review.selected:
             return tr("X rejects, K keeps, Enter names; Shift-click selects more.")
         return tr("Click a contour to select it.") if self._review.items else ""
 
     def press(self, at: Position, reach: float) -> None:
-        """Select what lies under the pointer, or nothing."""
+        """Select the contour under the pointer, or none."""
         key = self._review.under(at, reach)
         more = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
         if not QGuiApplication.keyboardModifiers() & more:
@@ -38,18 +38,12 @@ class ContourTool(Momentary):
         elif key is not None:
             self._review.select(self._review.selected ^ {key})
 
-    def drag(self, at: Position) -> None:
-        """Nothing is moved."""
-
-    def release(self) -> None:
-        """Nothing is left to be done."""
-
     def cancel(self) -> None:
-        """Highlight nothing any more."""
+        """Highlight no contour."""
         self._review.hover(None)
 
     def cursor(self, at: Position, reach: float) -> Cursor:
-        """A hand over a contour, which is highlighted: it is asked for whenever the pointer moves."""
+        """A hand over a contour, which is also highlighted: the canvas asks after each move of the pointer."""
         key = self._review.under(at, reach)
         self._review.hover(key)
         return Cursor.ArrowCursor if key is None else Cursor.PointingHandCursor

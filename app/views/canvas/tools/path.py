@@ -1,4 +1,4 @@
-"""The tools that draw a path, corner by corner or freehand: strokes, what is drawn around an area, and barriers."""
+"""The tools that draw a path, corner by corner or freehand: lines, outlines of areas, and barriers."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.model.text.language import tr
-from app.session.session import Session
-from app.views.canvas.layers.drawn.drawing import DrawingLayer
+from app.views.canvas.tools.tool import Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Position
@@ -21,7 +20,7 @@ _FINEST = 1.0
 """Least distance between two corners of a freehand path [px]."""
 
 _SHORTEST, _SMALLEST = 1.0, 4.0
-"""Length [px] and area [px²] under which a path is taken for a slip of the hand."""
+"""Length [px] and area [px²] below which a path is taken for an accident."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,26 +29,24 @@ class PathKind:
 
     Attributes
     ----------
-    name : str
-        Name of the tool.
+    name, tip : str
+        Name of the tool, and how to use it.
     make : callable
         Corners to shape.
     title : str
         The shape in words.
     color : str
-        Color of the path while it is drawn.
+        Color of the draft.
     closed : bool
         Whether the last corner is joined to the first.
-    advice : str
-        How to begin.
     """
 
     name: str
     make: Callable[[tuple[Position, ...]], Shape]
     title: str
-    color: str
-    closed: bool
-    advice: str
+    tip: str
+    color: str = theme.DRAWING
+    closed: bool = True
 
     @property
     def least(self) -> int:
@@ -57,89 +54,60 @@ class PathKind:
         return 3 if self.closed else 2
 
     def is_slip(self, path: tuple[Position, ...]) -> bool:
-        """Whether a path is too small to be meant."""
+        """Whether a path is too small to be intended."""
         if len(path) < self.least:
             return True
         return polyline.area(path) < _SMALLEST if self.closed else polyline.length(path) < _SHORTEST
 
 
 STROKE = PathKind(
-    "stroke",
-    Stroke,
-    tr("stroke"),
-    theme.DRAWING,
-    False,
-    tr("Drag, or click corner by corner, where particles are to start."),
+    "stroke", Stroke, tr("stroke"), tr("Drag, or click corner by corner, where particles start."), closed=False
 )
 POLYGON = PathKind(
-    "polygon",
-    Polygon,
-    tr("polygon"),
-    theme.DRAWING,
-    True,
-    tr("Click corner by corner, or drag, along the line that particles are to start from."),
+    "polygon", Polygon, tr("polygon"), tr("Click corner by corner, or drag, along a closed line to start from.")
 )
 GRID = PathKind(
     "grid_area",
     Grid,
     tr("grid"),
-    theme.DRAWING,
-    True,
-    tr("Drag, or click corner by corner, around what particles are to be spread over."),
+    tr("Drag, or click corner by corner, around an area to cover with an even grid; < and > change its spacing."),
 )
 THRESHOLD = PathKind(
     "threshold",
     Threshold,
     tr("threshold"),
-    theme.DRAWING,
-    True,
-    tr("Drag, or click corner by corner, around what particles are to start in where edges are strong."),
+    tr("Drag, or click corner by corner, around where to start on strong edges; < and > change how strong."),
 )
 REGION = PathKind(
     "region",
     Region,
     tr("region of interest"),
-    theme.REGION,
-    True,
     tr("Drag, or click corner by corner, around what particles are to stay in."),
+    theme.REGION,
 )
 BARRIER = PathKind(
     "barrier",
     Barrier,
     tr("barrier"),
+    tr("Drag, or click corner by corner, where no particle is to cross."),
     theme.BARRIER,
-    False,
-    tr("Drag, or click corner by corner, where nobody is to cross."),
+    closed=False,
 )
 
 
-class PathTool:
-    """Draws a path: a drag draws it freehand and ends it; clicks place corners until it is ended.
+class PathTool(Tool):
+    """Draws a path: a drag draws it freehand and finishes it; clicks place corners until it is finished.
 
-    A path that is being drawn is no part of the document yet, which therefore changes only once.
-
-    Parameters
-    ----------
-    session : Session
-        Whose document gets the shape.
-    kind : PathKind
-        What is drawn.
-    drawing : DrawingLayer
-        Shows the path while it is drawn.
-    advised : callable
-        Told that `advice` may have changed.
+    The draft is not part of the document, which therefore changes only once.
     """
 
     clicks = True
-    sized = False
     by_keys = tr("Enter places a corner; Enter once more on the same place ends it.")
 
-    def __init__(self, session: Session, kind: PathKind, drawing: DrawingLayer, advised: Callable[[], None]) -> None:
-        self.kind = kind
-        self.name = kind.name
-        self._session = session
-        self._drawing = drawing
-        self._advised_to = advised
+    def __init__(self, context: ToolContext, kind: PathKind) -> None:
+        super().__init__(context)
+        self.kind, self.name = kind, kind.name
+        self._context = context
         self._corners: list[Position] = []
         self._pointer: Position | None = None
         self._pressed: Position | None = None
@@ -147,11 +115,10 @@ class PathTool:
         self._freehand = False
         self._reach = 0.0
         self._bent = False
-        self._advised = False
 
     @property
     def drafting(self) -> bool:
-        """Whether a path has been begun and not been ended."""
+        """Whether a path has been begun and not finished."""
         return bool(self._corners)
 
     @property
@@ -161,28 +128,25 @@ class PathTool:
 
     @property
     def path(self) -> tuple[Position, ...]:
-        """The path as it would be if the pointer were clicked now."""
+        """The path as a click at the pointer would continue it."""
         return (*self._corners, *([self._pointer] if self._corners and self._pointer else []))
 
     @property
     def advice(self) -> str:
         """One sentence on what to do with this tool."""
         if not self._corners:
-            return "" if self._advised else self.kind.advice
+            return "" if self.used else self.kind.tip
         if self._freehand and self._first:
             return tr("Let go to end it; Esc gives up.")
-        if self.kind.closed:
-            return tr(
-                "Enter, a double click or the first corner ends it; Shift keeps to eight directions; "
-                "Backspace takes the last corner back; Esc gives up."
-            )
-        return tr(
-            "Enter or a double click ends it; Shift keeps to eight directions; Backspace takes the last corner back; "
-            "Esc gives up."
+        ends = (
+            tr("Enter, a double click or the first corner ends it;")
+            if self.kind.closed
+            else (tr("Enter or a double click ends it;"))
         )
+        return ends + " " + tr("Shift keeps to eight directions; Backspace takes the last corner back; Esc gives up.")
 
     def press(self, at: Position, reach: float) -> None:
-        """Place a corner; the first one closes a region, the last one once more ends a line."""
+        """Place a corner; a press on the last corner, or on the first one of a closed path, finishes it."""
         ends = (self._corners[-1], *([self._corners[0]] if self.kind.closed else [])) if self._corners else ()
         if any(math.dist(at, end) <= reach for end in ends):
             if len(self._corners) >= self.kind.least:
@@ -196,7 +160,7 @@ class PathTool:
         self._changed()
 
     def drag(self, at: Position) -> None:
-        """Draw freehand once the pointer has left the place where it was pressed."""
+        """Draw freehand after the pointer has left the place of the press."""
         if self._pressed is None:
             return
         self._freehand = self._freehand or math.dist(self._pressed, at) > self._reach
@@ -205,34 +169,30 @@ class PathTool:
             self._changed()
 
     def release(self) -> None:
-        """End a path that was drawn in one go; wait for further corners of any other."""
+        """Finish a path that was drawn with one drag; any other waits for further corners."""
         whole = self._freehand and self._first
         self._pressed, self._freehand = None, False
         if whole:
             self.finish()
 
     def hover(self, at: Position) -> None:
-        """Lead the path on to the pointer."""
+        """Extend the path to the pointer."""
         if self._corners:
             self._pointer = self._straight(at)
             self._changed()
 
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
-        """With Shift, sides keep to eight directions."""
+        """With Shift, restrict the sides to eight directions."""
         self._bent = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
 
-    def resize(self, by: float) -> None:
-        """It has no size."""
-
     def finish(self) -> None:
-        """Make a shape of the path."""
+        """Make a shape from the path."""
         if not self._corners:
             return
         path, kind = polyline.thinned(self._corners), self.kind
         self._forget()
         if kind.is_slip(path):
-            told = tr("That is too little for a {shape}. {advice}")
-            self._session.say(told.format(shape=kind.title, advice=kind.advice))
+            self._session.say(tr("That is too small for a {shape}. {advice}").format(shape=kind.title, advice=kind.tip))
             return
         shape = kind.make(path)
         self._session.edit(
@@ -241,25 +201,18 @@ class PathTool:
         self._session.select(len(self._session.document.shapes) - 1)
 
     def take_back(self) -> None:
-        """Take the last corner back."""
+        """Remove the last corner."""
         if self._corners:
             self._corners.pop()
             self._pressed = None
             self._changed()
 
     def cancel(self) -> None:
-        """Give the path up."""
+        """Discard the path."""
         self._forget()
 
-    def put_away(self) -> None:
-        """What has been begun stays."""
-
-    def cursor(self, at: Position, reach: float) -> Qt.CursorShape:
-        """A cross."""
-        return Qt.CursorShape.CrossCursor
-
     def _straight(self, at: Position) -> Position:
-        """The place nearest to the pointer in one of eight directions from the last corner, where that is wanted."""
+        """With Shift, the place nearest to the pointer in one of eight directions from the last corner."""
         if not (self._bent and self._corners):
             return at
         row, col = self._corners[-1]
@@ -269,12 +222,12 @@ class PathTool:
         return (row + far * math.sin(angle), col + far * math.cos(angle))
 
     def _forget(self) -> None:
-        self._advised = self._advised or bool(self._corners)
+        self.used = self.used or bool(self._corners)
         self._corners = []
         self._pointer = self._pressed = None
         self._freehand = False
         self._changed()
 
     def _changed(self) -> None:
-        self._drawing.show_draft(self.corners, self.path, self.kind.color, self.kind.closed)
-        self._advised_to()
+        self._context.drawing.show_draft(self.corners, self.path, self.kind.color, self.kind.closed)
+        self._context.advised()

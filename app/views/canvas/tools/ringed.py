@@ -3,59 +3,45 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
 
 import numpy as np
 
 from app.model.document import edits
 from app.model.text.language import tr
-from app.session.session import Session
-from app.views.canvas.layers.drawn.drawing import DrawingLayer
-from app.views.canvas.tools.tool import Momentary, new_gesture
+from app.views.canvas.tools.tool import ShapeTool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import Points, Shape
 
 _SHARE, _LEAST, _MOST = 0.03, 1.0, 500.0
-"""Radius at first, as a part of the image's longest side, and its bounds [px]."""
+"""Initial radius as a fraction of the longest side of the image, and bounds of the radius [px]."""
 
 _FACTOR = 1.2
-"""How much larger the ring gets at a time."""
+"""Factor by which one key press enlarges the ring."""
 
 _APART = 2.0
-"""Least distance between two points of one gesture [px], which is that of particles on drawn lines."""
+"""Least distance between two points of one gesture [px], equal to that of particles on drawn lines."""
 
 _DENSITY = 0.05
-"""Points that are tried for each px² of the ring, and each radius that it is moved by."""
+"""Candidate points per px² of the ring and per radius of movement."""
 
 _MOST_POINTS = 20_000
-"""Points of one gesture beyond which no more are added."""
+"""Largest number of points of one gesture."""
 
 
-class Ringed(Momentary):
-    """Works within a ring that follows the pointer and is made smaller and larger.
+class RingTool(ShapeTool):
+    """Works within a ring that follows the pointer and can be made smaller and larger."""
 
-    Parameters
-    ----------
-    session : Session
-        Whose document it edits.
-    drawing : DrawingLayer
-        Shows the ring.
-    """
-
-    name: ClassVar[str]
-    color: ClassVar[str]
+    color: str
     sized = True
 
-    def __init__(self, session: Session, drawing: DrawingLayer) -> None:
-        super().__init__()
-        self._session = session
-        self._drawing = drawing
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._drawing = context.drawing
         self._chosen: float | None = None
         self._at: Position | None = None
         self._last: Position | None = None
-        self._gesture = ""
-        self._before: tuple[Shape, ...] = ()
+        self._shapes: tuple[Shape, ...] = ()
 
     @property
     def radius(self) -> float:
@@ -65,39 +51,40 @@ class Ringed(Momentary):
         image = self._session.document.image
         return max(_SHARE * max(image.shape), 4.0) if image is not None else 4.0
 
-    def work(self, path: tuple[Position, ...], gesture: str) -> None:
-        """Do what it does along a path."""
+    def work(self, path: tuple[Position, ...]) -> None:
+        """Apply the tool along a path of the ring."""
         raise NotImplementedError
 
     def press(self, at: Position, reach: float) -> None:
-        """Begin."""
-        self._gesture, self._last, self.used = new_gesture(self.name), at, True
-        self._before = self._session.document.shapes
+        """Begin a gesture."""
+        self._begin()
+        self._last, self.used = at, True
+        self._shapes = self._session.document.shapes
         self._session.select(None)
         self.hover(at)
-        self.work((at,), self._gesture)
+        self.work((at,))
 
     def drag(self, at: Position) -> None:
-        """Go on along the way of the pointer."""
+        """Continue along the path of the pointer."""
         self.hover(at)
         if self._last is not None and at != self._last:
             path, self._last = (self._last, at), at
-            self.work(path, self._gesture)
+            self.work(path)
 
     def release(self) -> None:
-        """End."""
+        """End the gesture."""
         self._last = None
-        self._session.seal()
+        super().release()
 
     def cancel(self) -> None:
-        """Take back what the gesture has done to the drawing."""
+        """Restore the shapes from before the gesture."""
         if self._last is not None:
-            shapes = self._before
+            shapes = self._shapes
             self._session.edit("", lambda document: edits.set_shapes(document, shapes), self._gesture)
         self.release()
 
     def hover(self, at: Position) -> None:
-        """Lead the ring along."""
+        """Move the ring to the pointer."""
         self._at = at
         self._drawing.show_ring(at, self.radius, self.color)
 
@@ -113,28 +100,27 @@ class Ringed(Momentary):
         self._drawing.show_ring(None, 0.0, self.color)
 
 
-class SprayTool(Ringed):
-    """Scatters points in the ring, for as long as the button is down and the pointer moves."""
+class SprayTool(RingTool):
+    """Scatters points in the ring while the button is down and the pointer moves."""
 
     name = "spray"
+    tip = tr("Drag to scatter points; < and > change the ring.")
     color = theme.DRAWING
     guidance = tr("Drag to spray points; < and > make the ring smaller and larger.")
-    by_keys = tr("Enter begins to spray, arrow keys go on, Enter ends; < and > change the ring.")
+    by_keys = tr("Enter begins to spray, arrow keys continue, Enter ends; < and > change the ring.")
 
-    def __init__(self, session: Session, drawing: DrawingLayer) -> None:
-        super().__init__(session, drawing)
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
         self._random = np.random.default_rng(0)
-        self._index = 0
         self._taken: dict[tuple[int, int], Position] = {}
 
     def press(self, at: Position, reach: float) -> None:
         """Begin a new cloud of points."""
-        self._index = len(self._session.document.shapes)
         self._taken = {}
         super().press(at, reach)
 
-    def work(self, path: tuple[Position, ...], gesture: str) -> None:
-        """Scatter points about the way that the ring has gone; none lands too near another."""
+    def work(self, path: tuple[Position, ...]) -> None:
+        """Scatter points along the path of the ring, none too near to another."""
         far = math.dist(path[0], path[-1]) / self.radius if len(path) > 1 else 2.0
         many = self._random.poisson(_DENSITY * math.pi * self.radius**2 * far) + (len(path) == 1)
         share = self._random.random(many)[:, None]
@@ -142,18 +128,11 @@ class SprayTool(Ringed):
         angle, off = 2.0 * math.pi * self._random.random(many), self.radius * np.sqrt(self._random.random(many))
         for row, col in (middle + off[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)).tolist():
             self._place((row, col))
-        if not self._taken:
-            return
-        points, index = Points(tuple(self._taken.values())), self._index
-        if len(self._session.document.shapes) > index:
-            self._session.edit(
-                tr("spray points"), lambda document: edits.replace_shape(document, index, points), gesture
-            )
-        else:
-            self._session.edit(tr("spray points"), lambda document: edits.add_shape(document, points), gesture)
+        if self._taken:
+            self._put(tr("spray points"), Points(tuple(self._taken.values())))
 
     def _place(self, at: Position) -> None:
-        """Keep a point in the cell of a raster that is fine enough for one only; look at the cells around."""
+        """Keep a point unless one is too near; each cell of the raster holds at most one, so 25 cells are compared."""
         image = self._session.document.image
         if image is None or len(self._taken) >= _MOST_POINTS:
             return
@@ -165,15 +144,16 @@ class SprayTool(Ringed):
             self._taken[row, col] = at
 
 
-class EraserTool(Ringed):
+class EraserTool(RingTool):
     """Erases the points in its ring, the other shapes that it touches, and the particles of a run in it."""
 
     name = "eraser"
+    tip = tr("Drag to erase points, shapes and particles; < and > change its ring.")
     color = theme.CHOSEN
     guidance = tr("Drag over points, shapes or particles to erase them; < and > make the ring smaller and larger.")
-    by_keys = tr("Enter begins to erase, arrow keys go on, Enter ends; < and > change the ring.")
+    by_keys = tr("Enter begins to erase, arrow keys continue, Enter ends; < and > change the ring.")
 
-    def work(self, path: tuple[Position, ...], gesture: str) -> None:
-        """Erase along the way of the ring."""
+    def work(self, path: tuple[Position, ...]) -> None:
+        """Erase along the path of the ring."""
         left = self._session.live.erase(path, self.radius)
-        self._session.edit(tr("erase"), lambda _: left, gesture)
+        self._session.edit(tr("erase"), lambda _: left, self._gesture)

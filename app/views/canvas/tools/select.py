@@ -2,68 +2,48 @@
 
 from __future__ import annotations
 
-from app.model.document import edits
-from app.model.document.hit_testing import hit
+from app.model.document.hit_testing import Hit, hit
 from app.model.document.naming import describe
 from app.model.text.language import tr
-from app.session.session import Session
-from app.views.canvas.tools.tool import Cursor, Momentary, new_gesture
+from app.views.canvas.tools.tool import Cursor, ShapeTool, ToolContext
 from cpm_core.numerics.types import Position
-from cpm_core.shapes import Circle, Shape
+from cpm_core.shapes import Circle
 
 
-class SelectTool(Momentary):
-    """Selects, moves and, by the handles, resizes."""
+class SelectTool(ShapeTool):
+    """Selects shapes, moves them, and reshapes them by their handles."""
 
     name = "select"
-
+    tip = tr("Select, move and reshape what is drawn.")
     by_keys = tr("Enter takes hold of what lies under the cross-hair, arrow keys drag it, Enter lets go.")
 
-    def __init__(self, session: Session) -> None:
-        super().__init__()
-        self._session = session
-        self._index: int | None = None
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
         self._part = ""
         self._anchor: Position = (0.0, 0.0)
-        self._shape: Shape | None = None
-        self._gesture = ""
 
     def press(self, at: Position, reach: float) -> None:
-        """Select what lies under the pointer."""
-        found = hit(self._session.document.shapes, at, reach, self._session.selected)
-        self._index = found.index if found else None
-        self._part = found.part if found else ""
-        self._anchor = at
-        self._shape = self._session.document.shapes[found.index] if found else None
-        self._gesture = new_gesture("drag")
-        self._session.select(self._index)
+        """Select the shape under the pointer."""
+        found = self._hit(at, reach)
+        if found is not None:
+            self._begin(found.index)
+            self._part, self._anchor = found.part, at
+        self._session.select(found.index if found else None)
 
     def drag(self, at: Position) -> None:
-        """Move the selected shape, or its rim or corner."""
-        if self._shape is None:
+        """Move the selected shape, or its handle."""
+        shape = self._before
+        if shape is None:
             return
-        by = (at[0] - self._anchor[0], at[1] - self._anchor[1])
         if self._part == "handle":
-            self._replace(
-                tr("reshape {shape}").format(shape=describe(self._shape)), self._shape.with_handle_at(self._anchor, at)
-            )
+            self._put(tr("reshape {shape}").format(shape=describe(shape)), shape.with_handle_at(self._anchor, at))
         else:
-            self._replace(tr("move {shape}").format(shape=describe(self._shape)), self._shape.moved(by))
-
-    def release(self) -> None:
-        """Leave the shape where it is."""
-        self._shape = None
-        self._session.seal()
-
-    def cancel(self) -> None:
-        """Put the shape back."""
-        if self._shape is not None:
-            self._replace(tr("move"), self._shape)
-        self.release()
+            by = (at[0] - self._anchor[0], at[1] - self._anchor[1])
+            self._put(tr("move {shape}").format(shape=describe(shape)), shape.moved(by))
 
     def cursor(self, at: Position, reach: float) -> Cursor:
-        """A hand over what can be moved, arrows over a handle."""
-        found = hit(self._session.document.shapes, at, reach, self._session.selected)
+        """A four-way arrow over a shape, a hand or a two-way arrow over a handle."""
+        found = self._hit(at, reach)
         if found is None:
             return Cursor.ArrowCursor
         shape = self._session.document.shapes[found.index]
@@ -74,10 +54,8 @@ class SelectTool(Momentary):
 
     def grips(self, at: Position, reach: float) -> bool:
         """Whether a handle of the selected shape lies under the pointer."""
-        found = hit(self._session.document.shapes, at, reach, self._session.selected)
+        found = self._hit(at, reach)
         return found is not None and found.part == "handle"
 
-    def _replace(self, name: str, shape: Shape) -> None:
-        index = self._index
-        if index is not None and index < len(self._session.document.shapes):
-            self._session.edit(name, lambda document: edits.replace_shape(document, index, shape), self._gesture)
+    def _hit(self, at: Position, reach: float) -> Hit | None:
+        return hit(self._session.document.shapes, at, reach, self._session.selected)

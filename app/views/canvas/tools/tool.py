@@ -1,129 +1,165 @@
-"""What a tool is: that by which the pointer edits the drawing."""
+"""The base class of the tools with which the pointer edits the drawing."""
 
 from __future__ import annotations
 
 import itertools
-from typing import ClassVar, Protocol
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from PySide6.QtCore import Qt
 
+from app.model.document import edits
 from app.model.text.language import tr
+from app.session.features.contour_review import ContourReview
+from app.session.session import Session
+from app.views.canvas.layers.drawn.drawing import DrawingLayer
 from cpm_core.numerics.types import Position
+from cpm_core.shapes import Shape
 
 Cursor = Qt.CursorShape
 
 _gestures = itertools.count()
 
 
-def new_gesture(kind: str) -> str:
-    """A name under which the edits of one gesture are undone together."""
-    return f"{kind} {next(_gestures)}"
+@dataclass(frozen=True, slots=True)
+class ToolContext:
+    """What a tool works with.
+
+    Attributes
+    ----------
+    session : Session
+        Its document is edited.
+    review : ContourReview
+        Selects contours.
+    drawing : DrawingLayer
+        Shows drafts and rings.
+    advised : callable
+        Called when the advice of a tool may have changed.
+    """
+
+    session: Session
+    review: ContourReview
+    drawing: DrawingLayer
+    advised: Callable[[], None]
 
 
-class Tool(Protocol):
-    """What a tool does with the pointer; positions are (row, col) in px of the image."""
+class Tool:
+    """What a tool does with the pointer; positions are (row, col) in px of the image.
 
-    @property
-    def name(self) -> str:
-        """What it is called in code."""
+    By default a gesture lasts as long as the button is down, and the tool has no size and no draft.
+    """
 
-    @property
-    def drafting(self) -> bool:
-        """Whether it is in the middle of something with the button up."""
-
-    @property
-    def advice(self) -> str:
-        """One sentence on what to do with it, empty when that is plain."""
-
-    @property
-    def by_keys(self) -> str:
-        """One sentence on what Enter does with it at the cross-hair."""
-
-    @property
-    def clicks(self) -> bool:
-        """Whether it works by clicks: Enter is a click then, else the button goes down with it and up with the next."""
-
-    def press(self, at: Position, reach: float) -> None:
-        """The left button goes down; `reach` is how far off still counts [px]."""
-
-    def drag(self, at: Position) -> None:
-        """The pointer moves with the button down."""
-
-    def release(self) -> None:
-        """The button comes up."""
-
-    def hover(self, at: Position) -> None:
-        """The pointer moves with the button up."""
-
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
-        """These keys are held now, which may bend what is drawn to a rule."""
-
-    @property
-    def sized(self) -> bool:
-        """Whether what it works with has a size."""
-
-    def resize(self, by: float) -> None:
-        """Make what it works with larger, for less than 0 smaller."""
-
-    def finish(self) -> None:
-        """End what it is in the middle of."""
-
-    def take_back(self) -> None:
-        """Take back the last part of what it is in the middle of."""
-
-    def cancel(self) -> None:
-        """Give up the gesture, as if it had not been begun."""
-
-    def put_away(self) -> None:
-        """The pointer has left, or another tool is used: nothing of it is to be seen."""
-
-    def cursor(self, at: Position, reach: float) -> Cursor:
-        """Shape of the pointer over a position."""
-
-
-class Grip(Tool, Protocol):
-    """A tool that takes hold of handles whichever tool is in use."""
-
-    def grips(self, at: Position, reach: float) -> bool:
-        """Whether there is a handle to take hold of."""
-
-
-class Momentary:
-    """What all tools have in common whose gestures last as long as the button is down."""
-
-    drafting = False
+    name: str
+    """Name in code, and name of its icon."""
+    tip: str = ""
+    """One sentence on what the tool does."""
+    guidance: str = ""
+    """Advice until the tool has been used."""
+    by_keys: str
+    """One sentence on what Enter does with it at the cross-hair."""
     clicks = False
+    """Whether Enter is a click; otherwise Enter presses the button, and the next Enter releases it."""
     sized = False
-    by_keys = tr("Enter takes hold, arrow keys drag, Enter lets go.")
-    guidance: ClassVar[str] = ""
-    """One sentence on how to begin with it, said until it has been used."""
+    """Whether it works with something that has a size."""
 
-    def __init__(self) -> None:
+    def __init__(self, context: ToolContext) -> None:
+        self._session = context.session
         self.used = False
 
     @property
+    def drafting(self) -> bool:
+        """Whether it has an unfinished draft while the button is up."""
+        return False
+
+    @property
     def advice(self) -> str:
-        """How to begin, until that is known."""
+        """One sentence on what to do with it, or empty."""
         return "" if self.used else self.guidance
 
+    def press(self, at: Position, reach: float) -> None:
+        """Handle a press of the left button; `reach` is the tolerance for hits [px]."""
+
+    def drag(self, at: Position) -> None:
+        """Handle a move with the button down."""
+
+    def release(self) -> None:
+        """Handle the release of the button."""
+
     def hover(self, at: Position) -> None:
-        """Nothing follows the pointer."""
+        """Handle a move with the button up."""
 
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
-        """There is no rule."""
+        """Handle the modifier keys that are held now; they may constrain the shape."""
 
     def resize(self, by: float) -> None:
-        """It has no size."""
+        """Make what it works with larger, or smaller for `by` below 0."""
 
     def finish(self) -> None:
-        """Nothing is left to be ended."""
+        """Finish the draft."""
 
     def take_back(self) -> None:
-        """Nothing is left to be taken back."""
+        """Remove the last part of the draft."""
+
+    def cancel(self) -> None:
+        """Undo the gesture."""
 
     def put_away(self) -> None:
-        """Nothing of it is seen."""
+        """Hide its marks: the pointer has left, or another tool is used."""
 
     def cursor(self, at: Position, reach: float) -> Cursor:
-        """A cross."""
+        """Shape of the pointer over a position."""
         return Cursor.CrossCursor
+
+    def grips(self, at: Position, reach: float) -> bool:
+        """Whether a handle of the selected shape lies at a position, so that a press there belongs to this tool."""
+        return False
+
+
+class ShapeTool(Tool):
+    """A tool whose gesture makes or changes one shape of the document, as one step of undo."""
+
+    by_keys = tr("Enter takes hold, arrow keys drag, Enter lets go.")
+
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._index: int | None = None
+        self._before: Shape | None = None
+        self._gesture = ""
+
+    def release(self) -> None:
+        """Keep the shape as it is."""
+        self._end()
+
+    def cancel(self) -> None:
+        """Restore the shape, or delete it when the gesture has made it."""
+        index = self._index
+        if self._before is not None:
+            self._put(tr("move"), self._before)
+        elif index is not None and self._drawn is not None:
+            self._session.edit("", lambda document: edits.delete_shape(document, index), self._gesture)
+        self._end()
+
+    @property
+    def _drawn(self) -> Shape | None:
+        """The shape of the gesture, None while the document does not contain it."""
+        shapes = self._session.document.shapes
+        return shapes[self._index] if self._index is not None and self._index < len(shapes) else None
+
+    def _begin(self, index: int | None = None) -> None:
+        """Begin a gesture on a shape of the document, by default on a new one."""
+        shapes = self._session.document.shapes
+        self._index = len(shapes) if index is None else index
+        self._before = None if index is None else shapes[index]
+        self._gesture = f"{self.name} {next(_gestures)}"
+
+    def _end(self) -> None:
+        self._index = self._before = None
+        self._session.seal()
+
+    def _put(self, activity: str, shape: Shape) -> None:
+        """Add the shape of the gesture to the document, or replace it there."""
+        index = self._index
+        if index is not None and self._drawn is not None:
+            self._session.edit(activity, lambda document: edits.replace_shape(document, index, shape), self._gesture)
+        elif index is not None and self._before is None:
+            self._session.edit(activity, lambda document: edits.add_shape(document, shape), self._gesture)

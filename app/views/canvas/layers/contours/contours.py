@@ -1,7 +1,4 @@
-"""The layer of the contours: closed and open ones in two colors or in their own, with names, junctions and bridges.
-
-What has been rejected is faint and dashed, or hidden; what is selected has a bright rim.
-"""
+"""The layer of the contours: closed and open ones in two colors or in their own, with names, junctions and bridges."""
 
 from __future__ import annotations
 
@@ -23,7 +20,7 @@ from cpm_core.contours.review import middle
 
 
 class ContourLayer(Layer):
-    """Shows contours, as far as a person lets them count."""
+    """Shows contours as reviewed: rejected ones faint and dashed or hidden, selected ones with a bright rim."""
 
     name = "contours"
     title = tr("Contours")
@@ -46,41 +43,39 @@ class ContourLayer(Layer):
         self._names = Names(5.7)
         self._junctions = Markers(size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))
         self._junctions.setZValue(5.5)
-        self._lines = [self._hovered, self._chosen, self._rejected, *self._curves.values(), self._bridges]
-        self.add(*self._lines, self._names, self._junctions)
+        self.add(self._hovered, self._chosen, self._rejected, *self._curves.values(), self._bridges)
+        self.add(self._names, self._junctions)
 
     @property
     def counts(self) -> tuple[int, int]:
-        """Closed and open contours shown that have not been rejected."""
+        """Numbers of closed and of open contours that are not rejected."""
         counted = [item.contour.closed for item in self.scene.contours.items if not item.reviewed.rejected]
         return sum(counted), len(counted) - sum(counted)
 
     @property
     def rejected(self) -> int:
-        """Rejected contours shown."""
+        """Number of rejected contours shown."""
         return self._rejected.count
 
     @property
     def bridged(self) -> int:
-        """Bridged gaps shown."""
+        """Number of bridged gaps shown."""
         return self._bridges.count
 
     def show_or_hide(self) -> None:
-        """Show or hide them all."""
-        for item in self._lines:
-            item.set_wanted(self.shown)
-        self._names.set_wanted(self.shown and bool(self.chosen["names"]))
-        self._junctions.setVisible(self.shown)
+        """Show or hide all items."""
+        super().show_or_hide()
+        self._names.set_shown(self.shown and bool(self.chosen["names"]))
 
     def follow_choice(self, name: str) -> None:
-        """Show or hide what has been rejected, or the names."""
+        """Show or hide rejected contours or names."""
         if name == "rejected":
             self._show_rejected()
         else:
             self.show_or_hide()
 
     def follow(self, before: Scene) -> None:
-        """Show other contours, or others as selected."""
+        """Show other contours, or another selection."""
         scene = self.scene
         other = scene.contours is not before.contours
         if other:
@@ -110,15 +105,14 @@ class ContourLayer(Layer):
         self._rejected.show(_paths(rejected) if self.chosen["rejected"] else [])
 
     def _show_own(self, items: Sequence[Item]) -> None:
-        """Draw each of the colors that people have chosen by one item."""
+        """Draw the contours of each color that the user has chosen by one item."""
         for color in {item.contour.colour for item in items} - self._own.keys():
             curves = self._own[color] = Curves(color, 4.15)
             if self.scene.image is not None:
                 curves.use_shape(self.scene.image.shape)
-            curves.set_wanted(self.shown)
+            curves.set_shown(self.shown)
             curves.setOpacity(self.opacity)
             self.add(curves)
-            self._lines.append(curves)
         for color, curves in self._own.items():
             curves.show(_paths([item for item in items if item.contour.colour == color]))
 

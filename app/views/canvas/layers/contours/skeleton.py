@@ -1,4 +1,4 @@
-"""The layer of the skeleton: its branches colored by how thick the object is there, and disks that touch its rim."""
+"""The layer of the skeleton: branches colored by the local thickness of the object, and inscribed disks."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from app.views.theme import theme
 from cpm_core.numerics.types import Array
 
 _THICK = 95.0
-"""Percentile of the radii from which on all are shown as thick: a single wide place must not make all others thin."""
+"""Percentile of the radii from which all are shown as thick, so that one wide place does not make all others thin."""
 
 _DISK_EVERY, _CORNERS = 1.0, 48
-"""Distance of two disks along a branch, in radii; and corners of the line that stands for one."""
+"""Distance of two disks along a branch in radii, and number of corners of the polygon that represents a disk."""
 
 
 class SkeletonLayer(Layer):
@@ -26,7 +26,7 @@ class SkeletonLayer(Layer):
 
     name = "skeleton"
     title = tr("Skeleton")
-    tip = tr("Middle lines, from thin to thick, and disks that touch the rim.")
+    tip = tr("Center lines, colored from thin to thick, and inscribed disks.")
     colors = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -34,18 +34,12 @@ class SkeletonLayer(Layer):
         self._branches = [Curves(color, 4.6 + 0.01 * n, width=2.6, halo=4.4)
                           for n, color in enumerate(theme.THICKNESSES)]  # fmt: skip
         self._disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
-        self._lines = (self._disks, *self._branches)
-        self.add(*self._lines)
+        self.add(self._disks, *self._branches)
 
     @property
     def counts(self) -> tuple[int, int]:
-        """Pieces of branches, and disks shown."""
+        """Numbers of pieces of branches and of disks shown."""
         return sum(item.count for item in self._branches), self._disks.count
-
-    def show_or_hide(self) -> None:
-        """Show or hide them all."""
-        for item in self._lines:
-            item.set_wanted(self.shown)
 
     def follow(self, before: Scene) -> None:
         """Show another skeleton, or none."""
@@ -58,33 +52,33 @@ class SkeletonLayer(Layer):
             thickest = max(float(np.percentile(np.concatenate(found.radii), _THICK)), 1e-9)
             for contour, radii in zip(found.contours, found.radii, strict=True):
                 path, along = contour.path, np.append(radii, radii[0]) if contour.closed else radii
-                for level, piece in by_thickness(path, along / thickest, len(self._branches)):
-                    pieces[level].append(piece)
+                for band, piece in by_thickness(path, along / thickest, len(self._branches)):
+                    pieces[band].append(piece)
                 circles += disks(path, along)
         for item, paths in zip(self._branches, pieces, strict=True):
             item.show(paths)
         self._disks.show(circles)
 
 
-def by_thickness(path: Array, share: Array, levels: int) -> list[tuple[int, Array]]:
-    """Pieces of a path, each with the level of its share of the largest thickness.
+def by_thickness(path: Array, share: Array, bands: int) -> list[tuple[int, Array]]:
+    """Pieces of a path, each with the index of its band of thickness.
 
     Parameters
     ----------
     path : ndarray, shape (K, 2)
         Branch.
     share : ndarray, shape (K,)
-        Thickness at its vertices, from 0 to 1.
-    levels : int
-        How many levels are told apart.
+        Thickness at its vertices as a fraction of the largest, from 0 to 1.
+    bands : int
+        Number of bands.
     """
-    level = np.minimum((share * levels).astype(int), levels - 1)
-    cuts = [0, *(np.flatnonzero(np.diff(level)) + 1).tolist(), len(path)]
-    return [(int(level[a]), path[a : min(b + 1, len(path))]) for a, b in pairwise(cuts)]
+    band = np.minimum((share * bands).astype(int), bands - 1)
+    cuts = [0, *(np.flatnonzero(np.diff(band)) + 1).tolist(), len(path)]
+    return [(int(band[a]), path[a : min(b + 1, len(path))]) for a, b in pairwise(cuts)]
 
 
 def disks(path: Array, radii: Array) -> list[Array]:
-    """Outlines of disks about places of a branch, so far apart that they can be told from each other."""
+    """Outlines of inscribed disks along a branch, at least a radius apart."""
     angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
     around = np.stack([np.sin(angle), np.cos(angle)], axis=1)
     found, room = [], 0.0

@@ -16,12 +16,11 @@ from app.views.theme import theme
 
 
 class TruthLayer(Layer):
-    """Shows the ground truth, when one has been loaded, and the differences told by color and stroke."""
+    """Shows the ground truth, and the differences by color and line style."""
 
     name = "truth"
     title = tr("Ground truth")
-    tip = tr("True boundaries; where contours are missing, dashed, or wrong, broad.")
-    shortcut = ""
+    tip = tr("True boundaries; missing contours dashed, wrong contours broad.")
     colors = (theme.TRUTH, theme.MISSING, theme.WRONG)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -29,18 +28,12 @@ class TruthLayer(Layer):
         self._boundary = Curves(theme.TRUTH, 3.95, width=1.6, halo=0.0)
         self._missing = Curves(theme.MISSING, 4.3, width=3.4, halo=5.0, dashed=True)
         self._wrong = Curves(theme.WRONG, 4.4, width=5.0, halo=7.0)
-        self._lines = (self._boundary, self._missing, self._wrong)
-        self.add(*self._lines)
+        self.add(self._boundary, self._missing, self._wrong)
 
     @property
     def counts(self) -> tuple[int, int, int]:
-        """Boundaries, missing and wrong pieces shown."""
+        """Numbers of boundaries, missing and wrong pieces shown."""
         return self._boundary.count, self._missing.count, self._wrong.count
-
-    def show_or_hide(self) -> None:
-        """Show or hide it all."""
-        for item in self._lines:
-            item.set_wanted(self.shown)
 
     def follow(self, before: Scene) -> None:
         """Show another truth, or other differences."""

@@ -1,4 +1,4 @@
-"""Placed charges: discs with a plus or a minus, and rings that tell how far they act."""
+"""Placed charges: discs with a plus or a minus, and rings that show how far they act."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from cpm_core.shapes import Charge, Circle
 
 _Z = 7.6
 _DISC, _STRONGER, _SIGN = 18.0, 2.0, 11.0
-"""Diameters of a disc without strength, what a strength of one adds to it, and of a sign [px of the screen]."""
+"""Diameter of a disc of strength 0, increase per unit of strength, and diameter of a sign [px of the screen]."""
 
 
 class Charges:
-    """The charges of a document, seen as well while particles run, for they act all the time.
+    """The placed charges of a document; also visible during a run, because they always act.
 
-    The stronger a charge is, the larger is its disc. A thin ring lies where it pulls the most; a dashed one, around the
-    chosen charge, where it is no longer felt.
+    The disc grows with the strength. A thin ring shows where the force is largest; a dashed one, around the selected
+    charge, where it vanishes.
     """
 
     def __init__(self, view: pg.ViewBox) -> None:
@@ -40,12 +40,12 @@ class Charges:
             view.addItem(item, ignoreBounds=True)
 
     def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Make room for an image of this shape."""
+        """Cover an image of this shape."""
         for curves in (*self._rings, self._reach):
             curves.use_shape(shape, rim=float(max(shape)) + REACH)
 
     def show(self, charges: Sequence[Charge], chosen: Charge | None) -> None:
-        """Show charges, one of them as chosen."""
+        """Show charges, one of them as selected."""
         for curves, sign in zip(self._rings, (1.0, -1.0), strict=True):
             curves.show([_ring(charge, RADIUS) for charge in charges if sign * charge.strength > 0.0])
         self._reach.show([_ring(chosen, REACH)] if chosen is not None else [])
@@ -62,9 +62,9 @@ class Charges:
         self._signs.setData(x=x, y=y, symbol=[_PLUS if charge.strength > 0.0 else _MINUS for charge in charges])
 
     def set_visible(self, visible: bool) -> None:
-        """Show or hide it all."""
+        """Show or hide all items."""
         for curves in (*self._rings, self._reach):
-            curves.set_wanted(visible)
+            curves.set_shown(visible)
         for item in self._marks:
             item.setVisible(visible)
 

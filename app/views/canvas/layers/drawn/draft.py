@@ -1,4 +1,4 @@
-"""What is being drawn and is not in the document yet."""
+"""The draft: what is being drawn and is not part of the document yet."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _Z = 8.0
 
 
 class Draft:
-    """A path with its corners, and, when it is to be closed, the way back to the first of them."""
+    """A path with its corners, the closing segment of a closed path, and the ring of a tool."""
 
     def __init__(self, view: pg.ViewBox) -> None:
         self._halo = pg.PlotCurveItem(pen=line_pen(theme.HALO, 4.0), antialias=True)
@@ -43,7 +43,7 @@ class Draft:
         self._corners.setData(x=x, y=y)
 
     def show_ring(self, center: Position | None, radius: float, color: str) -> None:
-        """Show the ring in which a tool works; None shows none."""
+        """Show the ring of a tool; None hides it."""
         rim = Circle(center, radius).outline if center is not None else np.empty((0, 2))
         self._ring.setPen(line_pen(color, 1.6))
         for item in (self._rim, self._ring):

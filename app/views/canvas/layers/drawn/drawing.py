@@ -1,4 +1,4 @@
-"""The layer that shows what is drawn: starts with their particles and handles, limits, and what is being drawn."""
+"""The drawing layer: starts with their particles and handles, limits, placed charges, and the current draft."""
 
 from __future__ import annotations
 
@@ -39,20 +39,20 @@ from cpm_core.shapes.image_starts import ImageStart
 
 _Z = 7.0
 _FAINT, _LIGHT = 0.45, 0.55
-"""Opacity of the drawing behind a run, and of particles that nobody has drawn one by one."""
+"""Opacity of the drawing behind a run, and of particles that are computed from the image."""
 
 _DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
-"""Diameters of the latter, the smaller the more there are of them [px of the screen]; None is for areas."""
+"""Diameters of computed particles [px of the screen], smaller for kinds with many; None stands for areas."""
 
 _Line = Circle | Ellipse | Polygon | Stroke
-"""Starts that are seen as lines with their particles on them."""
+"""Starts that are shown as lines with their particles."""
 
 _Area = Grid | Threshold
-"""Starts that are seen as areas with their particles in them."""
+"""Starts that are shown as areas with their particles."""
 
 
 class DrawingLayer(Layer):
-    """Shapes of the document; starts are strong while they are about to start a run, faint behind one."""
+    """Shapes of the document; starts are opaque before a run and faint behind one."""
 
     name = "drawing"
     title = tr("Drawing")
@@ -75,7 +75,7 @@ class DrawingLayer(Layer):
         self._limits = Limits(view)
         self._charges = Charges(view)
         self._draft = Draft(view)
-        self._shown_starts: tuple[ImageStart, ...] = ()
+        self._image_starts: tuple[ImageStart, ...] = ()
         self._curves = (self._lines, self._areas, self._chosen)
         self._marks: tuple[QGraphicsItem, ...] = (
             *self._everywhere.values(),
@@ -92,11 +92,11 @@ class DrawingLayer(Layer):
 
     @property
     def everywhere(self) -> int:
-        """Number of particles shown that nobody has drawn one by one."""
+        """Number of computed particles shown."""
         return sum(discs.count for discs in self._everywhere.values())
 
     def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Shapes may lie beside the image."""
+        """Cover an image of this shape; shapes may lie beside it."""
         rim = float(max(shape))
         for item in (*self._curves, *self._everywhere.values(), self._seeds, self._points, self._chosen_points):
             item.use_shape(shape, rim)
@@ -113,11 +113,11 @@ class DrawingLayer(Layer):
             self._draw_everywhere()
 
     def show_draft(self, corners: tuple[Position, ...], path: tuple[Position, ...], color: str, closed: bool) -> None:
-        """Show a path that is being drawn."""
+        """Show the draft of a path."""
         self._draft.show(corners, path, color, closed)
 
     def show_ring(self, center: Position | None, radius: float, color: str) -> None:
-        """Show the ring in which a tool works; None shows none."""
+        """Show the ring of a tool; None hides it."""
         self._draft.show_ring(center, radius, color)
 
     def _show(self, document: Document, selected: int | None, started: bool) -> None:
@@ -126,15 +126,15 @@ class DrawingLayer(Layer):
         self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line)])
         self._areas.show([shape.outline for shape in rest if isinstance(shape, _Area)])
         self._chosen.show([chosen.outline] if isinstance(chosen, _Line | _Area) else [])
-        # Once the particles have left, the points that they came from would only hide them.
+        # During a run, the points that the particles started from would only hide them.
         placed: list[Points | Grid] = [shape for shape in document.shapes if isinstance(shape, Grid)]
         placed += [shape for shape in rest if isinstance(shape, Points)]
         self._points.show(_particles([] if started else placed))
         self._chosen_points.show(_particles([chosen] if isinstance(chosen, Points | Stroke) else []))
-        # A chosen circle shows its handles, a chosen stroke has nothing to be told by but its particles.
+        # A selected circle shows its handles; a selected stroke is recognized only by its particles.
         lines = [*rest, *([chosen] if isinstance(chosen, Circle | Ellipse | Polygon) else [])]
         self._seeds.show(_particles([] if started else [line for line in lines if isinstance(line, _Line)]))
-        self._shown_starts = () if started else document.sowable
+        self._image_starts = () if started else document.sowable
         self._draw_everywhere()
         x, y = to_xy(np.array(chosen.handles() if chosen else (), dtype=float).reshape(-1, 2))
         self._handles.setData(x=x, y=y)
@@ -147,16 +147,13 @@ class DrawingLayer(Layer):
         self._charges.show(charges, chosen if isinstance(chosen, Charge) else None)
 
     def show_or_hide(self) -> None:
-        """Show or hide it all."""
-        for curves in self._curves:
-            curves.set_wanted(self.shown)
-        for mark in self._marks:
-            mark.setVisible(self.shown)
+        """Show or hide all items."""
+        super().show_or_hide()
         self._limits.set_visible(self.shown)
         self._charges.set_visible(self.shown)
 
     def fade(self) -> None:
-        """Faint behind a run."""
+        """Set the opacity; the drawing is faint behind a run."""
         faint: tuple[QGraphicsItem, ...] = (*self._curves, *self._marks)
         for item in faint:
             item.setOpacity(self.opacity * self._faint)
@@ -170,7 +167,7 @@ class DrawingLayer(Layer):
         for kind, discs in self._everywhere.items():
             seen = [
                 self.scene.image_seeds[start]
-                for start in self._shown_starts
+                for start in self._image_starts
                 if start in self.scene.image_seeds and _kind(start) == kind
             ]
             discs.show(np.concatenate([NO_POSITIONS, *seen]))

@@ -1,4 +1,4 @@
-"""What limits the particles: regions of interest, dimmed outside, and barriers."""
+"""Limits of the particles: regions of interest, dimmed outside, and barriers."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from app.views.theme import theme
 from cpm_core.shapes import Barrier, Limit, Region
 
 _DIM_Z, _LINE_Z = 2.5, 6.5
-"""Places in the pile: what is dimmed lies under particles and contours, the lines above them."""
+"""Places in the stack: the veil lies below particles and contours, the lines above them."""
 
 
 class Limits:
-    """Regions and barriers of a document, seen as well while particles run, for they act all the time."""
+    """Regions of interest and barriers of a document; also visible during a run, because they always act."""
 
     def __init__(self, view: pg.ViewBox) -> None:
         self._dim = Dim()
@@ -31,13 +31,13 @@ class Limits:
             view.addItem(item, ignoreBounds=True)
 
     def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Make room for an image of this shape."""
+        """Cover an image of this shape."""
         self._dim.use_shape(shape)
         for item in self._lines:
             item.use_shape(shape, rim=float(max(shape)))
 
     def show(self, limits: list[Limit], chosen: Limit | None) -> None:
-        """Show limits, one of them as chosen."""
+        """Show limits, one of them as selected."""
         regions = [limit for limit in limits if isinstance(limit, Region)]
         barriers = [limit for limit in limits if isinstance(limit, Barrier)]
         self._dim.show(regions)
@@ -46,9 +46,9 @@ class Limits:
         self._chosen.show([np.array(chosen.outline)] if chosen is not None else [])
 
     def set_visible(self, visible: bool) -> None:
-        """Show or hide it all."""
+        """Show or hide all items."""
         for item in (self._dim, *self._lines):
-            item.set_wanted(visible)
+            item.set_shown(visible)
 
 
 class Dim(OverImage):
@@ -57,12 +57,11 @@ class Dim(OverImage):
     def __init__(self) -> None:
         super().__init__(_DIM_Z, 0.0)
         self._veil = QPainterPath()
-        self._wanted = True
         self.setVisible(False)
         cached(self)
 
     def show(self, regions: list[Region]) -> None:
-        """Dim all but these; nothing when there is none."""
+        """Dim everything outside the regions; without regions, nothing."""
         if not regions and self._veil.isEmpty():
             return
         self._veil = QPainterPath()
@@ -70,16 +69,16 @@ class Dim(OverImage):
             self._veil.addRect(self._room)
             for region in regions:
                 inside = pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(np.array(region.outline))))
-                # A path that crosses itself has no holes: what it winds around is inside.
+                # A path that crosses itself has no holes: with this rule, all that it winds around is inside.
                 inside.setFillRule(Qt.FillRule.WindingFill)
                 self._veil = self._veil.subtracted(inside)
         self.update()
-        self.set_wanted(self._wanted)
+        self.set_shown(self._shown)
 
-    def set_wanted(self, wanted: bool) -> None:
-        """Say whether the veil is to be seen, where there is one."""
-        self._wanted = wanted
-        self.setVisible(wanted and not self._veil.isEmpty())
+    @property
+    def empty(self) -> bool:
+        """Whether nothing is dimmed."""
+        return self._veil.isEmpty()
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the veil."""

@@ -23,8 +23,8 @@ ARROW_SPACING = 22.0
 LINE_SPACING = 30.0
 """Distance between two flow lines [px of the screen]."""
 
-_SETTLED = 60
-"""Time without any change of what is seen after which flow lines are drawn anew for it [ms]."""
+_DELAY = 60
+"""Time without a change of the visible part after which flow lines are computed again [ms]."""
 
 _HEAD = 6.0
 """Length of an arrow head [px of the screen]."""
@@ -33,7 +33,7 @@ _ARROWS, _LINES = "arrows", "lines"
 
 
 class FieldLayer(Layer):
-    """Arrows along the Lorentz force, or lines along which it leads, as many as the zoom leaves room for."""
+    """Arrows along the Lorentz force, or its flow lines; their density follows the zoom."""
 
     name = "field"
     title = tr("Field")
@@ -47,7 +47,7 @@ class FieldLayer(Layer):
             tr("Show as"),
             {_ARROWS: tr("Arrows"), _LINES: tr("Flow lines")},
             _ARROWS,
-            tr("Arrows are as long as the force is strong; flow lines show where it leads."),
+            tr("The length of an arrow shows the strength of the force; flow lines follow its direction."),
         ),
     )
 
@@ -58,25 +58,25 @@ class FieldLayer(Layer):
         cached(self._item)
         self.add(self._item)
         self._field: Array | None = None
-        self._settled = QTimer(self)
-        self._settled.setSingleShot(True)
-        self._settled.setInterval(_SETTLED)
-        self._settled.timeout.connect(self._draw)
+        self._redraw_later = QTimer(self)
+        self._redraw_later.setSingleShot(True)
+        self._redraw_later.setInterval(_DELAY)
+        self._redraw_later.timeout.connect(self._draw)
         view.sigRangeChanged.connect(self._follow_range)
 
     @property
     def drawn(self) -> Array:
-        """Points that are drawn (row, col), shape (N, 2)."""
+        """Points drawn (row, col), shape (N, 2)."""
         x, y = self._item.getData()
         return np.empty((0, 2)) if x is None else np.stack([y, x], axis=1)
 
     def show_or_hide(self) -> None:
-        """Ask for the field only while it is seen."""
+        """Request the field only while it is shown."""
         self.requests.want_overlay("field", self.shown)
         self._show()
 
     def follow_choice(self, name: str) -> None:
-        """Arrows or lines."""
+        """Switch between arrows and lines."""
         self._draw()
 
     def follow(self, before: Scene) -> None:
@@ -89,7 +89,7 @@ class FieldLayer(Layer):
         self._use(None if field is None else np.asarray(field, dtype=float))
 
     def _use(self, field: Array | None) -> None:
-        # the same field comes again when another overlay is asked for as well
+        # the same field is delivered again when another overlay is requested as well
         if field is None or self._field is None or not np.shares_memory(field, self._field):
             self._field = field
             self._draw()
@@ -100,8 +100,8 @@ class FieldLayer(Layer):
         if self.word("way") == _ARROWS:
             self._draw()
         else:
-            # they take longer than arrows, and where they are they stay right while the image moves
-            self._settled.start()
+            # lines take longer than arrows, and existing ones remain correct while the image moves
+            self._redraw_later.start()
 
     def _draw(self) -> None:
         self._item.setVisible(self._field is not None)
@@ -119,12 +119,12 @@ class FieldLayer(Layer):
 
 
 def line_points(lines: list[Array], head: float) -> tuple[Array, NDArray[np.int32]]:
-    """Points that draw lines with a head at the end of each, and whether each point is connected to the next.
+    """Points of lines with a head at the end of each, and whether each point is connected to the next.
 
     Parameters
     ----------
     lines : list of ndarray, shape (K, 2)
-        Positions (row, col), two at least.
+        Positions (row, col), at least two.
     head : float
         Length of a head [px of the image].
 
@@ -151,14 +151,14 @@ def line_points(lines: list[Array], head: float) -> tuple[Array, NDArray[np.int3
 
 
 def arrows(field: Array, seen: QRectF, pixel: float) -> tuple[Array, Array]:
-    """Where arrows begin and end so that they neither crowd nor lie outside what is seen.
+    """Starts and ends of arrows, evenly spaced within the visible part.
 
     Parameters
     ----------
     field : ndarray, shape (2, H, W)
         Vectors of at most unit length.
     seen : QRectF
-        Part of the canvas that is seen.
+        Visible part of the canvas.
     pixel : float
         Size of a pixel of the screen [px of the image].
 

@@ -1,4 +1,4 @@
-"""The layers of the edge map and of the potential: numbers at all pixels, shown by colors."""
+"""The layers of the edge map and of the potential: values at all pixels, shown by colors."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from app.views.canvas.layers.options import Choice, Switch
 from app.views.theme import color_maps
 
 _STRONGEST = 235
-"""Opacity of the strongest edges, of 255."""
+"""Opacity of the strongest edges, out of 255."""
 
 _VEIL = 0.75
-"""Opacity of the potential over the image below, where the layer itself is fully opaque."""
+"""Opacity of the potential over the image where the layer itself is fully opaque."""
 
 _LINE = "#d8ffffff"
 
@@ -31,11 +31,11 @@ def _maps(names: Sequence[str], tip: str) -> Choice:
 
 
 class ScalarOverlay(Layer):
-    """An overlay of the worker, shape (H, W), in the colors of a map; it is asked for only while it is seen."""
+    """An overlay of the worker, shape (H, W), in the colors of a map; it is requested only while shown."""
 
     initially = False
     z: ClassVar[float]
-    """Place in the pile of layers."""
+    """Place in the stack of layers."""
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
@@ -48,22 +48,22 @@ class ScalarOverlay(Layer):
 
     @property
     def shades(self) -> np.ndarray | None:
-        """What is seen, before it is colored; None while nothing is."""
+        """Shades shown, before the color map is applied; None while nothing is shown."""
         return self._item.image if self._item.isVisible() else None
 
     def show_or_hide(self) -> None:
-        """Ask for it only while it is seen."""
+        """Request the overlay only while it is shown."""
         self.requests.want_overlay(self.name, self.shown)
         self._show()
 
     def follow(self, before: Scene) -> None:
-        """Show newer numbers, or none."""
+        """Show newer values, or none."""
         if self.scene.overlays.get(self.name) is not before.overlays.get(self.name):
             self._show()
 
     def _show(self) -> None:
         shades = self.scene.overlays.get(self.name) if self.shown else None
-        # hidden, not cleared: what is cached of an item would stay on screen when its extent vanishes
+        # hidden, not cleared: the cached image of an item would stay on screen when its extent vanishes
         self._item.setVisible(shades is not None)
         if shades is not None and shades is not self._item.image:
             self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))
@@ -78,7 +78,7 @@ class ScalarOverlay(Layer):
 
 
 class EdgeMapLayer(ScalarOverlay):
-    """The edge map, half transparent and fully so where there is no edge."""
+    """The edge map, half transparent, and fully transparent where there is no edge."""
 
     name = "edge_map"
     title = tr("Edge map")
@@ -94,12 +94,12 @@ class EdgeMapLayer(ScalarOverlay):
     z = 1.0
 
     def table(self) -> np.ndarray:
-        """The stronger an edge is, the less of the image is seen through it."""
+        """Colors whose opacity grows with the strength of the edge."""
         return np.column_stack([super().table(), np.linspace(0, _STRONGEST, 256).astype(np.uint8)])
 
 
 class PotentialLayer(ScalarOverlay):
-    """The potential in colors, with lines along which it is constant: particles slide across them, downwards."""
+    """The potential in colors, with lines of equal potential."""
 
     name = "potential"
     title = tr("Potential")
@@ -111,7 +111,7 @@ class PotentialLayer(ScalarOverlay):
             ("cividis", "viridis", "magma", "plasma", color_maps.GRAY),
             tr("Colors from low to high potential."),
         ),
-        Switch("lines", tr("Lines of equal potential"), True, tr("Lines that the force stands upright on.")),
+        Switch("lines", tr("Lines of equal potential"), True, tr("Lines that are perpendicular to the force.")),
     )
     z = 0.9
 
@@ -128,11 +128,11 @@ class PotentialLayer(ScalarOverlay):
 
     @property
     def lined(self) -> bool:
-        """Whether lines of equal potential are seen."""
+        """Whether lines of equal potential are shown."""
         return bool(self._lines.isVisible())
 
     def show_or_hide(self) -> None:
-        """Ask for the lines as well, where they are seen."""
+        """Request the lines as well, where they are shown."""
         super().show_or_hide()
         self.requests.want_overlay("iso_lines", self.shown and bool(self.chosen["lines"]))
         self._show_lines()
@@ -150,13 +150,13 @@ class PotentialLayer(ScalarOverlay):
             self._lines.setData(*to_xy(np.asarray(lines, dtype=float)))
 
     def follow_choice(self, name: str) -> None:
-        """Change the colors, or ask for the lines."""
+        """Change the colors, or request the lines."""
         if name == "map":
             super().follow_choice(name)
         else:
             self.show_or_hide()
 
     def fade(self) -> None:
-        """The colors always let something of the image through."""
+        """Set the opacity; the image always remains visible below the colors."""
         self._item.setOpacity(_VEIL * self.opacity)
         self._lines.setOpacity(self.opacity)

@@ -20,11 +20,11 @@ from cpm_core.image.image import Image
 _WHOLE, _HAND = "0", "hand"
 
 _AT_ONCE = 1 << 22
-"""Pixels up to which shades are made at once, in less than a frame or two; those of more are made on the worker."""
+"""Largest number of pixels for which shades are made at once, within two frames; otherwise the worker makes them."""
 
 
 class ImageLayer(Layer):
-    """The gray values in a window: as a percentile of the pixels, or chosen by hand."""
+    """The image in a window of gray values, given by percentiles or chosen by hand."""
 
     name = "image"
     title = tr("Image")
@@ -43,7 +43,7 @@ class ImageLayer(Layer):
                 _HAND: tr("By hand"),
             },
             _WHOLE,
-            tr("Gray values that are told apart; what lies below is black, what lies above is white."),
+            tr("Gray values that are distinguished; values below are black, values above are white."),
         ),
         Amount("gamma", tr("Gamma"), 0.2, 3.0, 0.05, 1.0, tr("Less brings out what is dark, more what is bright.")),
     )
@@ -54,27 +54,18 @@ class ImageLayer(Layer):
         self._item.setZValue(0)
         cached(self._item)
         self.add(self._item)
-        self._ends = self._window = (0.0, 1.0)
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """Least and largest gray value."""
-        return self._ends
-
-    @property
-    def window(self) -> tuple[float, float]:
-        """Gray values shown black and white."""
-        return self._window
+        self.ends = self.window = (0.0, 1.0)
+        """Least and largest gray value of the image; gray values shown black and white."""
 
     @property
     def shades(self) -> DisplayImage | None:
-        """What is shown, before it is colored."""
+        """Shades shown, before the color map is applied."""
         shown: DisplayImage | None = self._item.image
         return shown
 
     def choose_window(self, low: float, high: float) -> None:
         """Show gray values from `low`, black, to `high`, white."""
-        if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self._window:
+        if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self.window:
             self.chosen["range"] = _HAND
             self._use_window(low, high)
 
@@ -88,12 +79,12 @@ class ImageLayer(Layer):
             self._shade()
 
     def view_state(self) -> dict[str, object]:
-        """With the window where it is chosen by hand."""
+        """Its state, with the window where it is chosen by hand."""
         state = super().view_state()
-        return {**state, "low": self._window[0], "high": self._window[1]} if state["range"] == _HAND else state
+        return {**state, "low": self.window[0], "high": self.window[1]} if state["range"] == _HAND else state
 
     def use_view_state(self, state: dict[str, object]) -> None:
-        """Take on the window as well."""
+        """Restore the state and the window."""
         super().use_view_state(state)
         low, high = state.get("low"), state.get("high")
         if self.word("range") == _HAND and isinstance(low, int | float) and isinstance(high, int | float):
@@ -103,16 +94,16 @@ class ImageLayer(Layer):
         return color_maps.table(self.word("map"))
 
     def follow(self, before: Scene) -> None:
-        """Show another image, or the shades that have been asked for."""
+        """Show another image, or the window or shades that were requested."""
         scene = self.scene
         if scene.image is not before.image and scene.image is not None and scene.display is not None:
             self._use_image(scene.image, scene.display)
         found, shaded = scene.window_found, scene.shaded
         if found is not None and found is not before.window_found and found.image is scene.image:
             self._take_window(found)
-        # of two that are on their way the older one may not stay
+        # of two pending requests, the older one may not win
         new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
-        if shaded is not None and new and shaded.window == self._wanted():
+        if shaded is not None and new and shaded.window == self._chosen_window():
             self._draw(shaded.shades)
 
     def _take_window(self, found: WindowFound) -> None:
@@ -120,9 +111,9 @@ class ImageLayer(Layer):
             self._use_window(found.low, found.high)
 
     def _use_image(self, image: Image, shades: DisplayImage) -> None:
-        self._ends = self._window = (float(image.values.min()), float(image.values.max()))
+        self.ends = self.window = (float(image.values.min()), float(image.values.max()))
         if self.word("range") == _HAND:
-            # what was chosen for another image says nothing about this one
+            # a window chosen for another image does not apply to this one
             self.chosen["range"] = _WHOLE
         self._draw(shades)
         if self.word("range") != _WHOLE or self.number("gamma") != 1.0:
@@ -130,17 +121,17 @@ class ImageLayer(Layer):
         self.changed.emit()
 
     def _find_window(self) -> None:
-        """Ask for the window that is chosen; sorting the pixels takes longer than a frame."""
+        """Use the chosen window; the worker finds percentiles, because sorting the pixels takes longer than a frame."""
         way, image = self.word("range"), self.scene.image
         if image is None or way == _HAND:
             return
         if way == _WHOLE:
-            self._use_window(*self._ends)
+            self._use_window(*self.ends)
         else:
             self.requests.post(FindWindow(image, float(way)))
 
     def _use_window(self, low: float, high: float) -> None:
-        self._window = (low, high)
+        self.window = (low, high)
         self._shade()
         self.changed.emit()
 
@@ -148,16 +139,16 @@ class ImageLayer(Layer):
         image, whole = self.scene.image, self.scene.display
         if image is None or whole is None:
             return
-        window = self._wanted()
-        if window == IntensityWindow(*self._ends):
+        window = self._chosen_window()
+        if window == IntensityWindow(*self.ends):
             self._draw(whole)
         elif image.values.size <= _AT_ONCE:
             self._draw(apply_window(image.values, window))
         else:
             self.requests.post(Shade(image, window))
 
-    def _wanted(self) -> IntensityWindow:
-        return IntensityWindow(*self._window, self.number("gamma"))
+    def _chosen_window(self) -> IntensityWindow:
+        return IntensityWindow(*self.window, self.number("gamma"))
 
     def _draw(self, shades: DisplayImage) -> None:
         self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))

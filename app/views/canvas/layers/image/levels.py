@@ -1,4 +1,4 @@
-"""The levels of an image: a histogram with two handles, and the same two values to be typed."""
+"""The form of the image layer: a histogram with two handles, and fields for the same two values."""
 
 from __future__ import annotations
 
@@ -10,21 +10,24 @@ from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QP
 from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
+from app.views.canvas.layers.image.image import ImageLayer
+from app.views.canvas.layers.layer_form import LayerForm
+from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 
 _BINS = 128
 _MOST = 100_000
-"""Pixels that are counted at most: more would not change what is seen."""
+"""Largest number of pixels counted; more would not visibly change the histogram."""
 
 _NARROW, _AROUND = 0.1, 2.0
-"""Part of the whole range under which a window is shown enlarged, and how much is then shown beside it, in windows."""
+"""Part of the range below which a window is shown enlarged, and the margin beside it, in window widths."""
 
 _HANDLE = 5.0
 _HEIGHT = 64
 
 
-class ScaleSpace(QWidget):
-    """Histogram and fields.
+class Levels(QWidget):
+    """Histogram and fields for the window of gray values.
 
     Parameters
     ----------
@@ -65,7 +68,7 @@ class ScaleSpace(QWidget):
         self.high.valueChanged.connect(lambda value: self.moved.emit(min(value, self.low.value()), value))
 
     def show_window(self, low: float, high: float) -> None:
-        """Show a window without telling anybody."""
+        """Show a window without emitting a signal."""
         self.histogram.show_window(low, high)
         for field, value in ((self.low, low), (self.high, high)):
             field.blockSignals(True)
@@ -74,7 +77,7 @@ class ScaleSpace(QWidget):
 
 
 class Histogram(QWidget):
-    """How often which gray value occurs, on a logarithmic scale, and the window between two handles.
+    """Histogram of the gray values on a logarithmic scale, with the window between two handles.
 
     Parameters
     ----------
@@ -99,21 +102,21 @@ class Histogram(QWidget):
         self.setToolTip(
             tr("How often each gray value occurs. Drag the two lines: black to the left, white to the right.")
         )
-        self._look(low, high)
+        self._show_axis(low, high)
 
     def sizeHint(self) -> QSize:
-        """Wide and low."""
+        """Preferred size."""
         return QSize(240, _HEIGHT)
 
     def show_window(self, low: float, high: float) -> None:
-        """Show a window; what is shown of the axis stays while a handle is held."""
+        """Show a window; the axis does not change while a handle is held."""
         self._window = (low, high)
         if self._held is None:
-            self._look(low, high)
+            self._show_axis(low, high)
         self.update()
 
     def x_of(self, value: float) -> float:
-        """Where a gray value stands [px of the widget]."""
+        """Position of a gray value [px of the widget]."""
         begin, end = self._axis
         return _HANDLE + (value - begin) / (end - begin) * (self.width() - 2 * _HANDLE)
 
@@ -126,45 +129,45 @@ class Histogram(QWidget):
         self._drag(x)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Lead it."""
+        """Move the handle."""
         event.accept()
         self.setCursor(Qt.CursorShape.SizeHorCursor)
         if self._held is not None:
             self._drag(event.position().x())
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let it go."""
+        """Release the handle."""
         event.accept()
         self._held = None
-        self._look(*self._window)
+        self._show_axis(*self._window)
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the counts, what lies outside the window, and the handles."""
+        """Draw the counts, a veil outside the window, and the handles."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         role = QPalette.ColorRole
         color = self.palette().color
-        room = QRectF(self.rect()).adjusted(_HANDLE, 0.5, -_HANDLE, -0.5)
-        painter.fillRect(room, color(role.Base))
-        x = room.left() + np.linspace(0.0, room.width(), _BINS)
-        y = room.bottom() - self._heights * (room.height() - 4.0)
+        area = QRectF(self.rect()).adjusted(_HANDLE, 0.5, -_HANDLE, -0.5)
+        painter.fillRect(area, color(role.Base))
+        x = area.left() + np.linspace(0.0, area.width(), _BINS)
+        y = area.bottom() - self._heights * (area.height() - 4.0)
         outline = [QPointF(a, b) for a, b in zip(x, y, strict=True)]
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(color(role.PlaceholderText))
-        painter.drawPolygon(QPolygonF([room.bottomLeft(), *outline, room.bottomRight()]))
-        low, high = (min(max(self.x_of(value), room.left()), room.right()) for value in self._window)
+        painter.drawPolygon(QPolygonF([area.bottomLeft(), *outline, area.bottomRight()]))
+        low, high = (min(max(self.x_of(value), area.left()), area.right()) for value in self._window)
         veil = color(role.Window)
         veil.setAlpha(170)
-        painter.fillRect(QRectF(room.left(), room.top(), low - room.left(), room.height()), veil)
-        painter.fillRect(QRectF(high, room.top(), room.right() - high, room.height()), veil)
+        painter.fillRect(QRectF(area.left(), area.top(), low - area.left(), area.height()), veil)
+        painter.fillRect(QRectF(high, area.top(), area.right() - high, area.height()), veil)
         painter.setPen(QPen(color(role.Highlight), 2.0))
         for at in (low, high):
-            painter.drawLine(QPointF(at, room.top()), QPointF(at, room.bottom()))
+            painter.drawLine(QPointF(at, area.top()), QPointF(at, area.bottom()))
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(color(role.Highlight))
         for at in (low, high):
-            painter.drawRoundedRect(QRectF(at - 4.0, room.center().y() - 8.0, 8.0, 16.0), 2.0, 2.0)
+            painter.drawRoundedRect(QRectF(at - 4.0, area.center().y() - 8.0, 8.0, 16.0), 2.0, 2.0)
         painter.end()
 
     def _drag(self, x: float) -> None:
@@ -177,8 +180,8 @@ class Histogram(QWidget):
         self.update()
         self.moved.emit(low, high)
 
-    def _look(self, low: float, high: float) -> None:
-        """Show the whole range, or what lies around a narrow window."""
+    def _show_axis(self, low: float, high: float) -> None:
+        """Show the whole range, or the surroundings of a narrow window."""
         begin, end = self._ends
         if high - low < _NARROW * (end - begin):
             reach = _AROUND * max(high - low, 1e-3 * (end - begin))
@@ -201,3 +204,27 @@ def _field(title: str, tip: str, low: float, high: float, whole: bool) -> QDoubl
     field.setSingleStep(max(1.0, round(span / 256.0)) if whole else 10.0 ** math.floor(math.log10(span / 50.0)))
     field.setKeyboardTracking(False)
     return field
+
+
+class ImageForm(LayerForm):
+    """The options of the image layer below the histogram of its image."""
+
+    def __init__(self, layer: ImageLayer) -> None:
+        self.levels: Levels | None = None
+        self._image: Image | None = None
+        self._own = layer
+        super().__init__(layer)
+
+    def show_chosen(self) -> None:
+        """Show options, histogram and window."""
+        super().show_chosen()
+        image = self._own.scene.image
+        if image is not self._image and image is not None:
+            self._image = image
+            if self.levels is not None:
+                self.rows.removeRow(self.levels)
+            self.levels = Levels(image.values, self._own.ends, self._own.window)
+            self.levels.moved.connect(self._own.choose_window)
+            self.rows.insertRow(0, self.levels)
+        elif self.levels is not None:
+            self.levels.show_window(*self._own.window)

@@ -14,13 +14,13 @@ from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Switch
 
 LONGEST = 160.0
-"""Most that the bar may measure [px of the screen]; it is never shorter than 2/5 of it."""
+"""Largest length of the bar [px of the screen]; it is never shorter than 2/5 of it."""
 
 _PAD, _TICK = 9.0, 4.0
 
 
 class ScaleBarLayer(Layer):
-    """A bar of round length, in the unit of the image; without one it is only shown when asked for."""
+    """A bar of round length in the unit of the image; for an image without a unit it is optional."""
 
     name = "scale_bar"
     title = tr("Scale bar")
@@ -32,22 +32,17 @@ class ScaleBarLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._item = BarItem()
-        self.pin(self._item)
+        self.item = BarItem()
+        self.pin(self.item)
         view.sigRangeChanged.connect(self._fit)
         view.sigResized.connect(self._fit)
 
-    @property
-    def item(self) -> BarItem:
-        """What is drawn."""
-        return self._item
-
     def show_or_hide(self) -> None:
-        """Show it where there is something to be told."""
+        """Show the bar where the size of a pixel is known, or on request."""
         self._fit()
 
     def follow_choice(self, name: str) -> None:
-        """In px or not at all."""
+        """Show the bar in px, or hide it."""
         self._fit()
 
     def follow(self, before: Scene) -> None:
@@ -57,14 +52,14 @@ class ScaleBarLayer(Layer):
 
     def _fit(self, *_: object) -> None:
         image = self.scene.image
-        wanted = self.shown and image is not None and (image.unit is not None or bool(self.chosen["pixels"]))
-        self._item.setVisible(wanted)
-        if wanted and image is not None:
+        shown = self.shown and image is not None and (image.unit is not None or bool(self.chosen["pixels"]))
+        self.item.setVisible(shown)
+        if shown and image is not None:
             pixel = float(self.view.viewPixelSize()[0])
-            shown = bar(LONGEST * pixel, image.spacing[1], image.unit)
-            self._item.show_bar(shown, shown.pixels / pixel)
+            scaled = bar(LONGEST * pixel, image.spacing[1], image.unit)
+            self.item.show_bar(scaled, scaled.pixels / pixel)
             room = self.view.boundingRect()
-            self._item.put(room.bottomLeft() + QPointF(MARGIN, -MARGIN - self._item.size.height()))
+            self.item.put(room.bottomLeft() + QPointF(MARGIN, -MARGIN - self.item.size.height()))
 
 
 class BarItem(Pinned):
@@ -84,7 +79,7 @@ class BarItem(Pinned):
             self.resize(QSizeF(width, metrics.height() + 2 * _TICK + _PAD))
 
     def draw(self, painter: QPainter) -> None:
-        """Draw it."""
+        """Draw bar and label."""
         line = self.metrics().height()
         room = self.boundingRect()
         painter.setPen(QColor(INK))

@@ -11,52 +11,39 @@ from app.views.canvas.items.pinned import INK, MARGIN, Pinned
 from app.views.theme import color_maps, theme
 
 BEGIN = 0.18
-"""Part of the maps that is too dark to be told from a dark image."""
+"""Part of the maps that is too dark to be distinguished from a dark image."""
 
 UNKNOWN = theme.JUNCTION
-"""Color of particles of which the quantity is not known yet; it is in none of the maps."""
+"""Color of particles whose quantity is not known yet; no map contains it."""
 
 _WIDTH, _STRIP, _PAD = 170.0, 8.0, 8.0
 
 
 class ColorLegend(Pinned):
-    """A title, a strip of colors, and the values at its ends.
-
-    Parameters
-    ----------
-    view : pg.ViewBox
-        In whose corner it lies.
-    """
+    """A title, a strip of colors, and the values at its ends, in the corner of a view."""
 
     def __init__(self, view: pg.ViewBox) -> None:
         super().__init__()
         self._view = view
-        self._words = ("", "", "")
+        self.words = ("", "", "")
+        """Title, least and largest value, as shown."""
         self._partly = False
         self._map = color_maps.GRAY
         view.sigResized.connect(self._place)
 
-    @property
-    def words(self) -> tuple[str, str, str]:
-        """Title, least and most, as shown."""
-        return self._words
-
     def show_range(self, title: str, low: float, high: float, map_name: str, partly: bool) -> None:
-        """Show a range, of something that may be known only of a part of the particles.
-
-        Nothing is done when it is what is shown.
-        """
+        """Show the range of a quantity; `partly` means that it is unknown for some particles."""
         words = (title, f"{low:g}", f"{high:g}")
-        if (words, map_name, partly) != (self._words, self._map, self._partly):
-            self._words, self._map, self._partly = words, map_name, partly
+        if (words, map_name, partly) != (self.words, self._map, self._partly):
+            self.words, self._map, self._partly = words, map_name, partly
             self.resize(QSizeF(_WIDTH, 2 * self.metrics().height() + _STRIP + 2 * _PAD))
             self._place()
 
     def draw(self, painter: QPainter) -> None:
-        """Draw it."""
+        """Draw title, strip and values."""
         line = self.metrics().height()
         inner = self.boundingRect().adjusted(_PAD, 0.5 * _PAD, -_PAD, -0.5 * _PAD)
-        title, low, high = self._words
+        title, low, high = self.words
         painter.setPen(QColor(INK))
         painter.drawText(QRectF(inner.left(), inner.top(), inner.width(), line), Qt.AlignmentFlag.AlignHCenter, title)
         strip = QRectF(inner.left(), inner.top() + line + 2.0, inner.width(), _STRIP)

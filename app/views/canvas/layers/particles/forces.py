@@ -29,24 +29,24 @@ KINDS = {
 """Names and colors of the forces, in the order of the legend."""
 
 _ALWAYS = ("coulomb", "lorentz", "damping", "total")
-"""Forces that stand in the legend even where they are nothing."""
+"""Forces that are listed even where they are zero."""
 
 _REACH = 24.0
-"""Distance from the pointer within which a particle is found [px of the screen]."""
+"""Largest distance of the particle from the pointer [px of the screen]."""
 
 _NOTHING = 5e-4
-"""Force that is shown as none."""
+"""Force below which none is shown."""
 
 _WEAK = 0.2
-"""Force from which on an arrow has its full length; among weaker ones all are shorter, as at rest."""
+"""Force from which the longest arrow has its full length; where all forces are weaker, all arrows are shorter."""
 
 _PAD, _OFF, _SWATCH = 8.0, 18.0, 10.0
 
 
 class ForceLayer(Layer):
-    """Arrows for all forces on one particle, and their names and figures beside it.
+    """Arrows for all forces on one particle, and a legend with their names and magnitudes.
 
-    The particle is the one nearest to the pointer or, while the pointer is elsewhere, to the middle of what is seen.
+    The particle is the one nearest to the pointer or, without a pointer, to the center of the visible part.
     """
 
     name = "forces"
@@ -59,41 +59,32 @@ class ForceLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._item = ForceItem()
-        self.pin(self._item)
+        self.item = ForceItem()
+        self.pin(self.item)
+        self.probed: Probed | None = None
+        """The forces shown."""
         self._place: Position | None = None
-        self._probed: Probed | None = None
         self._asked = False
         self._again = False
         view.sigRangeChanged.connect(self._move)
         view.sigResized.connect(self._move)
 
-    @property
-    def probed(self) -> Probed | None:
-        """What is shown."""
-        return self._probed
-
-    @property
-    def item(self) -> ForceItem:
-        """What is drawn."""
-        return self._item
-
     def point_at(self, place: Position | None) -> None:
-        """The pointer is over a place (row, col), or has left."""
+        """Set the position (row, col) of the pointer, None when it has left."""
         self._place = place
         self._ask()
 
     def show_or_hide(self) -> None:
-        """Ask only while it is seen."""
+        """Request forces only while the layer is shown."""
         self._use(None)
         self._ask()
 
     def follow_choice(self, name: str) -> None:
-        """Longer or shorter."""
+        """Change the length of the arrows."""
         self._move()
 
     def follow(self, before: Scene) -> None:
-        """Show the forces that have been asked for, and ask anew when the particles have moved."""
+        """Show the forces that were requested; request them again when the particles have moved."""
         snapshot, probed = self.scene.snapshot, self.scene.probed
         if snapshot is not before.snapshot:
             if snapshot is None:
@@ -107,7 +98,7 @@ class ForceLayer(Layer):
                 self._ask()
 
     def _ask(self) -> None:
-        """Ask for the forces; while an answer is due, the next question waits for it."""
+        """Request the forces; while an answer is pending, the next request waits for it."""
         snapshot = self.scene.snapshot
         if not self.shown or snapshot is None:
             return
@@ -121,22 +112,22 @@ class ForceLayer(Layer):
         self.requests.post(Probe(snapshot.generation, place, reach))
 
     def _use(self, probed: Probed | None) -> None:
-        self._probed = probed
+        self.probed = probed
         self._move()
 
     def _move(self, *_: object) -> None:
-        probed = self._probed if self.shown else None
-        self._item.setVisible(probed is not None)
+        probed = self.probed if self.shown else None
+        self.item.setVisible(probed is not None)
         if probed is not None:
             at = self.view.mapFromView(QPointF(probed.position[1], probed.position[0]))
-            self._item.show_forces(at, probed, self.number("length"), QSizeF(self.view.boundingRect().size()))
+            self.item.show_forces(at, probed, self.number("length"), QSizeF(self.view.boundingRect().size()))
 
     def _pixel(self) -> float:
         return float(self.view.viewPixelSize()[0])
 
 
 class ForceItem(Pinned):
-    """A ring around the particle, arrows from it, and a legend beside it that never leaves the canvas."""
+    """A ring around the particle, arrows from it, and a legend beside it that stays on the canvas."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -148,13 +139,13 @@ class ForceItem(Pinned):
         self._title = ""
 
     def show_forces(self, at: QPointF, probed: Probed, length: float, room: QSizeF) -> None:
-        """Show forces on a particle at a point of a canvas so large, the longest arrow of them `length` px long."""
+        """Show forces on a particle at a point of a canvas of size `room`; the longest arrow is `length` px long."""
         sizes = {name: math.hypot(*probed.forces[name]) for name in KINDS}
-        told = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
-        self.lines = [(*KINDS[name], f"{sizes[name]:.3f}") for name in told]
+        listed = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
+        self.lines = [(*KINDS[name], f"{sizes[name]:.3f}") for name in listed]
         self._title = tr("Particle {number}").format(number=f"{probed.identity:,}")
         longest = max(_WEAK, *sizes.values())
-        self._arrows = {name: length / longest * probed.forces[name] for name in told if sizes[name] >= _NOTHING}
+        self._arrows = {name: length / longest * probed.forces[name] for name in listed if sizes[name] >= _NOTHING}
         self._at = at
         metrics = self.metrics()
         names = max(metrics.horizontalAdvance(name) for name, _, _ in self.lines)
@@ -168,7 +159,7 @@ class ForceItem(Pinned):
         self.resize(room)
 
     def _free_place(self, size: QSizeF, room: QSizeF) -> QRectF:
-        """Where beside the particle a legend hides least of the arrows, all of it on the canvas."""
+        """The place beside the particle where a legend hides least of the arrows and lies on the canvas."""
         fractions = np.linspace(0.1, 1.0, 10)[:, None, None]
         along = fractions * np.array([*self._arrows.values(), np.zeros(2)])
         places = []
@@ -203,7 +194,7 @@ class ForceItem(Pinned):
         self.draw(painter)
 
     def draw(self, painter: QPainter) -> None:
-        """Draw the words of the legend."""
+        """Draw the text of the legend."""
         painter.setFont(self.font())
         line = self.metrics().height()
         inner = self._legend.adjusted(_PAD, 0.5 * _PAD, -_PAD, -0.5 * _PAD)

@@ -1,4 +1,4 @@
-"""The layer of the branch of the timeline that is compared with: its particles and contours."""
+"""The layer of the compared branch of the timeline: its particles and contours."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from cpm_core.numerics.types import Array
 
 
 class GhostLayer(Layer):
-    """Another branch at the same step, below the one that is shown."""
+    """Another branch at the same step, below the current one."""
 
     name = "ghost"
     title = tr("Compared branch")
-    tip = tr("Particles and contours of the branch that is compared with.")
+    tip = tr("Particles and contours of the compared branch.")
     colors = (theme.GHOST,)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -43,11 +43,6 @@ class GhostLayer(Layer):
         """Number of contours shown."""
         return self._contours.count
 
-    def show_or_hide(self) -> None:
-        """Show or hide both."""
-        self._particles.setVisible(self.shown)
-        self._contours.set_wanted(self.shown)
-
     def follow(self, before: Scene) -> None:
         """Show the branch as it is at this step."""
         compared = self.scene.compared
@@ -58,6 +53,6 @@ class GhostLayer(Layer):
         step = (compared.branch, compared.state.step) if compared is not None and compared.state is not None else None
         if compared is not None and compared.result is not None:
             self._contours.show([contour.path for contour in compared.result.contours])
-        elif step != self._step:  # while steps go by only the particles are looked at
+        elif step != self._step:  # during playback only the particles are updated
             self._contours.show([])
         self._step = step

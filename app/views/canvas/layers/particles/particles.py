@@ -23,7 +23,7 @@ _COLORS = ("viridis", "cividis", "magma")
 
 
 class ParticleLayer(Layer):
-    """The particles, colored by whether they rest or by a quantity."""
+    """The particles, colored by state (moving or at rest) or by a quantity."""
 
     name = "particles"
     title = tr("Particles")
@@ -31,27 +31,21 @@ class ParticleLayer(Layer):
     shortcut = "Ctrl+1"
     colors = (theme.MOVING, theme.RESTING)
     ways: ClassVar = {_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
-    """What they can be colored by: names and titles."""
+    """Names and titles of what the color can show."""
     options = (
-        Choice(
-            "colour",
-            tr("Color by"),
-            ways,
-            _STATE,
-            " ".join(quantity.tip for quantity in QUANTITIES.values()),
-        ),
+        Choice("colour", tr("Color by"), ways, _STATE, " ".join(quantity.tip for quantity in QUANTITIES.values())),
         Choice(
             "map",
             tr("Colors"),
             {name: color_maps.MAPS[name] for name in _COLORS},
             "viridis",
-            tr("Colors from little to much."),
+            tr("Colors from low to high."),
         ),
     )
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        # Contours run over the particles at rest, so that both are seen, and under those that still move.
+        # Contours lie above the particles at rest and below those that still move.
         self._resting = Discs(theme.RESTING, 7.0, 3.0)
         self._moving = Discs(theme.MOVING, 6.0, 6.0)
         self.legend = ColorLegend(view)
@@ -69,7 +63,7 @@ class ParticleLayer(Layer):
         return self._resting.count + self._moving.count
 
     def show_or_hide(self) -> None:
-        """Show or hide the particles, and the legend where there is one."""
+        """Show or hide the particles and the legend."""
         super().show_or_hide()
         self._show_legend()
 
@@ -107,5 +101,5 @@ class ParticleLayer(Layer):
 
 
 def _palette(name: str) -> list[str]:
-    """Colors from little to much, and one for what is not known yet."""
+    """Colors from low to high, and one for unknown values."""
     return [QColor(*map(int, row)).name() for row in color_maps.table(name, SHADES, BEGIN)] + [UNKNOWN]

@@ -1,4 +1,4 @@
-"""The layer of the trails: where particles have been."""
+"""The layer of the trails: the latest positions of particles."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ from cpm_core.numerics.types import Array
 _Z = 2.9
 _LENGTH = 20.0
 _BANDS = 4
-"""Steps in which a trail fades: each is one call of the painter."""
+"""Number of opacities of a trail; each needs one call of the painter."""
 
 _MOST = 24_000
-"""Lines that are drawn at most in a frame; where there are more, the trails are shorter."""
+"""Largest number of lines in a frame; beyond it the trails are shorter."""
 
 _RIM = 16.0
 
 
 class TrailLayer(Layer):
-    """Lines along the last places of each particle, the older the fainter."""
+    """Lines along the latest positions of each particle; older ones are fainter."""
 
     name = "trails"
     title = tr("Trails")
-    tip = tr("Where each particle has been.")
+    tip = tr("The latest positions of each particle.")
     shortcut = "Ctrl+7"
     initially = False
     colors = (theme.TRAIL,)
-    options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Moments that a trail reaches back.")),)
+    options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Number of moments that a trail shows.")),)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
@@ -50,19 +50,19 @@ class TrailLayer(Layer):
         self._item.setVisible(False)
 
     def show_or_hide(self) -> None:
-        """Keep in mind only what is seen."""
+        """Store positions only while the layer is shown."""
         super().show_or_hide()
         if not self.shown:
             self.trails.forget()
             self._item.show(())
 
     def follow_choice(self, name: str) -> None:
-        """Longer or shorter."""
+        """Change the length."""
         self.trails.keep(int(self.number("length")))
         self._item.show(self.trails)
 
     def follow(self, before: Scene) -> None:
-        """Add the newest places."""
+        """Add the newest positions."""
         snapshot = self.scene.snapshot
         if snapshot is before.snapshot:
             return
@@ -75,15 +75,7 @@ class TrailLayer(Layer):
 
 
 class Segments(OverImage):
-    """Many short lines in bands of one color that fade.
-
-    Parameters
-    ----------
-    color : str
-        Color.
-    z : float
-        Place in the pile of layers.
-    """
+    """Many short lines of one color in bands of decreasing opacity."""
 
     def __init__(self, color: str, z: float) -> None:
         super().__init__(z, _RIM)
@@ -109,7 +101,7 @@ class Segments(OverImage):
         transform = painter.worldTransform()
         painter.save()
         painter.resetTransform()
-        # A thousand lines look better smoothed; ten thousand would take several frames.
+        # A thousand lines look better with antialiasing; for ten thousand it would take several frames.
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, sum(map(len, self._bands)) < _MOST // 10)
         color = QColor(self._color)
         for age in range(len(self._bands) - 1, -1, -1):
