@@ -45,69 +45,32 @@ class ContoursFeature(Feature):
 
     def _selection(self) -> Sequence[ActionSpec]:
         return (
-            ActionSpec(
-                name="contour_table",
-                menu="Contours",
-                text=tr("&Table of contours"),
-                do=lambda: self.context.reveal("contours"),
-                shortcuts=("Ctrl+T",),
-                tip=tr("Show what is known about each contour."),
-            ),
-            ActionSpec(
-                name="next_contour",
-                menu="Contours",
-                text=tr("Select ne&xt contour"),
-                do=self._select_next,
-                shortcuts=("Shift+N",),
-                tip=tr("Select one contour after the other, longest first."),
-                gap=True,
-                when=self._any,
-            ),
-            ActionSpec(
-                name="all_contours",
-                menu="Contours",
-                text=tr("Select &all contours"),
-                do=lambda: self._review.select(item.key for item in self._review.items),
-                shortcuts=("Ctrl+A",),
-                tip=tr("Select all contours."),
-                when=self._any,
-            ),
-        )
+            ActionSpec(name="contour_table", menu="Contours", text=tr("&Table of contours"),
+                       do=lambda: self.context.reveal("contours"), shortcuts=("Ctrl+T",),
+                       tip=tr("Show what is known about each contour.")),
+            ActionSpec(name="next_contour", menu="Contours", text=tr("Select ne&xt contour"), do=self._select_next,
+                       shortcuts=("Shift+N",), tip=tr("Select one contour after the other, longest first."), gap=True,
+                       when=self._any),
+            ActionSpec(name="all_contours", menu="Contours", text=tr("Select &all contours"),
+                       do=lambda: self._review.select(item.key for item in self._review.items), shortcuts=("Ctrl+A",),
+                       tip=tr("Select all contours."), when=self._any),
+        )  # fmt: skip
 
     def _verdicts(self) -> Sequence[ActionSpec]:
         return (
-            ActionSpec(
-                name="keep",
-                menu="Contours",
-                text=tr("&Keep"),
-                do=lambda: self._review.judge("kept"),
-                shortcuts=("K",),
-                tip=tr("Say that the selected contours are right; once more takes it back."),
-                gap=True,
-                when=self._chosen,
-            ),
-            ActionSpec(
-                name="reject",
-                menu="Contours",
-                text=tr("&Reject"),
-                do=lambda: self._review.judge("rejected"),
-                shortcuts=("X",),
-                tip=tr("Leave the selected contours out of what is exported; once more takes it back."),
-                when=self._chosen,
-            ),
-        )
+            ActionSpec(name="keep", menu="Contours", text=tr("&Keep"), do=lambda: self._review.judge("kept"),
+                       shortcuts=("K",), tip=tr("Say that the selected contours are right; once more takes it back."),
+                       gap=True, when=self._chosen),
+            ActionSpec(name="reject", menu="Contours", text=tr("&Reject"), do=lambda: self._review.judge("rejected"),
+                       shortcuts=("X",),
+                       tip=tr("Leave the selected contours out of what is exported; once more takes it back."),
+                       when=self._chosen),
+        )  # fmt: skip
 
     def _marks(self) -> Sequence[ActionSpec | Submenu]:
         return (
-            ActionSpec(
-                name="name_contour",
-                menu="Contours",
-                text=tr("&Name…"),
-                do=self.ask_name,
-                shortcuts=("F2",),
-                tip=tr("Give the selected contour a name."),
-                when=self._chosen,
-            ),
+            ActionSpec(name="name_contour", menu="Contours", text=tr("&Name…"), do=self.ask_name, shortcuts=("F2",),
+                       tip=tr("Give the selected contour a name."), when=self._chosen),
             Submenu(name="colors", menu="Contours", text=tr("&Color"), fill=self._fill_colors),
             ActionSpec(
                 name="forget_verdicts",
@@ -117,32 +80,18 @@ class ContoursFeature(Feature):
                 tip=tr("Begin anew with what has been said about contours."),
                 when=lambda situation: bool(situation.document.marks),
             ),
-            ActionSpec(
-                name="show_rejected",
-                menu="Contours",
-                text=tr("&Show rejected contours"),
-                do=lambda: self._layer.choose("rejected", not self._layer.chosen["rejected"]),
-                tip=tr("Show rejected contours faint and dashed, or hide them."),
-                group=STATE,
-                checked=True,
-                gap=True,
-                holds=lambda situation: bool(self._layer.chosen["rejected"]),
-            ),
-        )
+            ActionSpec(name="show_rejected", menu="Contours", text=tr("&Show rejected contours"),
+                       do=lambda: self._layer.choose("rejected", not self._layer.chosen["rejected"]),
+                       tip=tr("Show rejected contours faint and dashed, or hide them."), group=STATE, checked=True,
+                       gap=True, holds=lambda situation: bool(self._layer.chosen["rejected"])),
+        )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
         """The table."""
         return (
-            Panel(
-                name="contours",
-                title=tr("Contours"),
-                widget=self.panel,
-                area="bottom",
-                tab="below",
-                shown=False,
-                shortcut="F11",
-            ),
-        )
+            Panel(name="contours", title=tr("Contours"), widget=self.panel, area="bottom", tab="below", shown=False,
+                  shortcut="F11"),
+        )  # fmt: skip
 
     def ask_name(self) -> None:
         """Ask for the name of the contour selected, on the canvas or in the table, wherever the hand is."""

@@ -36,50 +36,26 @@ class TruthFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Load, forget, look at the worst."""
         return (
-            ActionSpec(
-                name="load_truth",
-                menu="Contours",
-                text=tr("Compare with &truth…"),
-                do=self._load,
-                shortcuts=("Ctrl+Shift+T",),
-                tip=tr("Load a mask or contours known to be right, and see how far the contours are from them."),
-                gap=True,
-                when=has_image,
-            ),
-            ActionSpec(
-                name="worst_place",
-                menu="Contours",
-                text=tr("Look at the &worst place"),
-                do=self.panel.jump_to_worst,
-                tip=tr("Show where contours and truth are farthest from each other."),
-                when=self._differs,
-            ),
-            ActionSpec(
-                name="next_place",
-                menu="Contours",
-                text=tr("Look at the next pla&ce"),
-                do=self.panel.jump_to_next,
-                shortcuts=("Shift+W",),
-                tip=tr("Show the next place where they differ."),
-                when=self._differs,
-            ),
-            ActionSpec(
-                name="forget_truth",
-                menu="Contours",
-                text=tr("Compare no &longer"),
-                do=self.truth.forget,
-                tip=tr("Forget the truth."),
-                when=lambda situation: self.truth.truth is not None,
-            ),
-        )
+            ActionSpec(name="load_truth", menu="Contours", text=tr("Compare with &truth…"), do=self._load,
+                       shortcuts=("Ctrl+Shift+T",),
+                       tip=tr("Load a mask or contours known to be right, and see how far the contours are from them."),
+                       gap=True, when=has_image),
+            ActionSpec(name="worst_place", menu="Contours", text=tr("Look at the &worst place"),
+                       do=self.panel.jump_to_worst,
+                       tip=tr("Show where contours and truth are farthest from each other."), when=self._differs),
+            ActionSpec(name="next_place", menu="Contours", text=tr("Look at the next pla&ce"),
+                       do=self.panel.jump_to_next, shortcuts=("Shift+W",),
+                       tip=tr("Show the next place where they differ."), when=self._differs),
+            ActionSpec(name="forget_truth", menu="Contours", text=tr("Compare no &longer"), do=self.truth.forget,
+                       tip=tr("Forget the truth."), when=lambda situation: self.truth.truth is not None),
+        )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
         """The figures."""
         return (
-            Panel(
-                name="truth", title=tr("Ground truth"), widget=self.panel, tab="settings", shown=False, shortcut="F12"
-            ),
-        )
+            Panel(name="truth", title=tr("Ground truth"), widget=self.panel, tab="settings", shown=False,
+                  shortcut="F12"),
+        )  # fmt: skip
 
     def close(self) -> bool:
         """End the thread."""

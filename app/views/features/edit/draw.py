@@ -36,51 +36,26 @@ class DrawFeature(Feature):
 
     def _tools(self) -> Sequence[ActionSpec]:
         return [
-            ActionSpec(
-                name=tool.name,
-                menu="Draw",
-                text=tool.text,
-                do=partial(self.context.canvas_area.use_tool, tool.name),
-                shortcuts=(tool.shortcut,) if tool.shortcut else (),
-                tip=tool.tip,
-                icon=tool.name,
-                group="tool",
-                checked=tool.name == FIRST_TOOL,
-                gap=index > 0 and tool.group != TOOLS[index - 1].group,
-                when=has_image,
-            )
+            ActionSpec(name=tool.name, menu="Draw", text=tool.text,
+                       do=partial(self.context.canvas_area.use_tool, tool.name),
+                       shortcuts=(tool.shortcut,) if tool.shortcut else (), tip=tool.tip, icon=tool.name, group="tool",
+                       checked=tool.name == FIRST_TOOL, gap=index > 0 and tool.group != TOOLS[index - 1].group,
+                       when=has_image)
             for index, tool in enumerate(TOOLS)
-        ]
+        ]  # fmt: skip
 
     def _starts(self) -> Sequence[ActionSpec]:
         return [
-            ActionSpec(
-                name=f"start_{kind}",
-                menu="Draw",
-                text=text,
-                do=partial(self._toggle, Everywhere(kind)),
-                shortcuts=(keys,),
-                tip=tip,
-                icon=kind,
-                group=STATE,
-                gap=index == 0,
-                when=has_image,
-                holds=_starts_with(Everywhere(kind)),
-            )
+            ActionSpec(name=f"start_{kind}", menu="Draw", text=text, do=partial(self._toggle, Everywhere(kind)),
+                       shortcuts=(keys,), tip=tip, icon=kind, group=STATE, gap=index == 0, when=has_image,
+                       holds=_starts_with(Everywhere(kind)))
             for index, (kind, text, keys, tip) in enumerate(_STARTS)
-        ]
+        ]  # fmt: skip
 
     def _by_keys(self) -> Sequence[ActionSpec]:
-        middle = ActionSpec(
-            name="add_circle",
-            menu="Draw",
-            text=tr("Add circle in the &middle"),
-            do=self.context.canvas_area.add_circle,
-            shortcuts=("Ctrl+K",),
-            tip=tr("Add a circle in the middle of what is seen."),
-            gap=True,
-            when=has_image,
-        )
+        middle = ActionSpec(name="add_circle", menu="Draw", text=tr("Add circle in the &middle"),
+                            do=self.context.canvas_area.add_circle, shortcuts=("Ctrl+K",),
+                            tip=tr("Add a circle in the middle of what is seen."), gap=True, when=has_image)  # fmt: skip
         keyed = ActionSpec(
             name="cross_hair",
             menu="Draw",

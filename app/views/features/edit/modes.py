@@ -23,31 +23,16 @@ class ModesFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """One mode each, and the export of the skeleton."""
         modes = [
-            ActionSpec(
-                name=f"mode_{name}",
-                menu="Run",
-                text=info.title,
-                do=partial(self._use, name),
-                shortcuts=(_KEYS[name],),
-                tip=info.about,
-                icon=f"mode_{name}",
-                group=STATE,
-                holds=_is(name),
-                gap=index == 0,
-                short=info.short,
-            )
+            ActionSpec(name=f"mode_{name}", menu="Run", text=info.title, do=partial(self._use, name),
+                       shortcuts=(_KEYS[name],), tip=info.about, icon=f"mode_{name}", group=STATE, holds=_is(name),
+                       gap=index == 0, short=info.short)
             for index, (name, info) in enumerate(MODES.items())
-        ]
-        export = ActionSpec(
-            name="export_skeleton",
-            menu="File",
-            text=tr("Export s&keleton…"),
-            do=self._export,
-            shortcuts=("Ctrl+Shift+K",),
-            tip=tr("Write the branches of the skeleton and their radii to a file."),
-            icon="mode_skeleton",
-            when=lambda situation: situation.status.method == "skeleton" and has_contours(situation),
-        )
+        ]  # fmt: skip
+        export = ActionSpec(name="export_skeleton", menu="File", text=tr("Export s&keleton…"), do=self._export,
+                            shortcuts=("Ctrl+Shift+K",),
+                            tip=tr("Write the branches of the skeleton and their radii to a file."),
+                            icon="mode_skeleton",
+                            when=lambda situation: situation.status.method == "skeleton" and has_contours(situation))  # fmt: skip
         return (*modes, export)
 
     def _use(self, mode: Mode) -> None:

@@ -24,73 +24,30 @@ class UndoSelectionFeature(Feature):
     def _undo(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
-            ActionSpec(
-                name="undo",
-                menu="Edit",
-                text=tr("Undo"),
-                short=tr("Undo"),
-                do=session.undo,
-                shortcuts=("Ctrl+Z",),
-                tip=tr("Take back the last change."),
-                icon="undo",
-                when=can_undo,
-                worded=lambda situation: resolve(situation).undo_text,
-            ),
-            ActionSpec(
-                name="redo",
-                menu="Edit",
-                text=tr("Redo"),
-                short=tr("Redo"),
-                do=session.redo,
-                shortcuts=("Ctrl+Shift+Z", "Ctrl+Y"),
-                tip=tr("Do again what was undone."),
-                icon="redo",
-                when=can_redo,
-                worded=lambda situation: resolve(situation).redo_text,
-            ),
-        )
+            ActionSpec(name="undo", menu="Edit", text=tr("Undo"), short=tr("Undo"), do=session.undo,
+                       shortcuts=("Ctrl+Z",), tip=tr("Take back the last change."), icon="undo", when=can_undo,
+                       worded=lambda situation: resolve(situation).undo_text),
+            ActionSpec(name="redo", menu="Edit", text=tr("Redo"), short=tr("Redo"), do=session.redo,
+                       shortcuts=("Ctrl+Shift+Z", "Ctrl+Y"), tip=tr("Do again what was undone."), icon="redo",
+                       when=can_redo, worded=lambda situation: resolve(situation).redo_text),
+        )  # fmt: skip
 
     def _selection(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
-            ActionSpec(
-                name="select_next",
-                menu="Edit",
-                text=tr("Select &next shape"),
-                do=session.select_next,
-                shortcuts=("N",),
-                tip=tr("Select one shape after the other."),
-                gap=True,
-                when=has_shapes,
-            ),
-            ActionSpec(
-                name="escape",
-                menu="Edit",
-                text=tr("Gi&ve up"),
-                do=self.context.canvas_area.escape,
-                shortcuts=("Escape",),
-                tip=tr("Give up what is being drawn, else select nothing and hide messages."),
-            ),
-            ActionSpec(
-                name="delete",
-                menu="Edit",
-                text=tr("&Delete"),
-                do=session.delete_selected,
-                shortcuts=("Delete", "Backspace"),
-                tip=tr("Remove the selected shape."),
-                gap=True,
-                when=has_selection,
-            ),
-            ActionSpec(
-                name="clear",
-                menu="Edit",
-                text=tr("Delete &all shapes"),
-                do=lambda: session.edit(tr("delete all shapes"), edits.clear_shapes),
-                shortcuts=("Ctrl+Shift+Backspace",),
-                tip=tr("Remove everything that is drawn."),
-                when=has_shapes,
-            ),
-        )
+            ActionSpec(name="select_next", menu="Edit", text=tr("Select &next shape"), do=session.select_next,
+                       shortcuts=("N",), tip=tr("Select one shape after the other."), gap=True, when=has_shapes),
+            ActionSpec(name="escape", menu="Edit", text=tr("Gi&ve up"), do=self.context.canvas_area.escape,
+                       shortcuts=("Escape",),
+                       tip=tr("Give up what is being drawn, else select nothing and hide messages.")),
+            ActionSpec(name="delete", menu="Edit", text=tr("&Delete"), do=session.delete_selected,
+                       shortcuts=("Delete", "Backspace"), tip=tr("Remove the selected shape."), gap=True,
+                       when=has_selection),
+            ActionSpec(name="clear", menu="Edit", text=tr("Delete &all shapes"),
+                       do=lambda: session.edit(tr("delete all shapes"), edits.clear_shapes),
+                       shortcuts=("Ctrl+Shift+Backspace",), tip=tr("Remove everything that is drawn."),
+                       when=has_shapes),
+        )  # fmt: skip
 
 
 class HistoryFeature(Feature):

@@ -33,27 +33,15 @@ class ClipboardFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Contours in several formats, and the view."""
         contours = [
-            ActionSpec(
-                name=name,
-                menu="Edit",
-                text=text,
-                do=partial(self.context.session.copy_contours, suffix),
-                shortcuts=shortcuts,
-                tip=tr("Put the contours on the clipboard, for another program."),
-                gap=suffix == ".svg",
-                when=has_contours,
-            )
+            ActionSpec(name=name, menu="Edit", text=text, do=partial(self.context.session.copy_contours, suffix),
+                       shortcuts=shortcuts, tip=tr("Put the contours on the clipboard, for another program."),
+                       gap=suffix == ".svg", when=has_contours)
             for name, text, suffix, shortcuts in _KINDS
-        ]
-        view = ActionSpec(
-            name="copy_view",
-            menu="Edit",
-            text=tr("Copy &view as picture"),
-            do=self._copy_view,
-            shortcuts=("Ctrl+Shift+P",),
-            tip=tr("Put what is seen of the image and what lies over it on the clipboard."),
-            when=has_image,
-        )
+        ]  # fmt: skip
+        view = ActionSpec(name="copy_view", menu="Edit", text=tr("Copy &view as picture"), do=self._copy_view,
+                          shortcuts=("Ctrl+Shift+P",),
+                          tip=tr("Put what is seen of the image and what lies over it on the clipboard."),
+                          when=has_image)  # fmt: skip
         return (*contours, view)
 
     def _copy_view(self) -> None:

@@ -28,29 +28,14 @@ class ExportFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Export, and the same once more."""
         return (
-            ActionSpec(
-                name="export",
-                menu="File",
-                text=tr("&Export contours…"),
-                short=tr("Export"),
-                do=self._export,
-                shortcuts=("Ctrl+E",),
-                tip=tr("Write the contours to a file."),
-                icon="export",
-                gap=True,
-                when=has_contours,
-            ),
-            ActionSpec(
-                name="export_again",
-                menu="File",
-                text=tr("Export a&gain"),
-                do=self._export_again,
-                shortcuts=("Ctrl+Shift+E",),
-                tip=tr("Write the contours to the same file as the last time."),
-                when=lambda situation: has_contours(situation) and self._exported is not None,
-                worded=lambda situation: self._again_text(),
-            ),
-        )
+            ActionSpec(name="export", menu="File", text=tr("&Export contours…"), short=tr("Export"), do=self._export,
+                       shortcuts=("Ctrl+E",), tip=tr("Write the contours to a file."), icon="export", gap=True,
+                       when=has_contours),
+            ActionSpec(name="export_again", menu="File", text=tr("Export a&gain"), do=self._export_again,
+                       shortcuts=("Ctrl+Shift+E",), tip=tr("Write the contours to the same file as the last time."),
+                       when=lambda situation: has_contours(situation) and self._exported is not None,
+                       worded=lambda situation: self._again_text()),
+        )  # fmt: skip
 
     def _again_text(self) -> str:
         if self._exported is None:

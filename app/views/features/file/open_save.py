@@ -49,49 +49,20 @@ class OpenSaveFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Open, save, quit."""
         return (
-            ActionSpec(
-                name="open",
-                menu="File",
-                text=tr("&Open…"),
-                short=tr("Open"),
-                do=self._open,
-                shortcuts=("Ctrl+O",),
-                tip=tr("Open an image or a session."),
-                icon="open",
-            ),
+            ActionSpec(name="open", menu="File", text=tr("&Open…"), short=tr("Open"), do=self._open,
+                       shortcuts=("Ctrl+O",), tip=tr("Open an image or a session."), icon="open"),
             Submenu(name="recent", menu="File", text=tr("Open &recent"), fill=self.recent.fill),
             Submenu(name="samples", menu="File", text=tr("Open sa&mple"), fill=self._fill_samples),
-            ActionSpec(
-                name="save",
-                menu="File",
-                text=tr("&Save session"),
-                short=tr("Save"),
-                do=self.save,
-                shortcuts=("Ctrl+S",),
-                icon="save",
-                tip=tr("Save what is drawn, the parameters, what was said about contours, and the view."),
-                gap=True,
-                when=has_image,
-            ),
-            ActionSpec(
-                name="save_as",
-                menu="File",
-                text=tr("Save session &as…"),
-                do=self.save_as,
-                shortcuts=("Ctrl+Shift+S",),
-                tip=tr("Save the session to another file, and keep to that."),
-                when=has_image,
-            ),
-            ActionSpec(
-                name="quit",
-                menu="File",
-                text=tr("&Quit"),
-                do=self.context.window.close,
-                shortcuts=("Ctrl+Q",),
-                tip=tr("End the program."),
-                gap=True,
-            ),
-        )
+            ActionSpec(name="save", menu="File", text=tr("&Save session"), short=tr("Save"), do=self.save,
+                       shortcuts=("Ctrl+S",), icon="save",
+                       tip=tr("Save what is drawn, the parameters, what was said about contours, and the view."),
+                       gap=True, when=has_image),
+            ActionSpec(name="save_as", menu="File", text=tr("Save session &as…"), do=self.save_as,
+                       shortcuts=("Ctrl+Shift+S",), tip=tr("Save the session to another file, and keep to that."),
+                       when=has_image),
+            ActionSpec(name="quit", menu="File", text=tr("&Quit"), do=self.context.window.close, shortcuts=("Ctrl+Q",),
+                       tip=tr("End the program."), gap=True),
+        )  # fmt: skip
 
     def take(self, paths: Sequence[Path]) -> None:
         """Do with files what suits them: open images and sessions, draw points, bring in presets."""

@@ -16,16 +16,9 @@ class PreferencesFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """The dialog."""
         return (
-            ActionSpec(
-                name="preferences",
-                menu="Edit",
-                text=tr("&Preferences…"),
-                do=self.show,
-                shortcuts=("Ctrl+,",),
-                tip=tr("What the program remembers about how you like it."),
-                gap=True,
-            ),
-        )
+            ActionSpec(name="preferences", menu="Edit", text=tr("&Preferences…"), do=self.show, shortcuts=("Ctrl+,",),
+                       tip=tr("What the program remembers about how you like it."), gap=True),
+        )  # fmt: skip
 
     def show(self) -> PreferencesDialog:
         """Open the dialog; the window stays usable beside it."""

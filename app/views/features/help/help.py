@@ -33,39 +33,15 @@ class HelpFeature(Feature):
         """Keys, guide, tour and about."""
         window = self.context.window
         return (
-            ActionSpec(
-                name="keys",
-                menu="Help",
-                text=tr("&Keys"),
-                do=self._show_keys,
-                shortcuts=("?",),
-                tip=tr("All keys at a glance."),
-            ),
-            ActionSpec(
-                name="guide",
-                menu="Help",
-                text=tr("&Guide"),
-                do=self.show_guide,
-                shortcuts=("F1",),
-                tip=tr("First steps, three tasks step by step, and what works on the canvas."),
-                icon="guide",
-            ),
-            ActionSpec(
-                name="tour",
-                menu="Help",
-                text=tr("&Tour of the window"),
-                do=self.begin_tour,
-                tip=tr("Five bubbles show how one works."),
-            ),
-            ActionSpec(
-                name="about",
-                menu="Help",
-                text=tr("&About CPM"),
-                do=lambda: show_about(window),
-                tip=tr("What this is."),
-                gap=True,
-            ),
-        )
+            ActionSpec(name="keys", menu="Help", text=tr("&Keys"), do=self._show_keys, shortcuts=("?",),
+                       tip=tr("All keys at a glance.")),
+            ActionSpec(name="guide", menu="Help", text=tr("&Guide"), do=self.show_guide, shortcuts=("F1",),
+                       tip=tr("First steps, three tasks step by step, and what works on the canvas."), icon="guide"),
+            ActionSpec(name="tour", menu="Help", text=tr("&Tour of the window"), do=self.begin_tour,
+                       tip=tr("Five bubbles show how one works.")),
+            ActionSpec(name="about", menu="Help", text=tr("&About CPM"), do=lambda: show_about(window),
+                       tip=tr("What this is."), gap=True),
+        )  # fmt: skip
 
     def welcome(self) -> None:
         """Begin the tour for somebody who has not seen it."""

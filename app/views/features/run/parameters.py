@@ -42,16 +42,10 @@ class ParametersFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Presets, and how parameters are called."""
         presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.preset_files.fill, gap=True)
-        motion = ActionSpec(
-            name="motion",
-            menu="View",
-            text=tr("Illustrations that mo&ve"),
-            do=lambda: self._prefer(MOTION, not self._moves),
-            tip=tr("Let the small illustrations of the parameters move, or stand still."),
-            group=STATE,
-            checked=self._moves,
-            holds=lambda _: self._moves,
-        )
+        motion = ActionSpec(name="motion", menu="View", text=tr("Illustrations that mo&ve"),
+                            do=lambda: self._prefer(MOTION, not self._moves),
+                            tip=tr("Let the small illustrations of the parameters move, or stand still."), group=STATE,
+                            checked=self._moves, holds=lambda _: self._moves)  # fmt: skip
         return (presets, *self._wordings(), motion)
 
     def preferences(self) -> Sequence[PreferenceRow]:
@@ -80,19 +74,10 @@ class ParametersFeature(Feature):
 
     def _wordings(self) -> list[ActionSpec]:
         return [
-            ActionSpec(
-                name=f"wording_{name}",
-                menu="View",
-                text=text,
-                do=partial(self._prefer, WORDING, name),
-                tip=tip,
-                group=STATE,
-                checked=name == self._wording,
-                holds=partial(self._holds, name),
-                gap=index == 0,
-            )
+            ActionSpec(name=f"wording_{name}", menu="View", text=text, do=partial(self._prefer, WORDING, name), tip=tip,
+                       group=STATE, checked=name == self._wording, holds=partial(self._holds, name), gap=index == 0)
             for index, (name, text, tip) in enumerate(_WORDINGS)
-        ]
+        ]  # fmt: skip
 
     def _make_motion(self) -> QCheckBox:
         box = QCheckBox(tr("Let the small illustrations move"))

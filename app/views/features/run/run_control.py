@@ -47,62 +47,24 @@ class RunControlFeature(Feature):
     def _run(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
-            ActionSpec(
-                name="run",
-                menu="Run",
-                text=tr("Run"),
-                do=self.context.session.toggle,
-                shortcuts=("Space",),
-                tip=tr("Let the particles move, or hold them."),
-                icon="run",
-                when=has_image,
-                worded=lambda situation: resolve(situation).run_text,
-                pictured=lambda situation: "pause" if is_running(situation) else "run",
-            ),
-            ActionSpec(
-                name="step",
-                menu="Run",
-                text=tr("&Step"),
-                short=tr("Step"),
-                do=session.step,
-                shortcuts=(".",),
-                tip=tr("Take a single step."),
-                icon="step",
-                when=can_step,
-            ),
-            ActionSpec(
-                name="reset",
-                menu="Run",
-                text=tr("&Reset"),
-                short=tr("Reset"),
-                do=session.reset,
-                shortcuts=("R",),
-                tip=tr("Forget the particles and go back to the drawing."),
-                icon="reset",
-                when=is_started,
-            ),
-        )
+            ActionSpec(name="run", menu="Run", text=tr("Run"), do=self.context.session.toggle, shortcuts=("Space",),
+                       tip=tr("Let the particles move, or hold them."), icon="run", when=has_image,
+                       worded=lambda situation: resolve(situation).run_text,
+                       pictured=lambda situation: "pause" if is_running(situation) else "run"),
+            ActionSpec(name="step", menu="Run", text=tr("&Step"), short=tr("Step"), do=session.step, shortcuts=(".",),
+                       tip=tr("Take a single step."), icon="step", when=can_step),
+            ActionSpec(name="reset", menu="Run", text=tr("&Reset"), short=tr("Reset"), do=session.reset,
+                       shortcuts=("R",), tip=tr("Forget the particles and go back to the drawing."), icon="reset",
+                       when=is_started),
+        )  # fmt: skip
 
     def _speeds(self) -> Sequence[ActionSpec]:
         return (
-            ActionSpec(
-                name="faster",
-                menu="Run",
-                text=tr("&Faster"),
-                do=self.speed.faster,
-                shortcuts=("]",),
-                tip=tr("Allow more steps a second."),
-                gap=True,
-            ),
-            ActionSpec(
-                name="slower",
-                menu="Run",
-                text=tr("S&lower"),
-                do=self.speed.slower,
-                shortcuts=("[",),
-                tip=tr("Allow fewer steps a second."),
-            ),
-        )
+            ActionSpec(name="faster", menu="Run", text=tr("&Faster"), do=self.speed.faster, shortcuts=("]",),
+                       tip=tr("Allow more steps a second."), gap=True),
+            ActionSpec(name="slower", menu="Run", text=tr("S&lower"), do=self.speed.slower, shortcuts=("[",),
+                       tip=tr("Allow fewer steps a second.")),
+        )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
         """How the run stands."""

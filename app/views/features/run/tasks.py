@@ -23,17 +23,10 @@ class TasksFeature(Feature):
         """Give up."""
         tasks = self.context.session.tasks
         return (
-            ActionSpec(
-                name="cancel_task",
-                menu="Run",
-                text=tr("Cancel what is being &prepared"),
-                do=self.bar.cancel,
-                shortcuts=("Ctrl+.",),
-                tip=tr("Give up what the status bar says is being done."),
-                gap=True,
-                when=lambda situation: any(task.cancellable for task in tasks.current),
-            ),
-        )
+            ActionSpec(name="cancel_task", menu="Run", text=tr("Cancel what is being &prepared"), do=self.bar.cancel,
+                       shortcuts=("Ctrl+.",), tip=tr("Give up what the status bar says is being done."), gap=True,
+                       when=lambda situation: any(task.cancellable for task in tasks.current)),
+        )  # fmt: skip
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the button."""

@@ -103,41 +103,23 @@ class TimelineFeature(Feature):
     def _ways(self) -> Sequence[ActionSpec]:
         navigation = self.navigation
         return [
-            ActionSpec(
-                name=f"timeline_{name}",
-                menu=_MENU,
-                text=text,
-                do=partial(go, navigation),
-                shortcuts=(keys,) if keys else (),
-                tip=tip,
-                icon=icon,
-                when=has_particles,
-            )
+            ActionSpec(name=f"timeline_{name}", menu=_MENU, text=text, do=partial(go, navigation),
+                       shortcuts=(keys,) if keys else (), tip=tip, icon=icon, when=has_particles)
             for name, text, go, keys, tip, icon in _WAYS
-        ]
+        ]  # fmt: skip
 
     def _branch(self) -> Sequence[ActionSpec]:
         navigation = self.navigation
         return (
-            ActionSpec(
-                name="timeline_parameters",
-                menu=_MENU,
-                text=tr("Use the pa&rameters of this step"),
-                do=navigation.use_its_parameters,
-                tip=tr("Set the parameters with which the step that is shown was taken."),
-                gap=True,
-                when=lambda situation: has_particles(situation) and navigation.other_parameters is not None,
-            ),
-            ActionSpec(
-                name="timeline_delete",
-                menu=_MENU,
-                text=tr("&Delete the branch"),
-                do=lambda: navigation.drop(navigation.place[0]),
-                tip=tr("Forget the branch that is shown; what it has in common with others stays."),
-                icon="bin",
-                when=lambda situation: has_particles(situation) and len(navigation.outline.branches) > 1,
-            ),
-        )
+            ActionSpec(name="timeline_parameters", menu=_MENU, text=tr("Use the pa&rameters of this step"),
+                       do=navigation.use_its_parameters,
+                       tip=tr("Set the parameters with which the step that is shown was taken."), gap=True,
+                       when=lambda situation: has_particles(situation) and navigation.other_parameters is not None),
+            ActionSpec(name="timeline_delete", menu=_MENU, text=tr("&Delete the branch"),
+                       do=lambda: navigation.drop(navigation.place[0]),
+                       tip=tr("Forget the branch that is shown; what it has in common with others stays."), icon="bin",
+                       when=lambda situation: has_particles(situation) and len(navigation.outline.branches) > 1),
+        )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
         """The timeline, below the canvas."""

@@ -55,24 +55,12 @@ class AnimationFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Both exports."""
         return (
-            ActionSpec(
-                name="export_animation",
-                menu="File",
-                text=tr("Export a&nimation…"),
-                do=self.ask_for_animation,
-                shortcuts=("Ctrl+Shift+A",),
-                tip=tr("Write the steps of the run as a GIF, an APNG or a film."),
-                when=has_particles,
-            ),
-            ActionSpec(
-                name="export_strip",
-                menu="File",
-                text=tr("Export snapshot s&trip…"),
-                do=self.ask_for_strip,
-                tip=tr("Write some steps of the run side by side as one picture."),
-                when=has_particles,
-            ),
-        )
+            ActionSpec(name="export_animation", menu="File", text=tr("Export a&nimation…"), do=self.ask_for_animation,
+                       shortcuts=("Ctrl+Shift+A",), tip=tr("Write the steps of the run as a GIF, an APNG or a film."),
+                       when=has_particles),
+            ActionSpec(name="export_strip", menu="File", text=tr("Export snapshot s&trip…"), do=self.ask_for_strip,
+                       tip=tr("Write some steps of the run side by side as one picture."), when=has_particles),
+        )  # fmt: skip
 
     def close(self) -> bool:
         """End what is being drawn."""

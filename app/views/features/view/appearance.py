@@ -34,19 +34,10 @@ class AppearanceFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """The choices."""
         return [
-            ActionSpec(
-                name=f"theme_{name}",
-                menu="View",
-                text=text,
-                do=partial(self._choose, name),
-                tip=tip,
-                group=STATE,
-                checked=name == self._chosen,
-                holds=partial(self._holds, name),
-                gap=index == 0,
-            )
+            ActionSpec(name=f"theme_{name}", menu="View", text=text, do=partial(self._choose, name), tip=tip,
+                       group=STATE, checked=name == self._chosen, holds=partial(self._holds, name), gap=index == 0)
             for index, (name, text, tip, _) in enumerate(_CHOICES)
-        ]
+        ]  # fmt: skip
 
     def preferences(self) -> Sequence[PreferenceRow]:
         """Light or dark."""

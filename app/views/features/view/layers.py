@@ -45,34 +45,13 @@ class LayersFeature(Feature):
         """Zoom, and one toggle a layer."""
         canvas = self.context.canvas_area.canvas
         zoom = (
-            ActionSpec(
-                name="fit",
-                menu="View",
-                text=tr("&Fit to window"),
-                short=tr("Fit"),
-                do=canvas.fit,
-                shortcuts=("F",),
-                tip=tr("Show the whole image."),
-                icon="fit",
-                when=has_image,
-            ),
-            ActionSpec(
-                name="zoom_in",
-                menu="View",
-                text=tr("Zoom &in"),
-                do=lambda: canvas.zoom(ZOOM),
-                shortcuts=("+", "=", "Ctrl++"),
-                tip=tr("Enlarge."),
-            ),
-            ActionSpec(
-                name="zoom_out",
-                menu="View",
-                text=tr("Zoom &out"),
-                do=lambda: canvas.zoom(1.0 / ZOOM),
-                shortcuts=("-", "Ctrl+-"),
-                tip=tr("Make smaller."),
-            ),
-        )
+            ActionSpec(name="fit", menu="View", text=tr("&Fit to window"), short=tr("Fit"), do=canvas.fit,
+                       shortcuts=("F",), tip=tr("Show the whole image."), icon="fit", when=has_image),
+            ActionSpec(name="zoom_in", menu="View", text=tr("Zoom &in"), do=lambda: canvas.zoom(ZOOM),
+                       shortcuts=("+", "=", "Ctrl++"), tip=tr("Enlarge.")),
+            ActionSpec(name="zoom_out", menu="View", text=tr("Zoom &out"), do=lambda: canvas.zoom(1.0 / ZOOM),
+                       shortcuts=("-", "Ctrl+-"), tip=tr("Make smaller.")),
+        )  # fmt: skip
         toggles = [_toggle(layer, index == 0) for index, layer in enumerate(canvas.layers)]
         return (*zoom, *toggles, *_colorings(canvas.layers.particles))
 
@@ -102,29 +81,17 @@ def _colorings(layer: ParticleLayer) -> list[ActionSpec]:
     """One action for everything that particles can be colored by."""
 
     def spec(way: str, title: str) -> ActionSpec:
-        return ActionSpec(
-            name=f"colour_{way}",
-            menu="View>" + tr("Color particles by"),
-            text=title,
-            do=lambda: layer.choose("colour", way),
-            tip=QUANTITIES[way].tip if way in QUANTITIES else layer.tip,
-            group=STATE,
-            holds=lambda situation: layer.word("colour") == way,
-        )
+        return ActionSpec(name=f"colour_{way}", menu="View>" + tr("Color particles by"), text=title,
+                          do=lambda: layer.choose("colour", way),
+                          tip=QUANTITIES[way].tip if way in QUANTITIES else layer.tip, group=STATE,
+                          holds=lambda situation: layer.word("colour") == way)  # fmt: skip
 
     return [spec(way, title) for way, title in layer.ways.items()]
 
 
 def _toggle(layer: Layer, first: bool) -> ActionSpec:
-    return ActionSpec(
-        name=f"layer_{layer.name}",
-        menu="View",
-        text=layer.title,
-        do=lambda: layer.set_shown(not layer.shown),
-        shortcuts=(layer.shortcut,) if layer.shortcut else (),
-        tip=tr("Show or hide: {layer}").format(layer=layer.tip),
-        group=STATE,
-        checked=layer.shown,
-        gap=first,
-        holds=lambda situation: layer.shown,
-    )
+    return ActionSpec(name=f"layer_{layer.name}", menu="View", text=layer.title,
+                      do=lambda: layer.set_shown(not layer.shown),
+                      shortcuts=(layer.shortcut,) if layer.shortcut else (),
+                      tip=tr("Show or hide: {layer}").format(layer=layer.tip), group=STATE, checked=layer.shown,
+                      gap=first, holds=lambda situation: layer.shown)  # fmt: skip

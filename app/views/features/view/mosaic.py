@@ -29,17 +29,11 @@ class MosaicFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Open it."""
         return (
-            ActionSpec(
-                name="mosaic",
-                menu="Run",
-                text=tr("&Mosaic of two parameters…"),
-                do=self.open,
-                shortcuts=("Ctrl+M",),
-                tip=tr("Run the image with some values of two parameters side by side, and take the best."),
-                gap=True,
-                when=has_image,
-            ),
-        )
+            ActionSpec(name="mosaic", menu="Run", text=tr("&Mosaic of two parameters…"), do=self.open,
+                       shortcuts=("Ctrl+M",),
+                       tip=tr("Run the image with some values of two parameters side by side, and take the best."),
+                       gap=True, when=has_image),
+        )  # fmt: skip
 
     def open(self) -> None:
         """Open the dialog, or bring it to the front; tiles show the part of the image that is in sight."""
