@@ -59,15 +59,7 @@ _MARGIN = 48
 
 
 class CheatSheet(QDialog):
-    """All keys in groups; the same key that opens it, or Esc, closes it.
-
-    Parameters
-    ----------
-    window : QMainWindow
-        Over which it lies.
-    specs : iterable of ActionSpec
-        All actions there are.
-    """
+    """All keys in groups, over the window; the key that opens it, or Esc, closes it."""
 
     def __init__(self, window: QMainWindow, specs: Iterable[ActionSpec]) -> None:
         super().__init__(window)

@@ -23,16 +23,9 @@ KEYS = "keys"
 
 
 class Guide(QDialog):
-    """Shows the pages; links open samples and other pages.
+    """Shows the pages beside the window; links open samples and other pages.
 
-    Parameters
-    ----------
-    parent : QWidget
-        Window beside which it lies.
-    specs : iterable of ActionSpec
-        All actions, whose names and keys the pages tell.
-    open_sample : callable
-        Opens the sample of a file.
+    `specs` are all actions, whose names and keys the pages mention; `open_sample` opens a sample by its file name.
     """
 
     def __init__(self, parent: QWidget, specs: Iterable[ActionSpec], open_sample: Callable[[str], None]) -> None:

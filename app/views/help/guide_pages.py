@@ -12,15 +12,7 @@ from app.model.text.language import tr
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One step, or one remark.
-
-    Attributes
-    ----------
-    text : str
-        What to do and what one will see, as rich text.
-    picture : str
-        File in the assets of the guide that shows it; empty for none.
-    """
+    """One step as rich text, with the file of its picture in the assets of the guide (empty for none)."""
 
     text: str
     picture: str = ""
@@ -28,21 +20,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """One page of the guide.
-
-    Attributes
-    ----------
-    name, title : str
-        What it is called in links, and its heading.
-    opening : str
-        What it is about.
-    steps : tuple of Step
-        What to do, numbered.
-    remarks : tuple of str
-        What else is worth knowing.
-    sample : str
-        File of the sample that it works on; empty for none.
-    """
+    """One page: its name in links, heading, introduction, numbered steps, remarks, and the file of its sample if any."""
 
     name: str
     title: str

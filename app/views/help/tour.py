@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPaintEvent, QPalette, QPen, QPolygonF
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMainWindow, QPushButton, QToolBar, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
 
@@ -18,15 +18,7 @@ _MARGIN = 8
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Stop:
-    """One bubble.
-
-    Attributes
-    ----------
-    title, text : str
-        What it says.
-    target : callable
-        The widget that it points at; None when it is not to be seen.
-    """
+    """One bubble: its text and the widget that it points at (None when that is not visible)."""
 
     title: str
     text: str
@@ -34,15 +26,7 @@ class Stop:
 
 
 class Tour(QWidget):
-    """Leads from stop to stop, by buttons or keys; the window can be used meanwhile.
-
-    Parameters
-    ----------
-    window : QWidget
-        Upon which the bubble lies.
-    stops : sequence of Stop
-        Where it leads to.
-    """
+    """Guides from stop to stop, by buttons or keys; the window below stays usable."""
 
     ended = Signal()
     """It is over, be it at its end or before."""
@@ -275,3 +259,47 @@ def _beak(bubble: QRect, body: QRect, seen: QRect) -> tuple[QPointF, QPointF, QP
         return QPointF(edge, y - 8), QPointF(1.0, y), QPointF(edge, y + 8)
     edge = float(body.right())
     return QPointF(edge, y - 8), QPointF(bubble.width() - 1.0, y), QPointF(edge, y + 8)
+
+
+def stops(window: QMainWindow, reveal: Callable[[str], None]) -> tuple[Stop, ...]:
+    """The five stops in a window; `reveal` brings a panel to the front by its name."""
+
+    def button(name: str) -> Callable[[], QWidget | None]:
+        def seen() -> QWidget | None:
+            found = window.findChild(QToolButton, name)
+            # In a narrow window the last buttons have no room; what they do stands in the menus, too.
+            return found if found is not None and found.isVisible() else window.menuBar()
+
+        return seen
+
+    def parameters() -> QWidget | None:
+        reveal("parameters")
+        return window.findChild(QWidget, "parameters")
+
+    return (
+        Stop(
+            tr("Open an image"),
+            tr("Open one of your own, or drop a file on the window. A sample is open already, ready to be tried."),
+            button("open"),
+        ),
+        Stop(
+            tr("Draw where to start"),
+            tr("Drag a circle in or around an object. Strokes and points do as well; “Automatic” above needs none."),
+            lambda: window.findChild(QToolBar, "palette"),
+        ),
+        Stop(
+            tr("Run"),
+            tr("Press Space. Particles flow to the edges and push each other along them, until they rest."),
+            button("primary"),
+        ),
+        Stop(
+            tr("Steer"),
+            tr("Each slider acts at the very next step, while it runs. The drawing below shows what it does."),
+            parameters,
+        ),
+        Stop(
+            tr("Export"),
+            tr("Write the contours as drawing, table or mask. The guide (F1) leads through three real tasks."),
+            button("export"),
+        ),
+    )

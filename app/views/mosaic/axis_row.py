@@ -12,17 +12,7 @@ from cpm_core.parameters import Parameters
 
 
 class AxisRow(QObject):
-    """A choice among all parameters, and a line for the values of the one chosen.
-
-    Parameters
-    ----------
-    title : str
-        What it is the parameter of.
-    controls : tuple of Control
-        What there is.
-    first : str
-        Name of the one that is chosen at first.
-    """
+    """A choice among all parameters (`first` is the name of the initial one), and a line for its values."""
 
     changed = Signal()
     """Another parameter has been chosen."""

@@ -28,35 +28,23 @@ from app.model.text.language import tr
 from app.session.features.parameter_sweep import Done, Sweep
 from app.session.session import Session
 from app.views.mosaic.axis_row import AxisRow
-from app.views.mosaic.board import Board
-from app.views.mosaic.enlarged import EnlargedTile
 from app.views.mosaic.picture import Picture
+from app.views.mosaic.tile import Board, EnlargedTile
 
 
 class MosaicDialog(QDialog):
-    """Runs the image with some values of two parameters, and takes over those of the tile that is picked.
+    """Runs the image with several values of two parameters, and uses those of the tile that the user chooses.
 
-    Parameters
-    ----------
-    parent : QWidget
-        The window.
-    session : Session
-        What is run and edited.
-    sweep : Sweep
-        Who runs it.
-    shades : ndarray
-        The image as it is shown.
-    crop : QRectF
-        The part of it that tiles show, in px of the image.
+    `display` is the image as it is shown, `crop` the part of it that tiles show [px of the image].
     """
 
-    def __init__(self, parent: QWidget, session: Session, sweep: Sweep, shades: DisplayImage, crop: QRectF) -> None:
+    def __init__(self, parent: QWidget, session: Session, sweep: Sweep, display: DisplayImage, crop: QRectF) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Mosaic of two parameters"))
         self._session = session
         self._sweep = sweep
-        self._picture = Picture(shades, crop)
+        self._picture = Picture(display, crop)
         self._plan: Plan | None = None
         offered = controls()
         self.down = AxisRow(tr("Rows"), offered, "beta")

@@ -18,18 +18,10 @@ _LINE, _HALO = 1.8, 3.2
 
 
 class Picture:
-    """Draws an image and contours into rectangles.
+    """Draws the part `crop` [px] of an image, uint8 of shape (H, W) or (H, W, 3), and contours into rectangles."""
 
-    Parameters
-    ----------
-    shades : ndarray of uint8, shape (H, W) or (H, W, 3)
-        The image.
-    crop : QRectF
-        The part of it that is shown, in px of the image.
-    """
-
-    def __init__(self, shades: DisplayImage, crop: QRectF) -> None:
-        gray = np.ascontiguousarray(shades)
+    def __init__(self, display: DisplayImage, crop: QRectF) -> None:
+        gray = np.ascontiguousarray(display)
         rows, cols = gray.shape[:2]
         kind = QImage.Format.Format_Grayscale8 if gray.ndim == 2 else QImage.Format.Format_RGB888
         self._image = QImage(gray.data, cols, rows, gray.strides[0], kind).copy()

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
+    QColor,
     QFont,
     QFontMetrics,
     QKeyEvent,
@@ -14,12 +17,22 @@ from PySide6.QtGui import (
     QPen,
     QResizeEvent,
 )
-from PySide6.QtWidgets import QSizePolicy, QToolButton, QWidget
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QGridLayout,
+    QLabel,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
-from app.model.display.mosaic import Tile
+from app.model.display.mosaic import Plan, Tile
 from app.model.text.language import tr
 from app.session.features.parameter_sweep import Done
 from app.views.mosaic.picture import Picture
+from app.views.theme import theme
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _ARROWS = {
@@ -33,19 +46,7 @@ _ROUND = 5.0
 
 
 class TileView(QWidget):
-    """Shows one run: its picture, its two values, and what was found.
-
-    Parameters
-    ----------
-    tile : Tile
-        Which one.
-    caption : str
-        Its values in words.
-    picture : Picture
-        The image.
-    lines : int
-        Lines of text that there is to be room for.
-    """
+    """Shows one run: its picture, its two values, and below `lines` lines of text."""
 
     picked = Signal(object)
     """The user wants its parameters: Tile."""
@@ -209,3 +210,74 @@ def words(done: Done) -> str:
     found = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
     told = tr("{found}, {steps} steps").format(found=found, steps=done.result.steps)
     return told if done.dice is None else "\n".join((told, tr("Dice {dice:.4f}").format(dice=done.dice)))
+
+
+class Board(QWidget):
+    """The tiles of the last mosaic, in rows and columns."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.tiles: dict[tuple[int, int], TileView] = {}
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid.setSpacing(6)
+
+    def lay(self, plan: Plan, picture: Picture, lines: int) -> Iterable[TileView]:
+        """Replace the tiles by those of a plan, with `lines` lines of text below each."""
+        for view in self.tiles.values():
+            self._grid.removeWidget(view)
+            view.hide()
+            view.deleteLater()
+        self.tiles.clear()
+        for tile in plan.tiles:
+            view = self.tiles[tile.row, tile.col] = TileView(tile, plan.caption(tile), picture, lines)
+            view.left.connect(self._go_to)
+            self._grid.addWidget(view, tile.row, tile.col)
+        return self.tiles.values()
+
+    def view_of(self, tile: Tile) -> TileView | None:
+        """The view of a tile, unless it belongs to a mosaic before."""
+        view = self.tiles.get((tile.row, tile.col))
+        return view if view is not None and view.tile is tile else None
+
+    def _go_to(self, row: int, col: int) -> None:
+        if (row, col) in self.tiles:
+            self.tiles[row, col].setFocus()
+
+
+class EnlargedTile(QDialog):
+    """Shows one run as large as the dialog is; accepted when its values are to be used."""
+
+    def __init__(self, parent: QWidget, done: Done, caption: str, picture: Picture) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle(caption)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        self.take = buttons.addButton(tr("Take these values"), QDialogButtonBox.ButtonRole.AcceptRole)
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        about = QLabel(f"<b>{caption}</b> · {words(done).replace(chr(10), ', ')}")
+        layout = QVBoxLayout(self)
+        layout.addWidget(_Canvas(done, picture), 1)
+        layout.addWidget(about)
+        layout.addWidget(buttons)
+
+
+class _Canvas(QWidget):
+    def __init__(self, done: Done, picture: Picture) -> None:
+        super().__init__()
+        self._done = done
+        self._picture = picture
+        self.setMinimumSize(320, 240)
+
+    def sizeHint(self) -> QSize:
+        """Large."""
+        return QSize(640, 560)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw it on the ground of the canvas."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(theme.CANVAS))
+        result = self._done.result
+        self._picture.draw(painter, QRectF(self.rect()), result.contours if result else ())
+        painter.end()

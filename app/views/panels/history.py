@@ -11,12 +11,9 @@ from app.model.text.language import tr
 
 
 class HistoryPanel(QWidget):
-    """One line a change, below the line for the beginning; the last that is done is marked, undone ones are gray.
+    """One line per change, below a line for the beginning; the last change in effect is marked, undone ones are gray.
 
-    Parameters
-    ----------
-    go_to : callable
-        Given how many changes are to be done.
+    `go_to` is called with the number of changes that are to be in effect.
     """
 
     def __init__(self, go_to: Callable[[int], None]) -> None:

@@ -7,28 +7,19 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QMenu
+from PySide6.QtWidgets import QFileDialog, QInputDialog, QMenu, QMessageBox, QWidget
 
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.parameters.presets import SUFFIX, Preset
 from app.model.text.language import tr
 from app.session.storage.presets import PresetStore
-from app.views.presets import preset_dialogs as dialogs
 from app.views.presets.preset_gallery import PresetGallery, picture_of
 from app.views.window.feature import FeatureContext
 
 
 class PresetFiles(QObject):
-    """Joins the gallery of presets, their files and the session.
-
-    Parameters
-    ----------
-    context : FeatureContext
-        What it works with.
-    store : PresetStore
-        Where presets are kept.
-    """
+    """Connects the gallery of presets, their files and the session."""
 
     def __init__(self, context: FeatureContext, store: PresetStore) -> None:
         super().__init__(context.window)
@@ -89,7 +80,7 @@ class PresetFiles(QObject):
 
     def _save(self) -> None:
         session, current = self._desk.session, self.gallery.current
-        name = dialogs.ask_for_name(self._desk.window, current.name if current is not None and current.own else "")
+        name = ask_for_name(self._desk.window, current.name if current is not None and current.own else "")
         if not name:
             return
         picture = picture_of(self._desk.canvas_area.canvas.grab().toImage())
@@ -100,13 +91,13 @@ class PresetFiles(QObject):
     def _rename(self) -> None:
         preset = self._own(tr("Rename which preset?"))
         if preset is not None:
-            name = dialogs.ask_for_name(self._desk.window, preset.name)
+            name = ask_for_name(self._desk.window, preset.name)
             if name:
                 self.store.rename(preset.name, name)
 
     def _delete(self) -> None:
         preset = self._own(tr("Delete which preset?"))
-        if preset is not None and dialogs.agrees_to_delete(self._desk.window, preset.name):
+        if preset is not None and agrees_to_delete(self._desk.window, preset.name):
             self.store.delete(preset.name)
 
     def take_in(self, path: Path) -> None:
@@ -118,7 +109,7 @@ class PresetFiles(QObject):
         self._desk.session.say(tr("“{name}” is among the presets now.").format(name=preset.name))
 
     def _import(self) -> None:
-        chosen = dialogs.ask_for_preset_file(self._desk.window, self._folder)
+        chosen = ask_for_preset_file(self._desk.window, self._folder)
         if chosen:
             self._folder = str(Path(chosen).parent)
             self._take_in(Path(chosen))
@@ -128,11 +119,11 @@ class PresetFiles(QObject):
         names = [preset.name for preset in self.store.presets]
         if current is not None:
             names.insert(0, names.pop(names.index(current.name)))
-        name = dialogs.ask_for_preset(self._desk.window, names, tr("Export which preset?"))
+        name = ask_for_preset(self._desk.window, names, tr("Export which preset?"))
         preset = self.store.called(name)
         if preset is None:
             return
-        chosen = dialogs.ask_where_to(self._desk.window, str(Path(self._folder) / f"{preset.name}{SUFFIX}"))
+        chosen = ask_where_to(self._desk.window, str(Path(self._folder) / f"{preset.name}{SUFFIX}"))
         if chosen:
             self._folder = str(Path(chosen).parent)
             self.store.hand_out(preset, Path(chosen))
@@ -144,4 +135,38 @@ class PresetFiles(QObject):
         if current is not None and current.own:
             return current
         names = [preset.name for preset in self.store.presets if preset.own]
-        return self.store.called(dialogs.ask_for_preset(self._desk.window, names, question))
+        return self.store.called(ask_for_preset(self._desk.window, names, question))
+
+
+def ask_for_name(parent: QWidget, suggestion: str) -> str:
+    """Name for a preset, empty when the user has thought better of it."""
+    name, agreed = QInputDialog.getText(parent, tr("Name of the preset"), tr("Name:"), text=suggestion)
+    return name if agreed else ""
+
+
+def ask_for_preset(parent: QWidget, names: list[str], question: str) -> str:
+    """One of these presets, empty when the user has thought better of it."""
+    if len(names) < 2:
+        return names[0] if names else ""
+    name, agreed = QInputDialog.getItem(parent, tr("Preset"), question, names, 0, False)
+    return name if agreed else ""
+
+
+def agrees_to_delete(parent: QWidget, name: str) -> bool:
+    """Whether a preset is to go for good."""
+    asked = tr("Delete the preset “{name}”? This cannot be undone.").format(name=name)
+    buttons = QMessageBox.StandardButton.Yes | QMessageBox.StandardButton.No
+    return QMessageBox.question(parent, tr("Delete preset"), asked, buttons) == QMessageBox.StandardButton.Yes
+
+
+def ask_for_preset_file(parent: QWidget, folder: str) -> str:
+    """File of a preset to bring in, empty when the user has thought better of it."""
+    filters = tr("Presets ({pattern})").format(pattern=f"*{SUFFIX}")
+    return QFileDialog.getOpenFileName(parent, tr("Import preset"), folder, filters)[0]
+
+
+def ask_where_to(parent: QWidget, suggestion: str) -> str:
+    """File to write a preset to, empty when the user has thought better of it; a suffix left out is added."""
+    filters = tr("Presets ({pattern})").format(pattern=f"*{SUFFIX}")
+    chosen = QFileDialog.getSaveFileName(parent, tr("Export preset"), suggestion, filters)[0]
+    return chosen + SUFFIX if chosen and not chosen.endswith(SUFFIX) else chosen

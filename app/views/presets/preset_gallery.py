@@ -28,13 +28,7 @@ _OPENING = (Qt.Key.Key_Space, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Do
 
 
 class PresetGallery(QToolButton):
-    """Shows the name of the preset in use, and when pressed all presets with their pictures.
-
-    Parameters
-    ----------
-    deeds : iterable of QAction
-        What can be done with presets beside using them, as buttons below the pictures.
-    """
+    """Shows the name of the preset in use and, when pressed, all presets with pictures; `actions` are the buttons below."""
 
     chosen = Signal(object)
     """The user wants a preset: Preset."""

@@ -17,7 +17,7 @@ from app.model.parameters.controls import controls, slider_range, value_of
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.main_window import MainWindow
 from app.views.mosaic import MosaicDialog
-from app.views.mosaic.enlarged import EnlargedTile
+from app.views.mosaic.tile import EnlargedTile
 from cpm_core import Engine, Parameters, segment
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Charge

@@ -15,7 +15,7 @@ from PySide6.QtGui import QImage, QPixmap
 from app.model.parameters.presets import Preset, built_in, checked_name, read, written
 from app.session.storage.presets import PresetStore
 from app.views.features.run.parameters import ParametersFeature
-from app.views.presets import preset_dialogs as dialogs
+from app.views.presets import preset_files as dialogs
 from app.views.presets.preset_gallery import PICTURE, PresetGallery, picture_of
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 

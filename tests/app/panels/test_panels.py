@@ -17,7 +17,7 @@ from app.session.exchange.messages import RunMetrics
 from app.views.canvas.items.curves import pieces
 from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
 from app.views.features.help.help import show_about
-from app.views.panels.run.plot import PlotPanel
+from app.views.panels.run.run_panel import PlotPanel
 from cpm_core import Parameters
 
 

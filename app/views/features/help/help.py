@@ -11,8 +11,7 @@ from app.model.document.samples import sample_called
 from app.model.text.language import tr
 from app.views.help.cheat_sheet import CheatSheet
 from app.views.help.guide import Guide
-from app.views.help.tour import Tour
-from app.views.help.tour_stops import stops
+from app.views.help.tour import Tour, stops
 from app.views.theme.icons import program_icon
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext

@@ -12,7 +12,7 @@ from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.particles import ParticleLayer
-from app.views.panels.layer_list.layers_panel import LayersPanel
+from app.views.panels.layer_list import LayersPanel
 from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 

@@ -23,17 +23,10 @@ _PX = "px"
 
 
 class ContourModel(QAbstractTableModel):
-    """Contours as a table.
+    """Contours of a review as a table; names that are typed go back to the review.
 
-    Rows are told apart by the keys of their contours: a reconstruction changes what stands in them and leaves
-    selection, order and a name that is being written alone.
-
-    Parameters
-    ----------
-    review : ContourReview
-        Where contours come from and names go to.
-    parent : QObject
-        The view, which it is not to outlive.
+    Rows are identified by the keys of their contours: a reconstruction updates their contents and preserves the
+    selection, the order and a name that is being edited.
     """
 
     def __init__(self, review: ContourReview, parent: QObject) -> None:

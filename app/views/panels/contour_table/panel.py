@@ -24,17 +24,7 @@ _BESIDE = 236
 
 
 class ContourPanel(QWidget):
-    """Shows the contours and what has been said about them.
-
-    Parameters
-    ----------
-    session : Session
-        Whose document it edits.
-    review : ContourReview
-        What it shows.
-    fill_colors : callable
-        Fills a menu with the colors that can be chosen.
-    """
+    """Shows the contours and their review; `fill_colors` fills a menu with the colors on offer."""
 
     def __init__(self, session: Session, review: ContourReview, fill_colors: Callable[[QMenu], None]) -> None:
         super().__init__()

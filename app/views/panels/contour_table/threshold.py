@@ -57,13 +57,7 @@ class Histogram(QWidget):
 
 
 class Threshold(QWidget):
-    """Least value of contours, set by a slider that has more room for small values.
-
-    Parameters
-    ----------
-    title, unit, tip : str
-        What it is, and what it does.
-    """
+    """Least value of contours, set by a slider with more room for small values."""
 
     moved_to = Signal(float)
     """The user has moved it to a value."""
@@ -95,15 +89,10 @@ class Threshold(QWidget):
         self._show()
 
     def show_values(self, moment: object, values: Sequence[float]) -> None:
-        """Show the values there are.
+        """Show the values of the present contours.
 
-        Parameters
-        ----------
-        moment : object
-            What the contours were made from: as long as it stays the same, values that the threshold has left out are
-            remembered, for the user to see what is chosen among.
-        values : sequence of float
-            Values of the contours there are.
+        As long as `moment`, which identifies what the contours were made from, stays the same, values that the threshold
+        has excluded are remembered, so that the user sees the whole distribution.
         """
         known, below, before = self._known
         now = np.asarray(values, dtype=float)

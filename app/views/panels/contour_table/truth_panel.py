@@ -38,13 +38,7 @@ _IN_PX = ("hausdorff", "hausdorff95", "mean_boundary_distance")
 
 
 class TruthPanel(QWidget):
-    """Shows the figures of a comparison.
-
-    Parameters
-    ----------
-    truth : GroundTruth
-        What it shows and sets.
-    """
+    """Shows the measures of a comparison with the ground truth, and its settings."""
 
     load_wanted = Signal()
     """The user wants to choose a file."""

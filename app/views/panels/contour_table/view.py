@@ -26,13 +26,7 @@ class NameDelegate(QStyledItemDelegate):
 
 
 class ContourTable(QTableView):
-    """Shows the contours of a curation.
-
-    Parameters
-    ----------
-    review : ContourReview
-        What it shows, selects and names.
-    """
+    """Shows the contours of a review, selects and names them."""
 
     def __init__(self, review: ContourReview) -> None:
         super().__init__()

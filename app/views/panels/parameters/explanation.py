@@ -51,17 +51,7 @@ class Explanation(QWidget):
         return self._control
 
     def explain(self, control: Control, value: float | str, contrast: float) -> None:
-        """Explain a control, and draw it at its value.
-
-        Parameters
-        ----------
-        control : Control
-            What is explained.
-        value : float or str
-            Its value.
-        contrast : float
-            Contrast of the image, which values in gray levels mean something beside.
-        """
+        """Explain a control at its value; gray levels are scaled by the contrast of the image."""
         if control is not self._control:
             self._control = control
             self._write()

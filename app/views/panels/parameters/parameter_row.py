@@ -54,15 +54,7 @@ class ParameterRow(QWidget):
         self._connect()
 
     def show_value(self, value: float | str, contrast: float) -> None:
-        """Show a value.
-
-        Parameters
-        ----------
-        value : float or str
-            Value, or ``"auto"``.
-        contrast : float
-            Contrast of the image, which the range of some sliders goes by.
-        """
+        """Show a value or ``"auto"``; the range of some sliders depends on the contrast of the image."""
         low, high = slider_range(self.control, contrast)
         grain = self.control.step * (high - low) / (self.control.slider_high - self.control.slider_low)
         self.slider.set_range(low, high, grain)

@@ -23,15 +23,7 @@ _ROOMY = 470
 
 
 class ParametersPanel(QWidget):
-    """Shows the parameters of the document and edits them through the session.
-
-    Parameters
-    ----------
-    session : Session
-        Whose document it shows.
-    gallery : PresetGallery
-        The presets.
-    """
+    """Shows the parameters of the document, the gallery of presets, and edits them through the session."""
 
     def __init__(self, session: Session, gallery: PresetGallery) -> None:
         super().__init__()

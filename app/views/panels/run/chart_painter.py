@@ -24,19 +24,7 @@ def sides(widget: QWidget) -> tuple[float, float]:
 
 
 class ChartPainter:
-    """Draws a chart once.
-
-    Parameters
-    ----------
-    widget : QWidget
-        On which it is drawn.
-    plots : sequence of Plot
-        What is plotted, from above.
-    metrics : RunMetrics, optional
-        The run, unless there is none.
-    read : int, optional
-        Entry whose figures are shown.
-    """
+    """Paints plots, from top to bottom, onto a widget, once; `read` is the index of the entry whose values are shown."""
 
     def __init__(self, widget: QWidget, plots: Sequence[Plot], metrics: RunMetrics | None, read: int | None) -> None:
         self._widget = widget

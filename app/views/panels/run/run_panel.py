@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
+from app.model.display.plots import PLOTS
 from app.model.state.resolve import Resolved
 from app.model.text.language import tr
-from app.views.panels.run.plot import PlotPanel
+from app.session.exchange.messages import RunMetrics
+from app.views.panels.run.chart import Chart
+from app.views.widgets.space_key import own_space
 
 _WIDE = (tr("Contours"), tr("Bridged"))
 """Figures that take a line of their own."""
@@ -90,3 +94,53 @@ class RunPanel(QWidget):
 def _set(label: QLabel, text: str) -> None:
     if label.text() != text:
         label.setText(text)
+
+
+class PlotPanel(QWidget):
+    """A button for each plot above the chart."""
+
+    chosen = Signal()
+    """Other plots are shown now."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.chart = Chart()
+        self.buttons: dict[str, QToolButton] = {}
+        row = QHBoxLayout()
+        row.setSpacing(2)
+        for plot in PLOTS:
+            self.buttons[plot.name] = button = QToolButton()
+            button.setObjectName("chip")
+            button.setText(plot.title)
+            button.setCheckable(True)
+            button.setChecked(plot.first)
+            button.setToolTip(plot.tip)
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.setAccessibleName(tr("Plot: {title}").format(title=plot.title))
+            button.toggled.connect(self._choose)
+            own_space(button)
+            row.addWidget(button)
+        row.addStretch(1)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(4)
+        column.addLayout(row)
+        column.addWidget(self.chart, 1)
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """Names of the plots shown."""
+        return tuple(name for name, button in self.buttons.items() if button.isChecked())
+
+    def show_plots(self, names: list[str]) -> None:
+        """Show the plots of these names, and no others."""
+        for name, button in self.buttons.items():
+            button.setChecked(name in names)
+
+    def show_metrics(self, metrics: RunMetrics | None) -> None:
+        """Show a run, or none."""
+        self.chart.show_metrics(metrics)
+
+    def _choose(self) -> None:
+        self.chart.show_plots([plot for plot in PLOTS if plot.name in self.shown])
+        self.chosen.emit()

@@ -16,13 +16,7 @@ _WIDTH = 276
 
 
 class BranchForm(QWidget):
-    """Names, deletes and compares the branch that is shown.
-
-    Parameters
-    ----------
-    navigation : TimelineNavigation
-        Whose branch it is.
-    """
+    """Renames, deletes and compares the branch that is shown."""
 
     def __init__(self, navigation: TimelineNavigation) -> None:
         super().__init__()
@@ -108,17 +102,7 @@ class BranchForm(QWidget):
 
 
 def timeline_button(name: str, tip: str, do: Callable[[], object]) -> QToolButton:
-    """A button of the timeline.
-
-    Parameters
-    ----------
-    name : str
-        Name of its icon.
-    tip : str
-        What it does; with its key in parentheses.
-    do : callable
-        Does it.
-    """
+    """A button of the timeline with an icon; its key is in parentheses in the tip."""
     button = QToolButton()
     button.setObjectName(f"timeline_{name}")
     button.setAutoRaise(True)

@@ -20,17 +20,7 @@ _FINE_PRINT = 10
 
 
 class TimelinePainter:
-    """Draws the timeline once.
-
-    Parameters
-    ----------
-    widget : QWidget
-        On which it is drawn.
-    navigation : TimelineNavigation
-        What is drawn.
-    places : TimelinePlaces
-        Where it stands.
-    """
+    """Paints the timeline of a navigation onto a widget, once."""
 
     def __init__(self, widget: QWidget, navigation: TimelineNavigation, places: TimelinePlaces) -> None:
         self._widget = widget

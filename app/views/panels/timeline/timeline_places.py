@@ -20,15 +20,7 @@ _SOONEST = 20
 
 
 class TimelinePlaces:
-    """Places of branches and steps in the widget that shows them.
-
-    Parameters
-    ----------
-    widget : QWidget
-        Where they are shown.
-    navigation : TimelineNavigation
-        What is shown.
-    """
+    """Positions of branches and steps in the widget that shows them."""
 
     def __init__(self, widget: QWidget, navigation: TimelineNavigation) -> None:
         self._widget = widget

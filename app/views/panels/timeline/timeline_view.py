@@ -26,13 +26,7 @@ _KEYS = {
 
 
 class TimelineView(QWidget):
-    """Branches over steps; the pointer and the arrow keys go to any of them.
-
-    Parameters
-    ----------
-    navigation : TimelineNavigation
-        What it shows and goes through.
-    """
+    """Branches over steps; the pointer and the arrow keys go to any of them."""
 
     asked = Signal(int, int)
     """Branch and step that somebody wants to see."""

@@ -20,13 +20,7 @@ Point = tuple[float, float]
 
 
 class Sketch:
-    """What illustrations are made of.
-
-    Parameters
-    ----------
-    painter : QPainter
-        Painter scaled so that the sheet has its size.
-    """
+    """Drawing operations of illustrations, on a painter scaled to the size of the sheet."""
 
     def __init__(self, painter: QPainter) -> None:
         self._painter = painter
