@@ -15,7 +15,7 @@ class AxisRow(QObject):
     """A choice among all parameters (`first` is the name of the initial one), and a line for its values."""
 
     changed = Signal()
-    """Another parameter has been chosen."""
+    """A different parameter has been chosen."""
 
     def __init__(self, title: str, controls: tuple[Control, ...], first: str) -> None:
         super().__init__()
@@ -27,24 +27,24 @@ class AxisRow(QObject):
         self.choice.setAccessibleName(title)
         self.values = QLineEdit()
         self.values.setAccessibleName(tr("Values"))
-        self.values.setToolTip(tr("The values to be tried, with commas between them."))
+        self.values.setToolTip(tr("Values of the parameter, separated by commas."))
         self.choice.currentIndexChanged.connect(self.changed)
 
     @property
     def control(self) -> Control:
-        """The parameter chosen."""
+        """The chosen parameter."""
         return self._controls[self.choice.currentIndex()]
 
     def add_to(self, grid: QGridLayout, row: int) -> None:
-        """Lay it out."""
+        """Add its widgets to a grid."""
         grid.addWidget(QLabel(self._title), row, 0)
         grid.addWidget(self.choice, row, 1)
         grid.addWidget(self.values, row, 2)
 
     def suggest(self, parameters: Parameters, contrast: float, count: int) -> None:
-        """Offer values around the present one."""
+        """Suggest values around the present one."""
         self.values.setText(in_text(sensible_values(self.control, parameters, contrast, count)))
 
     def axis(self) -> Axis:
-        """What has been chosen; raises `ValueError` when the values make no sense."""
+        """The chosen parameter and values; raises `ValueError` if the values are not valid."""
         return Axis(self.control, read_values(self.control, self.values.text()))

@@ -63,24 +63,24 @@ class MosaicDialog(QDialog):
         self.resize(self.sizeHint())
 
     def sizeHint(self) -> QSize:
-        """Room for five by five tiles, unless the screen is small."""
+        """Space for five by five tiles, within the screen."""
         return QSize(1000, 820).boundedTo(self.screen().availableSize() - QSize(40, 60))
 
-    # What Qt calls
+    # Qt interface
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Give up what has not been run."""
+        """Cancel the runs that are left."""
         self._sweep.cancel()
         super().closeEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc closes."""
+        """Close on Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self.close()
         else:
             super().keyPressEvent(event)
 
-    # Inside
+    # Internal
 
     def _lay_out(self) -> None:
         form = QGridLayout()
@@ -138,18 +138,18 @@ class MosaicDialog(QDialog):
         try:
             if not document.starts:
                 raise ValueError(NOTHING_TO_START_FROM)
-            laid = plan(document.parameters, self.down.axis(), self.across.axis())
+            planned = plan(document.parameters, self.down.axis(), self.across.axis())
         except ValueError as error:
             self._say(str(error))
             return
-        self._plan = laid
+        self._plan = planned
         lines = 2 if self._session.scene.truth is None else 3
-        for view in self._board.lay(laid, self._picture, lines):
-            view.picked.connect(self._pick)
+        for view in self._board.lay(planned, self._picture, lines):
+            view.picked.connect(self._choose)
             view.enlarged.connect(self._enlarge)
         self._mark()
         self.tiles[0, 0].setFocus()
-        self._sweep.start(laid, document)
+        self._sweep.start(planned, document)
         self._show_progress()
 
     def _begin(self, tile: Tile) -> None:
@@ -165,26 +165,28 @@ class MosaicDialog(QDialog):
 
     def _end(self) -> None:
         for view in self.tiles.values():
-            view.give_up()
+            view.cancel()
         self._show_progress()
 
-    def _pick(self, tile: Tile) -> None:
+    def _choose(self, tile: Tile) -> None:
         chosen = self._plan
         if chosen is not None:
             caption = chosen.caption(tile)
-            self._session.edit(
-                tr("take {values}").format(values=caption), lambda document: pick(document, chosen, tile)
+            self._session.edit(tr("use {values}").format(values=caption), lambda document: pick(document, chosen, tile))
+            self._say(
+                tr("Now using {values}. Undo (Ctrl+Z in the window) restores the previous values.").format(
+                    values=caption
+                )
             )
-            self._say(tr("{values} are set now; Undo (Ctrl+Z in the window) takes it back.").format(values=caption))
 
     def _enlarge(self, done: Done) -> None:
         if self._plan is not None:
             large = EnlargedTile(self, done, self._plan.caption(done.tile), self._picture)
-            large.accepted.connect(partial(self._pick, done.tile))
+            large.accepted.connect(partial(self._choose, done.tile))
             large.open()
 
     def _mark(self) -> None:
-        """Mark the tile whose parameters are in use, if there is one."""
+        """Mark the tile whose parameters are those of the document, if any."""
         chosen, document = self._plan, self._session.document
         for view in self.tiles.values():
             view.mark(chosen is not None and pick(document, chosen, view.tile) == document)
@@ -197,14 +199,14 @@ class MosaicDialog(QDialog):
         self.bar.setRange(0, max(1, len(self.tiles)))
         self.bar.setValue(done)
         if task is not None:
-            told = tr("{done} of {count} tiles").format(done=done, count=len(self.tiles))
-            self._say(", ".join(filter(None, (told, in_words(task.seconds_left)))))
+            progress = tr("{done} of {count} tiles").format(done=done, count=len(self.tiles))
+            self._say(", ".join(filter(None, (progress, in_words(task.seconds_left)))))
         elif not self.tiles:
-            self._say(tr("Choose two parameters and press Run: each tile is a run of its own."))
+            self._say(tr("Choose two parameters and press Run. Each tile is a separate run."))
         elif done < len(self.tiles):
-            self._say(tr("Given up after {done} of {count} tiles.").format(done=done, count=len(self.tiles)))
+            self._say(tr("Canceled after {done} of {count} tiles.").format(done=done, count=len(self.tiles)))
         else:
-            self._say(tr("Click a tile to take its values."))
+            self._say(tr("Click a tile to use its values."))
 
     def _say(self, sentence: str) -> None:
         self.words.setText(sentence)

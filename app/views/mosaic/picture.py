@@ -1,4 +1,4 @@
-"""Part of an image with its contours, as a picture of any size."""
+"""Painting of a part of an image with contours at any size."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ class Picture:
         self._crop = crop
 
     def placed_in(self, room: QRectF) -> QRectF:
-        """The largest rectangle of the right shape in the middle of some room."""
+        """The largest centered rectangle with the aspect ratio of the crop."""
         size = QSizeF(self._crop.size()).scaled(room.size(), Qt.AspectRatioMode.KeepAspectRatio)
         placed = QRectF(room.topLeft(), size)
         placed.moveCenter(room.center())
         return placed
 
     def draw(self, painter: QPainter, room: QRectF, contours: Sequence[Contour] = (), pale: bool = False) -> None:
-        """Draw it as large as there is room for; pale for what is still being worked on."""
+        """Paint image and contours as large as fits; pale while the run is not finished."""
         placed = self.placed_in(room)
         painter.save()
         painter.setClipRect(placed)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         painter.setOpacity(0.35 if pale else 1.0)
-        # The first pixel of an image is drawn around (0, 0), as on the canvas.
+        # The center of the first pixel of an image is (0, 0), as on the canvas.
         painter.drawImage(placed, self._image, self._crop.translated(0.5, 0.5))
         painter.setOpacity(1.0)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)

@@ -1,4 +1,4 @@
-"""The panel of the layers, which is their legend as well."""
+"""The panel of the layers, which is also their legend."""
 
 from __future__ import annotations
 
@@ -12,6 +12,11 @@ from app.views.theme import theme
 from app.views.theme.icons import swatch
 from app.views.widgets.marked_slider import MarkedSlider
 from app.views.widgets.space_key import own_space
+
+_FOLD, _OPACITY = 18, 84
+"""Widths [px]."""
+
+_LOWEST_OPACITY, _OPACITY_STEP = 0.05, 0.05
 
 
 class LayersPanel(QWidget):
@@ -42,38 +47,32 @@ class LayersPanel(QWidget):
     def _bring_into_view(self) -> None:
         row = self.sender()
         if isinstance(row, LayerRow):
-            # only after the layout has made room for the settings is it known where they lie
+            # the position of the settings is known only after the layout has been updated
             QTimer.singleShot(0, row, lambda: self._area.ensureWidgetVisible(row, 0, 4))
 
 
 def _legend() -> QHBoxLayout:
-    """What is seen of the contours besides their own colors."""
+    """Legend of the marks on contours that have no layer of their own."""
     row = QHBoxLayout()
     row.setContentsMargins(20, 4, 0, 0)
     row.setSpacing(16)
     junction = QLabel(tr("◆ Junctions"))
     junction.setStyleSheet(f"color: {theme.JUNCTION}")
-    junction.setToolTip(tr("Where contours meet."))
-    # Its color is that of the text: on the canvas it is told by its dashes.
+    junction.setToolTip(tr("Points where contours meet."))
+    # It has the color of the text: on the canvas it is recognized by its dashes.
     bridge = QLabel(tr("╍╍ Bridged gaps"))
-    bridge.setToolTip(tr("Where a contour was led over a gap in its edge."))
+    bridge.setToolTip(tr("Parts of contours that bridge a gap in the edge."))
     row.addWidget(junction)
     row.addWidget(bridge)
     row.addStretch(1)
     return row
 
 
-_FOLD, _OPACITY = 18, 84
-"""Widths [px]."""
-
-_FAINTEST, _FINE = 0.05, 0.05
-
-
 class LayerRow(QWidget):
     """Check box and opacity of a layer, with its settings below."""
 
     unfolded = Signal()
-    """The settings are seen now."""
+    """The settings have become visible."""
 
     def __init__(self, layer: Layer) -> None:
         super().__init__()
@@ -81,10 +80,10 @@ class LayerRow(QWidget):
         self.box = self._make_box()
         self.fold = self._make_fold()
         own_space(self.box, self.fold)
-        self.opacity = MarkedSlider(_FAINTEST, 1.0, _FINE, None)
+        self.opacity = MarkedSlider(_LOWEST_OPACITY, 1.0, _OPACITY_STEP, None)
         self.opacity.setFixedWidth(_OPACITY)
         self.opacity.setAccessibleName(tr("Opacity: {layer}").format(layer=layer.title))
-        self.opacity.setToolTip(tr("Opacity. A double click brings it back."))
+        self.opacity.setToolTip(tr("Opacity; double-click to restore."))
         self.settings: QWidget | None = None
         head = QHBoxLayout()
         head.setContentsMargins(0, 0, 0, 0)
@@ -121,7 +120,7 @@ class LayerRow(QWidget):
         fold.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         fold.setArrowType(Qt.ArrowType.RightArrow)
         fold.setAccessibleName(tr("Settings: {layer}").format(layer=self.layer.title))
-        fold.setToolTip(tr("What can be chosen about this layer."))
+        fold.setToolTip(tr("Settings of this layer."))
         kept = fold.sizePolicy()
         kept.setRetainSizeWhenHidden(True)
         fold.setSizePolicy(kept)

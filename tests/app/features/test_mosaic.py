@@ -1,4 +1,4 @@
-"""The mosaic: each tile is a run of its own, one of them is taken, and nothing goes on after it has been given up."""
+"""The mosaic: each tile is a run of its own, one of them is taken, and nothing goes on after it has been canceled."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def test_a_click_takes_both_values_in_one_step_that_can_be_undone(ready, dialog,
     hand.qtbot.mouseClick(dialog.tiles[1, 0], LEFT)
     parameters = ready.session.document.parameters
     assert (parameters.beta, parameters.w1 / parameters.w2) == (0.9, pytest.approx(0.7))
-    assert ready.session.situation.undo_name == "take β = 0.9, w₁/w₂ = 0.7"
+    assert ready.session.situation.undo_name == "use β = 0.9, w₁/w₂ = 0.7"
     assert [view.chosen for view in dialog.tiles.values()] == [False, False, True, False]
     ready.session.undo()
     assert ready.session.document == before
@@ -130,8 +130,8 @@ def test_cancel_ends_all_runs_and_keeps_what_has_been_done(ready, dialog, hand, 
     assert dialog.bar.isVisible()
     hand.qtbot.mouseClick(dialog.cancel_button, LEFT)
     assert not dialog.cancel_button.isEnabled()
-    assert "Given up" in dialog.words.text()
-    assert {view.state for view in dialog.tiles.values()} == {"given up"}
+    assert "Canceled" in dialog.words.text()
+    assert {view.state for view in dialog.tiles.values()} == {"canceled"}
     hand.wait(lambda: not mosaic_threads())
 
 

@@ -182,12 +182,12 @@ def test_own_presets_are_saved_with_a_picture_renamed_shared_and_deleted(
     shared = tmp_path / "softer.cpmpreset"
     monkeypatch.setattr(dialogs, "ask_for_preset", lambda parent, names, question: names[0])
     monkeypatch.setattr(dialogs, "ask_where_to", lambda parent, suggestion: str(shared))
-    preset_files.hand_out.trigger()
+    preset_files.export_action.trigger()
     monkeypatch.setattr(dialogs, "agrees_to_delete", lambda parent, name: True)
     preset_files.delete.trigger()
     assert preset_files.store.called("Softer") is None
     monkeypatch.setattr(dialogs, "ask_for_preset_file", lambda parent, folder: str(shared))
-    preset_files.bring_in.trigger()
+    preset_files.import_action.trigger()
     assert gallery.current.name == "Softer"
 
 
@@ -197,7 +197,7 @@ def test_a_bad_file_is_told_where_everything_is_told(window, monkeypatch, tmp_pa
     bad.write_text("nothing")
     for path in (bad, tmp_path / "nowhere.cpmpreset"):
         monkeypatch.setattr(dialogs, "ask_for_preset_file", lambda parent, folder, path=path: str(path))
-        preset_files.bring_in.trigger()
+        preset_files.import_action.trigger()
         assert path.name in window.canvas_area.messages.text
 
 

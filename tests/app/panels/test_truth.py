@@ -54,7 +54,7 @@ def compared(ready: MainWindow, hand: Hand, mask_file: Path, monkeypatch: pytest
 
 
 def figure(window: MainWindow, name: str) -> float:
-    return float(window.panels["truth"].figures[name].text().split()[0])
+    return float(window.panels["truth"].values[name].text().split()[0])
 
 
 def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) -> None:
@@ -98,10 +98,10 @@ def test_a_rejected_contour_counts_no_longer_and_the_figures_come_back_with_it(c
     hand.canvas.setFocus()
     hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
     hand.key(KEY.Key_X)
-    hand.wait(lambda: compared.panels["truth"].figures["dice"].text() == "0.0000")
-    assert compared.panels["truth"].figures["hausdorff"].text() == "–"
+    hand.wait(lambda: compared.panels["truth"].values["dice"].text() == "0.0000")
+    assert compared.panels["truth"].values["hausdorff"].text() == "–"
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    hand.wait(lambda: compared.panels["truth"].figures["dice"].text() == f"{before:.4f}")
+    hand.wait(lambda: compared.panels["truth"].values["dice"].text() == f"{before:.4f}")
 
 
 def test_contours_written_by_the_program_are_their_own_truth(compared, hand, tmp_path) -> None:
@@ -111,9 +111,9 @@ def test_contours_written_by_the_program_are_their_own_truth(compared, hand, tmp
     hand.wait(lambda: compared.session.idle)
     compared.feature(TruthFeature).truth.load(path)
     hand.wait(lambda: "own.geojson" in compared.panels["truth"].source.text())
-    hand.wait(lambda: compared.panels["truth"].figures["dice"].text() == "1.0000")
+    hand.wait(lambda: compared.panels["truth"].values["dice"].text() == "1.0000")
     assert figure(compared, "hausdorff") == 0.0
-    assert compared.panels["truth"].pieces.text() == "Everywhere within the tolerance."
+    assert compared.panels["truth"].pieces.text() == "All boundaries agree within the tolerance."
 
 
 def test_a_mask_of_another_size_is_refused_in_a_sentence_and_the_truth_stays(compared, hand, tmp_path) -> None:
@@ -131,7 +131,7 @@ def test_another_image_has_no_truth_yet(compared, hand, tmp_path) -> None:
     hand.wait(lambda: compared.session.document.image.name == "other.npy")
     assert compared.workspace.truth.truth is None
     assert hand.canvas.layers["truth"].counts == (0, 0, 0)
-    assert compared.panels["truth"].figures["dice"].text() == "–"
+    assert compared.panels["truth"].values["dice"].text() == "–"
 
 
 def square(low: float, high: float) -> Contour:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from app.model.document.document import Mode
 from app.model.document.modes import MODES, use_mode
-from app.model.state.situation import Condition, has_contours
+from app.model.state.situation import Condition, Situation, has_contours
 from app.model.text.language import tr
 from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.dialogs import ask_for_export
@@ -18,7 +18,7 @@ _KEYS = {"shape": "Alt+1", "automatic": "Alt+2", "skeleton": "Alt+3"}
 
 
 class ModesFeature(Feature):
-    """What a person is after, and the skeleton."""
+    """The choice of the mode, and the export of the skeleton."""
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """One mode each, and the export of the skeleton."""
@@ -30,9 +30,9 @@ class ModesFeature(Feature):
         ]  # fmt: skip
         export = ActionSpec(name="export_skeleton", menu="File", text=tr("Export s&keleton…"), do=self._export,
                             shortcuts=("Ctrl+Shift+K",),
-                            tip=tr("Write the branches of the skeleton and their radii to a file."),
+                            tip=tr("Write the branches of the skeleton with their radii to a file."),
                             icon="mode_skeleton",
-                            when=lambda situation: situation.status.method == "skeleton" and has_contours(situation))  # fmt: skip
+                            when=_has_skeleton)  # fmt: skip
         return (*modes, export)
 
     def _use(self, mode: Mode) -> None:
@@ -40,7 +40,7 @@ class ModesFeature(Feature):
         if session.document.mode != mode:
             name = tr("mode “{mode}”").format(mode=MODES[mode].title.replace("&", ""))
             session.edit(name, lambda document: use_mode(document, mode))
-        # Whether or not the document has changed, the action shows what is.
+        # The action must show the state of the document even if it has not changed.
         self.context.refresh()
 
     def _export(self) -> None:
@@ -53,3 +53,7 @@ class ModesFeature(Feature):
 
 def _is(mode: Mode) -> Condition:
     return lambda situation: situation.document.mode == mode
+
+
+def _has_skeleton(situation: Situation) -> bool:
+    return situation.status.method == "skeleton" and has_contours(situation)

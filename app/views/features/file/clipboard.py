@@ -24,7 +24,7 @@ _MIME = {".svg": "image/svg+xml", ".csv": "text/csv", ".geojson": "application/g
 
 
 class ClipboardFeature(Feature):
-    """What other programs are given without a file."""
+    """Copies for other programs."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -34,13 +34,13 @@ class ClipboardFeature(Feature):
         """Contours in several formats, and the view."""
         contours = [
             ActionSpec(name=name, menu="Edit", text=text, do=partial(self.context.session.copy_contours, suffix),
-                       shortcuts=shortcuts, tip=tr("Put the contours on the clipboard, for another program."),
+                       shortcuts=shortcuts, tip=tr("Copy the contours to the clipboard."),
                        gap=suffix == ".svg", when=has_contours)
             for name, text, suffix, shortcuts in _KINDS
         ]  # fmt: skip
-        view = ActionSpec(name="copy_view", menu="Edit", text=tr("Copy &view as picture"), do=self._copy_view,
+        view = ActionSpec(name="copy_view", menu="Edit", text=tr("Copy &view as image"), do=self._copy_view,
                           shortcuts=("Ctrl+Shift+P",),
-                          tip=tr("Put what is seen of the image and what lies over it on the clipboard."),
+                          tip=tr("Copy the visible part of the image with its overlays to the clipboard."),
                           when=has_image)  # fmt: skip
         return (*contours, view)
 

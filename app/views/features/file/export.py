@@ -13,11 +13,11 @@ from app.views.window.dialogs import ask_for_export
 from app.views.window.feature import Feature, FeatureContext
 
 _FOLDER = "files/exports"
-"""Preference: folder of what was exported last."""
+"""Preference: folder of the last export."""
 
 
 class ExportFeature(Feature):
-    """What writes the contours to files."""
+    """Export of the contours to files."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -26,13 +26,13 @@ class ExportFeature(Feature):
         context.session.listen(Exported, self._remember)
 
     def action_specs(self) -> Sequence[ActionSpec]:
-        """Export, and the same once more."""
+        """Export, and export again to the same file."""
         return (
             ActionSpec(name="export", menu="File", text=tr("&Export contours…"), short=tr("Export"), do=self._export,
-                       shortcuts=("Ctrl+E",), tip=tr("Write the contours to a file."), icon="export", gap=True,
+                       shortcuts=("Ctrl+E",), tip=tr("Export the contours to a file."), icon="export", gap=True,
                        when=has_contours),
             ActionSpec(name="export_again", menu="File", text=tr("Export a&gain"), do=self._export_again,
-                       shortcuts=("Ctrl+Shift+E",), tip=tr("Write the contours to the same file as the last time."),
+                       shortcuts=("Ctrl+Shift+E",), tip=tr("Export the contours to the last file again."),
                        when=lambda situation: has_contours(situation) and self._exported is not None,
                        worded=lambda situation: self._again_text()),
         )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The panel of the run: its state in words, figures and curves."""
+"""The panel of the run: its state in words, numbers and plots."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from app.views.panels.run.chart import Chart
 from app.views.widgets.space_key import own_space
 
 _WIDE = (tr("Contours"), tr("Bridged"))
-"""Figures that take a line of their own."""
+"""Numbers that need a row of their own."""
 
 
 class StatusPanel(QWidget):
-    """State in words, and the figures of the run in two columns."""
+    """State in words, and the numbers of the run in two columns."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -39,12 +39,12 @@ class StatusPanel(QWidget):
         layout.addLayout(self._grid)
 
     def show_resolved(self, resolved: Resolved, frames_per_second: str) -> None:
-        """Show a state and its figures; what is the same as before is left alone."""
+        """Show a state and its numbers; only labels that differ are updated."""
         _set(self._state, resolved.state)
         frames = (
             tr("Frames/s"),
             frames_per_second,
-            tr("How often a second the window looks for newer particles and draws them."),
+            tr("How often per second the window draws the newest particles."),
         )
         narrow = [number for number in resolved.numbers if number[0] not in _WIDE]
         wide = [number for number in resolved.numbers if number[0] in _WIDE]
@@ -54,12 +54,12 @@ class StatusPanel(QWidget):
             _set(self._values[label], value)
 
     def value(self, label: str) -> str:
-        """The figure shown beside a label."""
+        """The number shown beside a label."""
         return self._values[label].text()
 
     @property
     def state(self) -> str:
-        """The state in words as shown."""
+        """The state in words."""
         return self._state.text()
 
     def _add(self, label: str, explanation: str) -> None:
@@ -100,7 +100,7 @@ class PlotPanel(QWidget):
     """A button for each plot above the chart."""
 
     chosen = Signal()
-    """Other plots are shown now."""
+    """The set of visible plots has changed."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -133,7 +133,7 @@ class PlotPanel(QWidget):
         return tuple(name for name, button in self.buttons.items() if button.isChecked())
 
     def show_plots(self, names: list[str]) -> None:
-        """Show the plots of these names, and no others."""
+        """Show only the plots with these names."""
         for name, button in self.buttons.items():
             button.setChecked(name in names)
 
