@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtCore import QObject, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QCloseEvent, QKeyEvent
 from PySide6.QtWidgets import (
     QComboBox,
@@ -12,6 +12,7 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QLineEdit,
     QProgressBar,
     QPushButton,
     QScrollArea,
@@ -20,16 +21,16 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.display.display_image import DisplayImage
-from app.model.display.mosaic import COUNTS, Plan, Tile, pick, plan
+from app.model.display.mosaic import COUNTS, Axis, Plan, Tile, in_text, pick, plan, read_values, sensible_values
 from app.model.document.document import NOTHING_TO_START_FROM
-from app.model.parameters.controls import controls
+from app.model.parameters.controls import Control, controls
 from app.model.state.time_left import in_words
 from app.model.text.language import tr
 from app.session.features.parameter_sweep import Done, Sweep
 from app.session.session import Session
-from app.views.mosaic.axis_row import AxisRow
 from app.views.mosaic.picture import Picture
 from app.views.mosaic.tile import Board, EnlargedTile
+from cpm_core.parameters import Parameters
 
 
 class MosaicDialog(QDialog):
@@ -211,3 +212,42 @@ class MosaicDialog(QDialog):
     def _say(self, sentence: str) -> None:
         self.words.setText(sentence)
         self.words.setToolTip(sentence)
+
+
+class AxisRow(QObject):
+    """A choice among all parameters (`first` is the name of the initial one), and a line for its values."""
+
+    changed = Signal()
+    """A different parameter has been chosen."""
+
+    def __init__(self, title: str, controls: tuple[Control, ...], first: str) -> None:
+        super().__init__()
+        self._controls = controls
+        self._title = title
+        self.choice = QComboBox()
+        self.choice.addItems([f"{control.title}  {control.symbol}" for control in controls])
+        self.choice.setCurrentIndex(next(i for i, control in enumerate(controls) if control.name == first))
+        self.choice.setAccessibleName(title)
+        self.values = QLineEdit()
+        self.values.setAccessibleName(tr("Values"))
+        self.values.setToolTip(tr("Values of the parameter, separated by commas."))
+        self.choice.currentIndexChanged.connect(self.changed)
+
+    @property
+    def control(self) -> Control:
+        """The chosen parameter."""
+        return self._controls[self.choice.currentIndex()]
+
+    def add_to(self, grid: QGridLayout, row: int) -> None:
+        """Add its widgets to a grid."""
+        grid.addWidget(QLabel(self._title), row, 0)
+        grid.addWidget(self.choice, row, 1)
+        grid.addWidget(self.values, row, 2)
+
+    def suggest(self, parameters: Parameters, contrast: float, count: int) -> None:
+        """Suggest values around the present one."""
+        self.values.setText(in_text(sensible_values(self.control, parameters, contrast, count)))
+
+    def axis(self) -> Axis:
+        """The chosen parameter and values; raises `ValueError` if the values are not valid."""
+        return Axis(self.control, read_values(self.control, self.values.text()))

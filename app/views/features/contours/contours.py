@@ -41,9 +41,6 @@ class ContoursFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, selection, verdicts, names, colors."""
-        return (*self._selection(), *self._verdicts(), *self._marks())
-
-    def _selection(self) -> Sequence[ActionSpec]:
         return (
             ActionSpec(name="contour_table", menu="Contours", text=tr("&Table of contours"),
                        do=lambda: self.context.reveal("contours"), shortcuts=("Ctrl+T",),
@@ -54,21 +51,12 @@ class ContoursFeature(Feature):
             ActionSpec(name="all_contours", menu="Contours", text=tr("Select &all contours"),
                        do=lambda: self._review.select(item.key for item in self._review.items), shortcuts=("Ctrl+A",),
                        tip=tr("Select all contours."), when=self._any),
-        )  # fmt: skip
-
-    def _verdicts(self) -> Sequence[ActionSpec]:
-        return (
             ActionSpec(name="keep", menu="Contours", text=tr("&Keep"), do=lambda: self._review.judge("kept"),
                        shortcuts=("K",), tip=tr("Mark the selected contours as correct; press again to undo."),
                        gap=True, when=self._chosen),
             ActionSpec(name="reject", menu="Contours", text=tr("&Reject"), do=lambda: self._review.judge("rejected"),
-                       shortcuts=("X",),
-                       tip=tr("Exclude the selected contours from exports; press again to undo."),
+                       shortcuts=("X",), tip=tr("Exclude the selected contours from exports; press again to undo."),
                        when=self._chosen),
-        )  # fmt: skip
-
-    def _marks(self) -> Sequence[ActionSpec | Submenu]:
-        return (
             ActionSpec(name="name_contour", menu="Contours", text=tr("&Name…"), do=self.ask_name, shortcuts=("F2",),
                        tip=tr("Give the selected contour a name."), when=self._chosen),
             Submenu(name="colors", menu="Contours", text=tr("&Color"), fill=self._fill_colors),

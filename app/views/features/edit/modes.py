@@ -31,8 +31,7 @@ class ModesFeature(Feature):
         export = ActionSpec(name="export_skeleton", menu="File", text=tr("Export s&keleton…"), do=self._export,
                             shortcuts=("Ctrl+Shift+K",),
                             tip=tr("Write the branches of the skeleton with their radii to a file."),
-                            icon="mode_skeleton",
-                            when=_has_skeleton)  # fmt: skip
+                            icon="mode_skeleton", when=_has_skeleton)  # fmt: skip
         return (*modes, export)
 
     def _use(self, mode: Mode) -> None:

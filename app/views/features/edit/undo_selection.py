@@ -19,9 +19,6 @@ class UndoSelectionFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Undo, redo, selection, deletion."""
-        return (*self._undo(), *self._selection())
-
-    def _undo(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
             ActionSpec(name="undo", menu="Edit", text=tr("Undo"), short=tr("Undo"), do=session.undo,
@@ -30,11 +27,6 @@ class UndoSelectionFeature(Feature):
             ActionSpec(name="redo", menu="Edit", text=tr("Redo"), short=tr("Redo"), do=session.redo,
                        shortcuts=("Ctrl+Shift+Z", "Ctrl+Y"), tip=tr("Redo the last undone change."), icon="redo",
                        when=can_redo, worded=lambda situation: resolve(situation).redo_text),
-        )  # fmt: skip
-
-    def _selection(self) -> Sequence[ActionSpec]:
-        session = self.context.session
-        return (
             ActionSpec(name="select_next", menu="Edit", text=tr("Select &next shape"), do=session.select_next,
                        shortcuts=("N",), tip=tr("Select the next shape."), gap=True, when=has_shapes),
             ActionSpec(name="escape", menu="Edit", text=tr("Cance&l"), do=self.context.canvas_area.escape,
@@ -45,8 +37,7 @@ class UndoSelectionFeature(Feature):
                        when=has_selection),
             ActionSpec(name="clear", menu="Edit", text=tr("Delete &all shapes"),
                        do=lambda: session.edit(tr("delete all shapes"), edits.clear_shapes),
-                       shortcuts=("Ctrl+Shift+Backspace",), tip=tr("Remove all shapes."),
-                       when=has_shapes),
+                       shortcuts=("Ctrl+Shift+Backspace",), tip=tr("Remove all shapes."), when=has_shapes),
         )  # fmt: skip
 
 

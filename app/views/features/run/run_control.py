@@ -41,12 +41,9 @@ class RunControlFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Run, step, reset, speed."""
-        return (*self._run(), *self._speeds())
-
-    def _run(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
-            ActionSpec(name="run", menu="Run", text=tr("Run"), do=self.context.session.toggle, shortcuts=("Space",),
+            ActionSpec(name="run", menu="Run", text=tr("Run"), do=session.toggle, shortcuts=("Space",),
                        tip=tr("Start or pause the run."), icon="run", when=has_image,
                        worded=lambda situation: resolve(situation).run_text,
                        pictured=lambda situation: "pause" if is_running(situation) else "run"),
@@ -55,10 +52,6 @@ class RunControlFeature(Feature):
             ActionSpec(name="reset", menu="Run", text=tr("&Reset"), short=tr("Reset"), do=session.reset,
                        shortcuts=("R",), tip=tr("Discard the run and go back to the initialization."), icon="reset",
                        when=is_started),
-        )  # fmt: skip
-
-    def _speeds(self) -> Sequence[ActionSpec]:
-        return (
             ActionSpec(name="faster", menu="Run", text=tr("&Faster"), do=self.speed.faster, shortcuts=("]",),
                        tip=tr("Allow more steps per second."), gap=True),
             ActionSpec(name="slower", menu="Run", text=tr("S&lower"), do=self.speed.slower, shortcuts=("[",),

@@ -59,19 +59,14 @@ class TimelineFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Moves along the timeline, and actions on branches."""
-        return (*self._moves(), *self._branch())
-
-    def _moves(self) -> Sequence[ActionSpec]:
         navigation = self.navigation
-        return [
+        moves = [
             ActionSpec(name=f"timeline_{name}", menu=_MENU, text=text, do=partial(go, navigation),
                        shortcuts=(keys,) if keys else (), tip=tip, icon=icon, when=has_particles)
             for name, text, go, keys, tip, icon in _MOVES
         ]  # fmt: skip
-
-    def _branch(self) -> Sequence[ActionSpec]:
-        navigation = self.navigation
         return (
+            *moves,
             ActionSpec(name="timeline_parameters", menu=_MENU, text=tr("Use the pa&rameters of this step"),
                        do=navigation.use_its_parameters,
                        tip=tr("Set the parameters with which the shown step was computed."), gap=True,

@@ -56,8 +56,7 @@ class AnimationFeature(Feature):
         """Both exports."""
         return (
             ActionSpec(name="export_animation", menu="File", text=tr("Export a&nimation…"), do=self.ask_for_animation,
-                       shortcuts=("Ctrl+Shift+A",), tip=tr("Export the run as GIF, APNG or MP4."),
-                       when=has_particles),
+                       shortcuts=("Ctrl+Shift+A",), tip=tr("Export the run as GIF, APNG or MP4."), when=has_particles),
             ActionSpec(name="export_strip", menu="File", text=tr("Export snapshot s&trip…"), do=self.ask_for_strip,
                        tip=tr("Export some steps of the run side by side as one image."), when=has_particles),
         )  # fmt: skip
