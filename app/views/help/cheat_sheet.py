@@ -35,10 +35,10 @@ _POINTER: KeyTable = (
     (("Ctrl",), tr("ellipse from its center")),
 )
 _IMAGE: KeyTable = (
-    (("Enter",), tr("show the crosshair")),
-    (("←↑↓→",), tr("move the crosshair, the selected shape or the image")),
+    (("Enter",), tr("show the cross-hair")),
+    (("←↑↓→",), tr("move the cross-hair, the selected shape or the image")),
     (("Shift+←↑↓→",), tr("the same by 10 px")),
-    (("Enter",), tr("press and release at the crosshair")),
+    (("Enter",), tr("press and release at the cross-hair")),
     (("Enter", "Enter"), tr("end a path")),
     (("Backspace",), tr("remove the last corner")),
     (("Esc",), tr("cancel")),

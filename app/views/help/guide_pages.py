@@ -127,7 +127,7 @@ _CANVAS = Page(
            "interest, barriers and placed charges act at the next step, and a run at rest goes on. An initialization "
            "that is moved or removed acts from the next start."),
         tr("Changed parameters act at once; a run at rest goes on with them after Resume."),
-        tr("Enter on the image shows a crosshair, which arrow keys move: every tool can be used by keys."),
+        tr("Enter on the image shows a cross-hair, which arrow keys move: every tool can be used by keys."),
         tr("All changes of shapes and parameters can be undone: {undo}."),
     ),
 )  # fmt: skip
