@@ -74,7 +74,7 @@ class MainWindow(QMainWindow):
         )
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
         specs = [spec for feature in self.features.values() for spec in feature.action_specs()]
-        self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.take_in
+        self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.import_file
         self.feature(RecoveryFeature).keep(self.feature(OpenSaveFeature).document_file)
         self.actions_by_name = Actions(self, (spec for spec in specs if isinstance(spec, ActionSpec)))
         self.menus = Menus(self.menuBar(), specs, self.actions_by_name)

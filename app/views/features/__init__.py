@@ -7,8 +7,7 @@ from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
 from app.views.features.edit.undo_selection import HistoryFeature, UndoSelectionFeature
-from app.views.features.file.clipboard import ClipboardFeature
-from app.views.features.file.export import ExportFeature
+from app.views.features.file.export import ClipboardFeature, ExportFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature

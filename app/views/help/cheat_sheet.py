@@ -1,4 +1,4 @@
-"""The cheat sheet: all keys at a glance, gathered from the menus, the panels and the canvas."""
+"""The cheat sheet: all keys of the menus, the panels and the canvas."""
 
 from __future__ import annotations
 
@@ -24,50 +24,42 @@ from app.model.text.language import tr
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.menus import MENUS
 
-BranchTree = Sequence[tuple[tuple[str, ...], str]]
-"""Keys that do the same, and what they do."""
+KeyTable = Sequence[tuple[tuple[str, ...], str]]
+"""Rows of equivalent keys and their effect."""
 
-_POINTER: BranchTree = (
-    ((tr("left"),), tr("the tool in use")),
+_POINTER: KeyTable = (
+    ((tr("left"),), tr("present tool")),
     ((tr("right, middle"),), tr("move the image")),
     ((tr("wheel"),), tr("zoom")),
-    (("Shift",), tr("round; eight directions")),
+    (("Shift",), tr("circle; eight directions")),
     (("Ctrl",), tr("ellipse from its center")),
 )
-_IMAGE: BranchTree = (
+_IMAGE: KeyTable = (
     (("Enter",), tr("show the cross-hair")),
     (("←↑↓→",), tr("move the cross-hair, the selected shape or the image")),
     (("Shift+←↑↓→",), tr("the same by 10 px")),
-    (("Enter",), tr("press and let go at the cross-hair")),
+    (("Enter",), tr("press and release at the cross-hair")),
     (("Enter", "Enter"), tr("end a path")),
-    (("Backspace",), tr("take back a corner")),
-    (("Esc",), tr("give up")),
+    (("Backspace",), tr("remove the last corner")),
+    (("Esc",), tr("cancel")),
     (("<", ">"), tr("size of shape or ring, strength, spacing")),
 )
 _COLUMNS, _WIDTH, _KEYS = 4, 296, 100
-"""Columns where there is room, the width of each, and that of the keys in it [px]."""
+"""Maximum number of columns, the width of each, and the width of the keys in it [px]."""
 
 _TOOLS = "tools"
 _LINE = 24
-"""Letters of a meaning that stand in one line."""
+"""Characters of a meaning that fit in one line."""
 
 _BAR = 16
-"""Room for a bar to scroll by [px]."""
+"""Space for a scroll bar [px]."""
 
 _MARGIN = 48
-"""Room that is left around it in the window [px]."""
+"""Space around the sheet in the window [px]."""
 
 
 class CheatSheet(QDialog):
-    """All keys in groups; the same key that opens it, or Esc, closes it.
-
-    Parameters
-    ----------
-    window : QMainWindow
-        Over which it lies.
-    specs : iterable of ActionSpec
-        All actions there are.
-    """
+    """All keys in groups, over the window; the key that opens it, or Esc, closes it."""
 
     def __init__(self, window: QMainWindow, specs: Iterable[ActionSpec]) -> None:
         super().__init__(window)
@@ -102,19 +94,19 @@ class CheatSheet(QDialog):
         self.move(window.geometry().center() - self.rect().center())
 
     def text(self) -> str:
-        """All that stands in it."""
+        """All texts of the sheet."""
         return "\n".join(label.text() for label in self.findChildren(QLabel))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Close by the key that has opened it as well."""
+        """Close also on the key that opens it."""
         if event.key() == Qt.Key.Key_Question:
             self.close()
         else:
             super().keyPressEvent(event)
 
 
-def groups(window: QMainWindow, specs: Iterable[ActionSpec]) -> list[tuple[str, BranchTree]]:
-    """All keys by what they are for: those of each menu, of the panels, and of the canvas."""
+def groups(window: QMainWindow, specs: Iterable[ActionSpec]) -> list[tuple[str, KeyTable]]:
+    """All keys in groups: those of each menu, of the panels, and of the canvas."""
     titles = {_TOOLS: tr("Tools"), **{name: _plain(title) for name, title in MENUS.items()}}
     found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in titles}
     for spec in specs:
@@ -136,11 +128,11 @@ def groups(window: QMainWindow, specs: Iterable[ActionSpec]) -> list[tuple[str, 
     ]
 
 
-def _balanced(blocks: Sequence[tuple[str, BranchTree]], many: int) -> list[list[tuple[str, BranchTree]]]:
-    """The same blocks in so many columns at most, in order, as low as that allows."""
+def _balanced(blocks: Sequence[tuple[str, KeyTable]], many: int) -> list[list[tuple[str, KeyTable]]]:
+    """The blocks, in order, in at most `many` columns of the least height."""
     heights = [2 + sum(-(-max(len(what), 1) // _LINE) for _, what in lines) for _, lines in blocks]
     for most in range(max(heights), sum(heights) + 1):
-        columns: list[list[tuple[str, BranchTree]]] = [[]]
+        columns: list[list[tuple[str, KeyTable]]] = [[]]
         room = most
         for block, height in zip(blocks, heights, strict=True):
             if height > room:
@@ -153,7 +145,7 @@ def _balanced(blocks: Sequence[tuple[str, BranchTree]], many: int) -> list[list[
     return [list(blocks)]
 
 
-def _block(title: str, lines: BranchTree) -> QWidget:
+def _block(title: str, lines: KeyTable) -> QWidget:
     block = QWidget()
     grid = QGridLayout(block)
     grid.setContentsMargins(0, 0, 0, 0)
@@ -176,7 +168,7 @@ def _block(title: str, lines: BranchTree) -> QWidget:
 
 
 def _shown(key: str) -> str:
-    """A key as this system writes it."""
+    """A key in the notation of the operating system."""
     return QKeySequence(key).toString(QKeySequence.SequenceFormat.NativeText)
 
 

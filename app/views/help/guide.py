@@ -1,4 +1,4 @@
-"""The guide: pages that lead through real tasks, beside the window, so that one can do what one reads."""
+"""The guide: pages that explain real tasks in a dialog beside the window."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable
 from PySide6.QtCore import QSize, Qt, QUrl
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QListWidget, QTextBrowser, QVBoxLayout, QWidget
 
+from app.model.parameters.controls import controls
 from app.model.text.assets import asset
 from app.model.text.language import tr
 from app.views.help.guide_pages import PAGES, Page
@@ -18,21 +19,17 @@ _SIZE = QSize(780, 640)
 _PICTURE = 300
 """Width of a picture [px]."""
 
+_LABELS = {control.name: f"“{control.intuitive}” ({control.rich_symbol})" for control in controls()}
+"""Labels of parameters by their names."""
+
 KEYS = "keys"
 """Name of the page that lists all keys."""
 
 
 class Guide(QDialog):
-    """Shows the pages; links open samples and other pages.
+    """Shows the pages beside the window; links open samples and other pages.
 
-    Parameters
-    ----------
-    parent : QWidget
-        Window beside which it lies.
-    specs : iterable of ActionSpec
-        All actions, whose names and keys the pages tell.
-    open_sample : callable
-        Opens the sample of a file.
+    `specs` are all actions, whose names and keys the pages mention; `open_sample` opens a sample by its file name.
     """
 
     def __init__(self, parent: QWidget, specs: Iterable[ActionSpec], open_sample: Callable[[str], None]) -> None:
@@ -90,7 +87,8 @@ class Guide(QDialog):
         return f"<h2>{page.title}</h2><p>{self._named(page.opening)}</p>{numbered}{remarks}"
 
     def _named(self, text: str) -> str:
-        """A text with the names and keys of the actions that it names in braces."""
+        """A text with actions in braces replaced by name and key, and parameters (``{=beta}``) by label and symbol."""
+        text = re.sub(r"\{=(\w+)\}", lambda found: _LABELS[found.group(1)], text)
         return re.sub(r"\{(\w+)\}", lambda found: self._action(found.group(1)), text)
 
     def _action(self, name: str) -> str:

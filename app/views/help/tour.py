@@ -1,4 +1,4 @@
-"""The tour for those who are here for the first time: five bubbles that point at what they speak of."""
+"""The tour for new users: five bubbles that point at the widgets that they explain."""
 
 from __future__ import annotations
 
@@ -7,26 +7,18 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPaintEvent, QPalette, QPen, QPolygonF
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMainWindow, QPushButton, QToolBar, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
 
-_WIDTH, _BEAK, _GAP, _ROUND = 320, 12, 6, 9
+_WIDTH, _ARROW, _GAP, _ROUND = 320, 12, 6, 9
 _MARGIN = 8
-"""Least distance of a bubble from the rim of the window [px]."""
+"""Minimum distance of a bubble from the sides of the window [px]."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Stop:
-    """One bubble.
-
-    Attributes
-    ----------
-    title, text : str
-        What it says.
-    target : callable
-        The widget that it points at; None when it is not to be seen.
-    """
+    """One bubble: its text and the widget that it points at (None when that is not visible)."""
 
     title: str
     text: str
@@ -34,18 +26,10 @@ class Stop:
 
 
 class Tour(QWidget):
-    """Leads from stop to stop, by buttons or keys; the window can be used meanwhile.
-
-    Parameters
-    ----------
-    window : QWidget
-        Upon which the bubble lies.
-    stops : sequence of Stop
-        Where it leads to.
-    """
+    """Guides from stop to stop, by buttons or keys; the window below stays usable."""
 
     ended = Signal()
-    """It is over, be it at its end or before."""
+    """The tour has been completed or skipped."""
 
     def __init__(self, window: QWidget, stops: Sequence[Stop]) -> None:
         super().__init__(window)
@@ -54,17 +38,17 @@ class Tour(QWidget):
         self._window = window
         self._stops = stops
         self._at = 0
-        self._beak: tuple[QPointF, QPointF, QPointF] | None = None
+        self._arrow: tuple[QPointF, QPointF, QPointF] | None = None
         self._body = QRect()
         self._ring = _Ring(window)
         self._title, self._text, self._count = QLabel(), QLabel(), QLabel()
         self._title.setObjectName("bold")
         self._text.setWordWrap(True)
         self._count.setObjectName("dim")
-        self.back, self.onward, self.skip = QPushButton(tr("Back")), QPushButton(), QPushButton(tr("Skip"))
+        self.back, self.next, self.skip = QPushButton(tr("Back")), QPushButton(), QPushButton(tr("Skip"))
         self._lay_out()
         self.back.clicked.connect(lambda: self.go(self._at - 1))
-        self.onward.clicked.connect(lambda: self.go(self._at + 1))
+        self.next.clicked.connect(lambda: self.go(self._at + 1))
         self.skip.clicked.connect(self.end)
         window.installEventFilter(self)
 
@@ -89,13 +73,13 @@ class Tour(QWidget):
         self._text.setText(here.text)
         self._count.setText(tr("{step} of {steps}").format(step=self._at + 1, steps=len(self._stops)))
         self.back.setEnabled(self._at > 0)
-        self.onward.setText(tr("Done") if self._at == len(self._stops) - 1 else tr("Next"))
+        self.next.setText(tr("Done") if self._at == len(self._stops) - 1 else tr("Next"))
         self.skip.setVisible(self._at < len(self._stops) - 1)
         self._place()
-        self.onward.setFocus(Qt.FocusReason.OtherFocusReason)
+        self.next.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def end(self) -> None:
-        """Go away."""
+        """End the tour."""
         if self.isHidden():
             return
         self.hide()
@@ -106,42 +90,43 @@ class Tour(QWidget):
         self.deleteLater()
 
     def event(self, event: QEvent) -> bool:
-        """Take the keys of the tour before they are shortcuts of the window."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and self._means(event):
+        """Handle the keys of the tour before they act as shortcuts of the window."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and self.action_of(event):
             event.accept()
             return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Arrow keys and Enter lead on and back, Esc ends the tour."""
-        act = self._means(event)
+        """Go on or back by arrow keys and Enter, end the tour by Esc."""
+        act = self.action_of(event)
         if act is None:
             super().keyPressEvent(event)
         else:
             act()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Stay with what is pointed at when the window changes its size."""
+        """Follow the target when the layout of the window changes."""
         if event.type() in (QEvent.Type.Resize, QEvent.Type.LayoutRequest) and self.isVisible():
             self._place()
         return super().eventFilter(watched, event)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the bubble with its beak."""
+        """Paint the bubble with its arrow."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         palette = self.palette()
         painter.setPen(QPen(palette.color(QPalette.ColorRole.Highlight), 1.4))
         painter.setBrush(palette.color(QPalette.ColorRole.Base))
         painter.drawRoundedRect(self._body.adjusted(1, 1, -1, -1), _ROUND, _ROUND)
-        if self._beak is not None:
-            one, tip, two = self._beak
+        if self._arrow is not None:
+            one, tip, two = self._arrow
             painter.drawPolyline(QPolygonF([one, tip, two]))
             painter.setPen(QPen(palette.color(QPalette.ColorRole.Base), 2.2))
             painter.drawLine(one, two)
         painter.end()
 
-    def _means(self, event: QKeyEvent) -> Callable[[], None] | None:
+    def action_of(self, event: QKeyEvent) -> Callable[[], None] | None:
+        """The action of a key in the tour, if it has one."""
         match event.key():
             case Qt.Key.Key_Escape:
                 return self.end
@@ -162,7 +147,7 @@ class Tour(QWidget):
         buttons = QHBoxLayout()
         buttons.addWidget(self._count)
         buttons.addStretch(1)
-        for button in (self.skip, self.back, self.onward):
+        for button in (self.skip, self.back, self.next):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.setAutoDefault(False)
             button.installEventFilter(_Keys(self))
@@ -170,35 +155,35 @@ class Tour(QWidget):
         self._layout.addLayout(buttons)
 
     def _place(self) -> None:
-        """Lie beside the target, on the side where there is most room, with the beak at it."""
+        """Place the bubble beside the target, with its arrow pointing at it."""
         target = self._stops[self._at].target()
         room = self._window.rect()
-        self._layout.setContentsMargins(_BEAK + 14, _BEAK + 10, _BEAK + 14, _BEAK + 10)
-        size = QSize(_WIDTH + 2 * _BEAK, self._layout.totalHeightForWidth(_WIDTH + 2 * _BEAK))
-        self._body = QRect(QPoint(_BEAK, _BEAK), size - QSize(2 * _BEAK, 2 * _BEAK))
+        self._layout.setContentsMargins(_ARROW + 14, _ARROW + 10, _ARROW + 14, _ARROW + 10)
+        size = QSize(_WIDTH + 2 * _ARROW, self._layout.totalHeightForWidth(_WIDTH + 2 * _ARROW))
+        self._body = QRect(QPoint(_ARROW, _ARROW), size - QSize(2 * _ARROW, 2 * _ARROW))
         if target is None or not target.isVisible():
-            self._beak = None
+            self._arrow = None
             self._ring.hide()
             self.setGeometry(QRect(room.center() - QPoint(size.width() // 2, size.height() // 2), size))
         else:
             seen = QRect(target.mapTo(self._window, QPoint(0, 0)), target.size()).intersected(room)
             self._ring.surround(seen)
             self.setGeometry(_beside(seen, size, room))
-            self._beak = _beak(self.geometry(), self._body, seen)
+            self._arrow = _arrow(self.geometry(), self._body, seen)
         self.raise_()
         self.update()
 
 
 class _Keys(QObject):
-    """Gives the keys of the tour's buttons to the tour."""
+    """Passes keys from the buttons of the tour to the tour."""
 
     def __init__(self, tour: Tour) -> None:
         super().__init__(tour)
         self._tour = tour
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Keys that mean something to the tour go there."""
-        if isinstance(event, QKeyEvent) and self._tour._means(event) is not None:
+        """Pass on the keys that have an action in the tour."""
+        if isinstance(event, QKeyEvent) and self._tour.action_of(event) is not None:
             if event.type() == QEvent.Type.ShortcutOverride:
                 event.accept()
                 return True
@@ -209,7 +194,7 @@ class _Keys(QObject):
 
 
 class _Ring(QWidget):
-    """A line around what is pointed at."""
+    """A line around the target."""
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
@@ -218,13 +203,13 @@ class _Ring(QWidget):
         self.hide()
 
     def surround(self, place: QRect) -> None:
-        """Lie around a place of the window."""
+        """Surround a rectangle of the window."""
         self.setGeometry(place.adjusted(-4, -4, 4, 4).intersected(self._window.rect()))
         self.show()
         self.raise_()
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the line."""
+        """Paint the line."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         glow = QColor(self.palette().color(QPalette.ColorRole.Highlight))
@@ -235,7 +220,7 @@ class _Ring(QWidget):
 
 
 def _beside(seen: QRect, size: QSize, room: QRect) -> QRect:
-    """Place for a bubble of this size: below, right, left or above what is seen, where it has room first."""
+    """Position of a bubble of this size: the first of below, right, left and above the target that has room."""
     middle = seen.center()
     places = (
         QPoint(middle.x() - size.width() // 2, seen.bottom() + _GAP),
@@ -245,33 +230,77 @@ def _beside(seen: QRect, size: QSize, room: QRect) -> QRect:
     )
     inner = room.adjusted(_MARGIN, _MARGIN, -_MARGIN, -_MARGIN)
     for place in places:
-        held = _held(QRect(place, size), inner)
-        if not held.intersects(seen):
-            return held
-    return _held(QRect(places[0], size), inner)
+        moved = _moved_into(QRect(place, size), inner)
+        if not moved.intersects(seen):
+            return moved
+    return _moved_into(QRect(places[0], size), inner)
 
 
-def _held(place: QRect, room: QRect) -> QRect:
-    """A place moved into the room."""
+def _moved_into(place: QRect, room: QRect) -> QRect:
+    """A rectangle moved into the available area."""
     x = max(room.left(), min(place.left(), room.right() - place.width()))
     y = max(room.top(), min(place.top(), room.bottom() - place.height()))
     return QRect(QPoint(x, y), place.size())
 
 
-def _beak(bubble: QRect, body: QRect, seen: QRect) -> tuple[QPointF, QPointF, QPointF]:
-    """Corners of the beak, in px of the bubble: two on its body, and the tip towards what is seen."""
+def _arrow(bubble: QRect, body: QRect, seen: QRect) -> tuple[QPointF, QPointF, QPointF]:
+    """Corners of the arrow [px of the bubble]: two on its body, and the tip toward the target."""
     aim = QPointF(seen.center() - bubble.topLeft())
-    low, high = _BEAK + _ROUND + 8.0, float(_BEAK + _ROUND + 8)
+    low, high = _ARROW + _ROUND + 8.0, float(_ARROW + _ROUND + 8)
     x = max(low, min(aim.x(), bubble.width() - high))
     y = max(low, min(aim.y(), bubble.height() - high))
-    if seen.bottom() <= bubble.top() + _BEAK:
+    if seen.bottom() <= bubble.top() + _ARROW:
         edge = body.top() + 1.0
         return QPointF(x - 8, edge), QPointF(x, 1.0), QPointF(x + 8, edge)
-    if seen.top() >= bubble.bottom() - _BEAK:
+    if seen.top() >= bubble.bottom() - _ARROW:
         edge = float(body.bottom())
         return QPointF(x - 8, edge), QPointF(x, bubble.height() - 1.0), QPointF(x + 8, edge)
-    if seen.right() <= bubble.left() + _BEAK:
+    if seen.right() <= bubble.left() + _ARROW:
         edge = body.left() + 1.0
         return QPointF(edge, y - 8), QPointF(1.0, y), QPointF(edge, y + 8)
     edge = float(body.right())
     return QPointF(edge, y - 8), QPointF(bubble.width() - 1.0, y), QPointF(edge, y + 8)
+
+
+def stops(window: QMainWindow, reveal: Callable[[str], None]) -> tuple[Stop, ...]:
+    """The five stops in a window; `reveal` brings a panel to the front by its name."""
+
+    def button(name: str) -> Callable[[], QWidget | None]:
+        def seen() -> QWidget | None:
+            found = window.findChild(QToolButton, name)
+            # In a narrow window the last buttons are hidden; their actions are also in the menus.
+            return found if found is not None and found.isVisible() else window.menuBar()
+
+        return seen
+
+    def parameters() -> QWidget | None:
+        reveal("parameters")
+        return window.findChild(QWidget, "parameters")
+
+    return (
+        Stop(
+            tr("Open an image"),
+            tr("Open your own image, or drop a file on the window. A sample is already open."),
+            button("open"),
+        ),
+        Stop(
+            tr("Draw an initialization"),
+            tr("Drag a circle in or around an object, or use strokes or points. “Automatic” above needs no drawing."),
+            lambda: window.findChild(QToolBar, "palette"),
+        ),
+        Stop(
+            tr("Run"),
+            tr("Press Space. Particles move to the edges and repel each other along them until they come to rest."),
+            button("primary"),
+        ),
+        Stop(
+            tr("Steer"),
+            tr("Each slider acts at the next step of the run. The illustration below shows its effect."),
+            parameters,
+        ),
+        Stop(
+            tr("Export"),
+            tr("Export the contours as vector graphics, table or mask. The guide (F1) explains three examples."),
+            button("export"),
+        ),
+    )

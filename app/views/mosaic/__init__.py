@@ -1,4 +1,4 @@
-"""The mosaic: the same image with other parameters side by side, of which one is picked."""
+"""The mosaic: runs of one image with different parameters side by side, of which the user chooses one."""
 
 from app.views.mosaic.dialog import MosaicDialog
 

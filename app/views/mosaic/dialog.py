@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtCore import QObject, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QCloseEvent, QKeyEvent
 from PySide6.QtWidgets import (
     QComboBox,
@@ -12,6 +12,7 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QLineEdit,
     QProgressBar,
     QPushButton,
     QScrollArea,
@@ -20,43 +21,31 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.display.display_image import DisplayImage
-from app.model.display.mosaic import COUNTS, Plan, Tile, pick, plan
+from app.model.display.mosaic import COUNTS, Axis, Plan, Tile, in_text, pick, plan, read_values, sensible_values
 from app.model.document.document import NOTHING_TO_START_FROM
-from app.model.parameters.controls import controls
+from app.model.parameters.controls import Control, controls
 from app.model.state.time_left import in_words
 from app.model.text.language import tr
 from app.session.features.parameter_sweep import Done, Sweep
 from app.session.session import Session
-from app.views.mosaic.axis_row import AxisRow
-from app.views.mosaic.board import Board
-from app.views.mosaic.enlarged import EnlargedTile
 from app.views.mosaic.picture import Picture
+from app.views.mosaic.tile import Board, EnlargedTile
+from cpm_core.parameters import Parameters
 
 
 class MosaicDialog(QDialog):
-    """Runs the image with some values of two parameters, and takes over those of the tile that is picked.
+    """Runs the image with several values of two parameters, and uses those of the tile that the user chooses.
 
-    Parameters
-    ----------
-    parent : QWidget
-        The window.
-    session : Session
-        What is run and edited.
-    sweep : Sweep
-        Who runs it.
-    shades : ndarray
-        The image as it is shown.
-    crop : QRectF
-        The part of it that tiles show, in px of the image.
+    `display` is the image as it is shown, `crop` the part of it that tiles show [px of the image].
     """
 
-    def __init__(self, parent: QWidget, session: Session, sweep: Sweep, shades: DisplayImage, crop: QRectF) -> None:
+    def __init__(self, parent: QWidget, session: Session, sweep: Sweep, display: DisplayImage, crop: QRectF) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Mosaic of two parameters"))
         self._session = session
         self._sweep = sweep
-        self._picture = Picture(shades, crop)
+        self._picture = Picture(display, crop)
         self._plan: Plan | None = None
         offered = controls()
         self.down = AxisRow(tr("Rows"), offered, "beta")
@@ -75,24 +64,24 @@ class MosaicDialog(QDialog):
         self.resize(self.sizeHint())
 
     def sizeHint(self) -> QSize:
-        """Room for five by five tiles, unless the screen is small."""
+        """Space for five by five tiles, within the screen."""
         return QSize(1000, 820).boundedTo(self.screen().availableSize() - QSize(40, 60))
 
-    # What Qt calls
+    # Qt interface
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Give up what has not been run."""
+        """Cancel the runs that are left."""
         self._sweep.cancel()
         super().closeEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc closes."""
+        """Close on Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self.close()
         else:
             super().keyPressEvent(event)
 
-    # Inside
+    # Internal
 
     def _lay_out(self) -> None:
         form = QGridLayout()
@@ -150,18 +139,18 @@ class MosaicDialog(QDialog):
         try:
             if not document.starts:
                 raise ValueError(NOTHING_TO_START_FROM)
-            laid = plan(document.parameters, self.down.axis(), self.across.axis())
+            planned = plan(document.parameters, self.down.axis(), self.across.axis())
         except ValueError as error:
             self._say(str(error))
             return
-        self._plan = laid
+        self._plan = planned
         lines = 2 if self._session.scene.truth is None else 3
-        for view in self._board.lay(laid, self._picture, lines):
-            view.picked.connect(self._pick)
+        for view in self._board.lay(planned, self._picture, lines):
+            view.picked.connect(self._choose)
             view.enlarged.connect(self._enlarge)
         self._mark()
         self.tiles[0, 0].setFocus()
-        self._sweep.start(laid, document)
+        self._sweep.start(planned, document)
         self._show_progress()
 
     def _begin(self, tile: Tile) -> None:
@@ -177,26 +166,28 @@ class MosaicDialog(QDialog):
 
     def _end(self) -> None:
         for view in self.tiles.values():
-            view.give_up()
+            view.cancel()
         self._show_progress()
 
-    def _pick(self, tile: Tile) -> None:
+    def _choose(self, tile: Tile) -> None:
         chosen = self._plan
         if chosen is not None:
             caption = chosen.caption(tile)
-            self._session.edit(
-                tr("take {values}").format(values=caption), lambda document: pick(document, chosen, tile)
+            self._session.edit(tr("use {values}").format(values=caption), lambda document: pick(document, chosen, tile))
+            self._say(
+                tr("Now using {values}. Undo (Ctrl+Z in the window) restores the previous values.").format(
+                    values=caption
+                )
             )
-            self._say(tr("{values} are set now; Undo (Ctrl+Z in the window) takes it back.").format(values=caption))
 
     def _enlarge(self, done: Done) -> None:
         if self._plan is not None:
             large = EnlargedTile(self, done, self._plan.caption(done.tile), self._picture)
-            large.accepted.connect(partial(self._pick, done.tile))
+            large.accepted.connect(partial(self._choose, done.tile))
             large.open()
 
     def _mark(self) -> None:
-        """Mark the tile whose parameters are in use, if there is one."""
+        """Mark the tile whose parameters are those of the document, if any."""
         chosen, document = self._plan, self._session.document
         for view in self.tiles.values():
             view.mark(chosen is not None and pick(document, chosen, view.tile) == document)
@@ -209,15 +200,54 @@ class MosaicDialog(QDialog):
         self.bar.setRange(0, max(1, len(self.tiles)))
         self.bar.setValue(done)
         if task is not None:
-            told = tr("{done} of {count} tiles").format(done=done, count=len(self.tiles))
-            self._say(", ".join(filter(None, (told, in_words(task.seconds_left)))))
+            progress = tr("{done} of {count} tiles").format(done=done, count=len(self.tiles))
+            self._say(", ".join(filter(None, (progress, in_words(task.seconds_left)))))
         elif not self.tiles:
-            self._say(tr("Choose two parameters and press Run: each tile is a run of its own."))
+            self._say(tr("Choose two parameters and press Run. Each tile is a separate run."))
         elif done < len(self.tiles):
-            self._say(tr("Given up after {done} of {count} tiles.").format(done=done, count=len(self.tiles)))
+            self._say(tr("Canceled after {done} of {count} tiles.").format(done=done, count=len(self.tiles)))
         else:
-            self._say(tr("Click a tile to take its values."))
+            self._say(tr("Click a tile to use its values."))
 
     def _say(self, sentence: str) -> None:
         self.words.setText(sentence)
         self.words.setToolTip(sentence)
+
+
+class AxisRow(QObject):
+    """A choice among all parameters (`first` is the name of the initial one), and a line for its values."""
+
+    changed = Signal()
+    """A different parameter has been chosen."""
+
+    def __init__(self, title: str, controls: tuple[Control, ...], first: str) -> None:
+        super().__init__()
+        self._controls = controls
+        self._title = title
+        self.choice = QComboBox()
+        self.choice.addItems([f"{control.title}  {control.symbol}" for control in controls])
+        self.choice.setCurrentIndex(next(i for i, control in enumerate(controls) if control.name == first))
+        self.choice.setAccessibleName(title)
+        self.values = QLineEdit()
+        self.values.setAccessibleName(tr("Values"))
+        self.values.setToolTip(tr("Values of the parameter, separated by commas."))
+        self.choice.currentIndexChanged.connect(self.changed)
+
+    @property
+    def control(self) -> Control:
+        """The chosen parameter."""
+        return self._controls[self.choice.currentIndex()]
+
+    def add_to(self, grid: QGridLayout, row: int) -> None:
+        """Add its widgets to a grid."""
+        grid.addWidget(QLabel(self._title), row, 0)
+        grid.addWidget(self.choice, row, 1)
+        grid.addWidget(self.values, row, 2)
+
+    def suggest(self, parameters: Parameters, contrast: float, count: int) -> None:
+        """Suggest values around the present one."""
+        self.values.setText(in_text(sensible_values(self.control, parameters, contrast, count)))
+
+    def axis(self) -> Axis:
+        """The chosen parameter and values; raises `ValueError` if the values are not valid."""
+        return Axis(self.control, read_values(self.control, self.values.text()))

@@ -1,4 +1,4 @@
-"""Part of an image with its contours, as a picture of any size."""
+"""Painting of a part of an image with contours at any size."""
 
 from __future__ import annotations
 
@@ -18,38 +18,30 @@ _LINE, _HALO = 1.8, 3.2
 
 
 class Picture:
-    """Draws an image and contours into rectangles.
+    """Draws the part `crop` [px] of an image, uint8 of shape (H, W) or (H, W, 3), and contours into rectangles."""
 
-    Parameters
-    ----------
-    shades : ndarray of uint8, shape (H, W) or (H, W, 3)
-        The image.
-    crop : QRectF
-        The part of it that is shown, in px of the image.
-    """
-
-    def __init__(self, shades: DisplayImage, crop: QRectF) -> None:
-        gray = np.ascontiguousarray(shades)
+    def __init__(self, display: DisplayImage, crop: QRectF) -> None:
+        gray = np.ascontiguousarray(display)
         rows, cols = gray.shape[:2]
         kind = QImage.Format.Format_Grayscale8 if gray.ndim == 2 else QImage.Format.Format_RGB888
         self._image = QImage(gray.data, cols, rows, gray.strides[0], kind).copy()
         self._crop = crop
 
     def placed_in(self, room: QRectF) -> QRectF:
-        """The largest rectangle of the right shape in the middle of some room."""
+        """The largest centered rectangle with the aspect ratio of the crop."""
         size = QSizeF(self._crop.size()).scaled(room.size(), Qt.AspectRatioMode.KeepAspectRatio)
         placed = QRectF(room.topLeft(), size)
         placed.moveCenter(room.center())
         return placed
 
     def draw(self, painter: QPainter, room: QRectF, contours: Sequence[Contour] = (), pale: bool = False) -> None:
-        """Draw it as large as there is room for; pale for what is still being worked on."""
+        """Paint image and contours as large as fits; pale while the run is not finished."""
         placed = self.placed_in(room)
         painter.save()
         painter.setClipRect(placed)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         painter.setOpacity(0.35 if pale else 1.0)
-        # The first pixel of an image is drawn around (0, 0), as on the canvas.
+        # The center of the first pixel of an image is (0, 0), as on the canvas.
         painter.drawImage(placed, self._image, self._crop.translated(0.5, 0.5))
         painter.setOpacity(1.0)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)

@@ -1,9 +1,12 @@
-"""A tile of the mosaic."""
+"""The tiles of the mosaic, on their board and enlarged."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
+    QColor,
     QFont,
     QFontMetrics,
     QKeyEvent,
@@ -14,12 +17,22 @@ from PySide6.QtGui import (
     QPen,
     QResizeEvent,
 )
-from PySide6.QtWidgets import QSizePolicy, QToolButton, QWidget
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QGridLayout,
+    QLabel,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
-from app.model.display.mosaic import Tile
+from app.model.display.mosaic import Plan, Tile
 from app.model.text.language import tr
 from app.session.features.parameter_sweep import Done
 from app.views.mosaic.picture import Picture
+from app.views.theme import theme
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _ARROWS = {
@@ -28,32 +41,20 @@ _ARROWS = {
     Qt.Key.Key_Left: (0, -1),
     Qt.Key.Key_Right: (0, 1),
 }
-_RIM = 6.0
+_PADDING = 6.0
 _ROUND = 5.0
 
 
 class TileView(QWidget):
-    """Shows one run: its picture, its two values, and what was found.
-
-    Parameters
-    ----------
-    tile : Tile
-        Which one.
-    caption : str
-        Its values in words.
-    picture : Picture
-        The image.
-    lines : int
-        Lines of text that there is to be room for.
-    """
+    """Shows one run: its picture, its two values, and below `lines` lines of text."""
 
     picked = Signal(object)
-    """The user wants its parameters: Tile."""
+    """The user chooses its parameters: Tile."""
     enlarged = Signal(object)
-    """The user wants to see it larger: Done."""
+    """The user asks to enlarge it: Done."""
 
-    left = Signal(int, int)
-    """The user goes on to another tile: row and column of it."""
+    moved_on = Signal(int, int)
+    """The user moves the focus to another tile: its row and column."""
 
     def __init__(self, tile: Tile, caption: str, picture: Picture, lines: int = 2) -> None:
         super().__init__()
@@ -70,11 +71,11 @@ class TileView(QWidget):
         self.setCursor(Qt.CursorShape.PointingHandCursor)
         self.setAccessibleName(caption)
         self.setToolTip(
-            tr("{caption}: click or Enter takes these values, Space shows it larger.").format(caption=caption)
+            tr("{caption}: click or press Enter to use these values, press Space to enlarge.").format(caption=caption)
         )
         self.larger = QToolButton(self)
         self.larger.setText("⤢")
-        self.larger.setToolTip(tr("Show it larger (Space)."))
+        self.larger.setToolTip(tr("Enlarge (Space)."))
         self.larger.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.larger.setCursor(Qt.CursorShape.ArrowCursor)
         self.larger.hide()
@@ -85,18 +86,18 @@ class TileView(QWidget):
         return QSize(190, 210)
 
     def minimumSizeHint(self) -> QSize:
-        """No smaller than its words."""
+        """No narrower than its text."""
         texts = (f"✓ {self.caption}", tr("{found}, {steps} steps").format(found="000 contours", steps="0000"))
         widest = max(map(QFontMetrics(self._bold()).horizontalAdvance, texts))
         return QSize(max(110, widest + 16), 120)
 
     def begin(self) -> None:
-        """It is being run."""
+        """Show that its run has begun."""
         self.state = tr("running…")
         self.update()
 
     def finish(self, done: Done) -> None:
-        """It has been run."""
+        """Show a finished run."""
         self.done = done
         self.state = words(done)
         self.setAccessibleDescription(self.state)
@@ -104,43 +105,43 @@ class TileView(QWidget):
             self.setToolTip(done.trouble)
         self.update()
 
-    def give_up(self) -> None:
-        """It is not going to be run."""
+    def cancel(self) -> None:
+        """Show that it will not be run."""
         if self.done is None:
-            self.state = tr("given up")
+            self.state = tr("canceled")
             self.update()
 
     def mark(self, chosen: bool) -> None:
-        """Show whether its parameters are in use."""
+        """Show whether its parameters are those of the document."""
         if chosen != self.chosen:
             self.chosen = chosen
             self.update()
 
-    # What Qt calls
+    # Qt interface
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take the focus and wait for the button to come up."""
+        """Take the focus; the release of the button picks the tile."""
         self.setFocus()
         event.accept()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Pick it."""
+        """Pick the tile."""
         if event.button() == Qt.MouseButton.LeftButton and self.rect().contains(event.position().toPoint()):
             self._pick()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Enter picks, Space enlarges, arrow keys go on."""
+        """Pick on Enter, enlarge on Space, move the focus by arrow keys."""
         if event.key() in _ENTER:
             self._pick()
         elif event.key() == Qt.Key.Key_Space:
             self._enlarge()
         elif move := _ARROWS.get(Qt.Key(event.key())):
-            self.left.emit(self.tile.row + move[0], self.tile.col + move[1])
+            self.moved_on.emit(self.tile.row + move[0], self.tile.col + move[1])
         else:
             super().keyPressEvent(event)
 
     def event(self, event: QEvent) -> bool:
-        """Offer to enlarge it while the pointer is over it."""
+        """Show the button that enlarges it while the pointer is over the tile."""
         if event.type() in (QEvent.Type.Enter, QEvent.Type.Leave):
             self._over = event.type() == QEvent.Type.Enter
             self.larger.setVisible(self._over and self.done is not None and self.done.result is not None)
@@ -156,25 +157,27 @@ class TileView(QWidget):
         super().resizeEvent(event)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw picture, words and rim."""
+        """Paint picture, text and outline."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         palette = self.palette()
         role = QPalette.ColorRole
-        rim = QRectF(self.rect()).adjusted(1.5, 1.5, -1.5, -1.5)
+        outline = QRectF(self.rect()).adjusted(1.5, 1.5, -1.5, -1.5)
         marked = self.chosen or self.hasFocus() or self._over
         width = 3.0 if self.chosen else 1.6 if self.hasFocus() else 1.0
         painter.setPen(QPen(palette.color(role.Highlight if marked else role.Mid), width))
         painter.setBrush(palette.color(role.Base))
-        painter.drawRoundedRect(rim, _ROUND, _ROUND)
+        painter.drawRoundedRect(outline, _ROUND, _ROUND)
         lines = self._lines * self.fontMetrics().height() + 4
-        room = rim.adjusted(_RIM, _RIM, -_RIM, -_RIM - lines)
+        room = outline.adjusted(_PADDING, _PADDING, -_PADDING, -_PADDING - lines)
         result = self.done.result if self.done else None
         self._picture.draw(painter, room, result.contours if result else (), pale=result is None)
-        self._write(painter, QRectF(rim.left() + _RIM, room.bottom() + 3, rim.width() - 2 * _RIM, lines))
+        self._write(
+            painter, QRectF(outline.left() + _PADDING, room.bottom() + 3, outline.width() - 2 * _PADDING, lines)
+        )
         painter.end()
 
-    # Inside
+    # Internal
 
     def _write(self, painter: QPainter, room: QRectF) -> None:
         caption = f"✓ {self.caption}" if self.chosen else self.caption
@@ -202,10 +205,81 @@ class TileView(QWidget):
 
 
 def words(done: Done) -> str:
-    """What was found, and in a second line how well it agrees with the truth where there is one."""
+    """Number of contours and steps, and on a second line the Dice overlap with the ground truth, if any."""
     if done.result is None:
         return done.trouble
     count = len(done.result.contours)
     found = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
-    told = tr("{found}, {steps} steps").format(found=found, steps=done.result.steps)
-    return told if done.dice is None else "\n".join((told, tr("Dice {dice:.4f}").format(dice=done.dice)))
+    text = tr("{found}, {steps} steps").format(found=found, steps=done.result.steps)
+    return text if done.dice is None else "\n".join((text, tr("Dice {dice:.4f}").format(dice=done.dice)))
+
+
+class Board(QWidget):
+    """The tiles of the present mosaic, in rows and columns."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.tiles: dict[tuple[int, int], TileView] = {}
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid.setSpacing(6)
+
+    def lay(self, plan: Plan, picture: Picture, lines: int) -> Iterable[TileView]:
+        """Replace the tiles by those of a plan, with `lines` lines of text below each."""
+        for view in self.tiles.values():
+            self._grid.removeWidget(view)
+            view.hide()
+            view.deleteLater()
+        self.tiles.clear()
+        for tile in plan.tiles:
+            view = self.tiles[tile.row, tile.col] = TileView(tile, plan.caption(tile), picture, lines)
+            view.moved_on.connect(self._go_to)
+            self._grid.addWidget(view, tile.row, tile.col)
+        return self.tiles.values()
+
+    def view_of(self, tile: Tile) -> TileView | None:
+        """The view of a tile; None if the tile belongs to a previous mosaic."""
+        view = self.tiles.get((tile.row, tile.col))
+        return view if view is not None and view.tile is tile else None
+
+    def _go_to(self, row: int, col: int) -> None:
+        if (row, col) in self.tiles:
+            self.tiles[row, col].setFocus()
+
+
+class EnlargedTile(QDialog):
+    """Shows one run at the size of the dialog; accepted when its values are to be used."""
+
+    def __init__(self, parent: QWidget, done: Done, caption: str, picture: Picture) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle(caption)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        self.take = buttons.addButton(tr("Use these values"), QDialogButtonBox.ButtonRole.AcceptRole)
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        about = QLabel(f"<b>{caption}</b> · {words(done).replace(chr(10), ', ')}")
+        layout = QVBoxLayout(self)
+        layout.addWidget(_Canvas(done, picture), 1)
+        layout.addWidget(about)
+        layout.addWidget(buttons)
+
+
+class _Canvas(QWidget):
+    def __init__(self, done: Done, picture: Picture) -> None:
+        super().__init__()
+        self._done = done
+        self._picture = picture
+        self.setMinimumSize(320, 240)
+
+    def sizeHint(self) -> QSize:
+        """A large size."""
+        return QSize(640, 560)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint it on the background color of the canvas."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(theme.CANVAS))
+        result = self._done.result
+        self._picture.draw(painter, QRectF(self.rect()), result.contours if result else ())
+        painter.end()

@@ -1,4 +1,4 @@
-"""The panel that lists changes and goes to any of them."""
+"""The panel that lists the changes of the document and undoes or redoes up to any of them."""
 
 from __future__ import annotations
 
@@ -11,12 +11,9 @@ from app.model.text.language import tr
 
 
 class HistoryPanel(QWidget):
-    """One line a change, below the line for the beginning; the last that is done is marked, undone ones are gray.
+    """One line per change, below a line for the beginning; the last change in effect is marked, undone ones are gray.
 
-    Parameters
-    ----------
-    go_to : callable
-        Given how many changes are to be done.
+    `go_to` is called with the number of changes that are to be in effect.
     """
 
     def __init__(self, go_to: Callable[[int], None]) -> None:
@@ -27,7 +24,7 @@ class HistoryPanel(QWidget):
         self._list.setFrameShape(QFrame.Shape.NoFrame)
         self._list.setSpacing(2)
         self._list.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
-        self._list.setToolTip(tr("Click a line, or go to it and press Enter, to take back or do again up to it."))
+        self._list.setToolTip(tr("Click a line, or select it and press Enter, to undo or redo up to it."))
         self._list.itemClicked.connect(self._choose)
         self._list.itemActivated.connect(self._choose)
         layout = QVBoxLayout(self)
@@ -37,16 +34,16 @@ class HistoryPanel(QWidget):
 
     @property
     def lines(self) -> list[str]:
-        """What is listed, the beginning first."""
+        """The listed lines, the beginning first."""
         return [self._list.item(row).text() for row in range(self._list.count())]
 
     @property
     def current(self) -> int:
-        """Which line is marked."""
+        """Index of the marked line."""
         return self._list.currentRow()
 
     def show_changes(self, names: Sequence[str], done: int) -> None:
-        """List changes, of which the first `done` are done."""
+        """List changes, of which the first `done` are in effect."""
         shown = (tuple(names), done)
         if shown == self._shown:
             return
@@ -62,7 +59,7 @@ class HistoryPanel(QWidget):
         self.mark()
 
     def mark(self) -> None:
-        """Mark what is done in the colors of the palette there is now."""
+        """Mark the changes in effect, in the colors of the present palette."""
         done = self._shown[1]
         gray = self.palette().brush(QPalette.ColorGroup.Disabled, QPalette.ColorRole.Text)
         for row in range(self._list.count()):

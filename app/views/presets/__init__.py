@@ -1,1 +1,1 @@
-"""The gallery of presets and what is done with them."""
+"""The gallery of presets and their files."""

@@ -1,4 +1,4 @@
-"""What a person does with presets: use, keep, rename, delete, share."""
+"""Actions on presets: use, save, rename, delete, import, export."""
 
 from __future__ import annotations
 
@@ -7,41 +7,32 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QMenu
+from PySide6.QtWidgets import QFileDialog, QInputDialog, QMenu, QMessageBox, QWidget
 
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.parameters.presets import SUFFIX, Preset
 from app.model.text.language import tr
 from app.session.storage.presets import PresetStore
-from app.views.presets import preset_dialogs as dialogs
 from app.views.presets.preset_gallery import PresetGallery, picture_of
 from app.views.window.feature import FeatureContext
 
 
 class PresetFiles(QObject):
-    """Joins the gallery of presets, their files and the session.
-
-    Parameters
-    ----------
-    context : FeatureContext
-        What it works with.
-    store : PresetStore
-        Where presets are kept.
-    """
+    """Connects the gallery of presets, their files and the session."""
 
     def __init__(self, context: FeatureContext, store: PresetStore) -> None:
         super().__init__(context.window)
-        self._desk = context
+        self._context = context
         self._folder = ""
         self.store = store
-        self.save = self._make(tr("&Save as…"), self._save, tr("Keep the parameters as they are under a name."))
-        self.rename = self._make(tr("&Rename…"), self._rename, tr("Give a preset of your own another name."))
-        self.delete = self._make(tr("&Delete…"), self._delete, tr("Remove a preset of your own."))
-        self.bring_in = self._make(tr("&Import…"), self._import, tr("Take over a preset that somebody shared."))
-        self.hand_out = self._make(tr("&Export…"), self._export, tr("Write a preset to a file, for somebody else."))
-        self.deeds = (self.save, self.rename, self.delete, self.bring_in, self.hand_out)
-        self.gallery = PresetGallery(self.deeds)
+        self.save = self._make(tr("&Save as…"), self._save, tr("Save the present parameters under a name."))
+        self.rename = self._make(tr("&Rename…"), self._rename, tr("Rename one of your presets."))
+        self.delete = self._make(tr("&Delete…"), self._delete, tr("Delete one of your presets."))
+        self.import_action = self._make(tr("&Import…"), self._import, tr("Import a preset from a file."))
+        self.export_action = self._make(tr("&Export…"), self._export, tr("Export a preset to a file."))
+        self.actions = (self.save, self.rename, self.delete, self.import_action, self.export_action)
+        self.gallery = PresetGallery(self.actions)
         self.gallery.chosen.connect(self.use)
         store.changed.connect(self._list)
         context.session.document_changed.connect(self._show)
@@ -50,10 +41,10 @@ class PresetFiles(QObject):
     def use(self, preset: Preset) -> None:
         """Set the parameters of a preset."""
         name = tr("preset “{name}”").format(name=preset.name)
-        self._desk.session.edit(name, lambda document: edits.set_parameters(document, preset.parameters))
+        self._context.session.edit(name, lambda document: edits.set_parameters(document, preset.parameters))
 
     def fill(self, menu: QMenu) -> None:
-        """The presets and what can be done with them, as a menu."""
+        """Fill a menu with the presets and the actions on them."""
         for preset in self.store.presets:
             action = menu.addAction(preset.name.replace("&", "&&"))
             action.setCheckable(True)
@@ -61,7 +52,7 @@ class PresetFiles(QObject):
             action.setStatusTip(preset.about)
             action.triggered.connect(lambda _=False, preset=preset: self.use(preset))
         menu.addSeparator()
-        menu.addActions(list(self.deeds))
+        menu.addActions(list(self.actions))
 
     def _make(self, text: str, do: Callable[[], None], tip: str) -> QAction:
         action = QAction(text, self)
@@ -74,74 +65,108 @@ class PresetFiles(QObject):
         try:
             do()
         except (ValueError, OSError) as error:
-            self._desk.session.say(str(error), True)
+            self._context.session.say(str(error), True)
 
     def _list(self) -> None:
         self.gallery.show_presets(self.store.presets)
         own = any(preset.own for preset in self.store.presets)
         self.rename.setEnabled(own)
         self.delete.setEnabled(own)
-        self._show(self._desk.session.document)
+        self._show(self._context.session.document)
 
     def _show(self, document: Document) -> None:
         same = [preset for preset in self.store.presets if preset.parameters == document.parameters]
         self.gallery.show_current(same[0] if same else None)
 
     def _save(self) -> None:
-        session, current = self._desk.session, self.gallery.current
-        name = dialogs.ask_for_name(self._desk.window, current.name if current is not None and current.own else "")
+        session, current = self._context.session, self.gallery.current
+        name = ask_for_name(self._context.window, current.name if current is not None and current.own else "")
         if not name:
             return
-        picture = picture_of(self._desk.canvas_area.canvas.grab().toImage())
+        picture = picture_of(self._context.canvas_area.canvas.grab().toImage())
         about = tr("Made on {image}.").format(image=session.document.image.name) if session.document.image else ""
         kept = self.store.save(Preset(name, session.document.parameters, about, picture))
-        session.say(tr("The parameters are kept as “{name}”.").format(name=kept.name))
+        session.say(tr("The parameters are saved as “{name}”.").format(name=kept.name))
 
     def _rename(self) -> None:
         preset = self._own(tr("Rename which preset?"))
         if preset is not None:
-            name = dialogs.ask_for_name(self._desk.window, preset.name)
+            name = ask_for_name(self._context.window, preset.name)
             if name:
                 self.store.rename(preset.name, name)
 
     def _delete(self) -> None:
         preset = self._own(tr("Delete which preset?"))
-        if preset is not None and dialogs.agrees_to_delete(self._desk.window, preset.name):
+        if preset is not None and agrees_to_delete(self._context.window, preset.name):
             self.store.delete(preset.name)
 
-    def take_in(self, path: Path) -> None:
-        """Take over a preset that somebody shared."""
-        self._try(lambda: self._take_in(path))
+    def import_file(self, path: Path) -> None:
+        """Import a preset from a file."""
+        self._try(lambda: self._import_file(path))
 
-    def _take_in(self, path: Path) -> None:
+    def _import_file(self, path: Path) -> None:
         preset = self.store.bring_in(path)
-        self._desk.session.say(tr("“{name}” is among the presets now.").format(name=preset.name))
+        self._context.session.say(tr("The preset “{name}” has been imported.").format(name=preset.name))
 
     def _import(self) -> None:
-        chosen = dialogs.ask_for_preset_file(self._desk.window, self._folder)
+        chosen = ask_for_preset_file(self._context.window, self._folder)
         if chosen:
             self._folder = str(Path(chosen).parent)
-            self._take_in(Path(chosen))
+            self._import_file(Path(chosen))
 
     def _export(self) -> None:
         current = self.gallery.current
         names = [preset.name for preset in self.store.presets]
         if current is not None:
             names.insert(0, names.pop(names.index(current.name)))
-        name = dialogs.ask_for_preset(self._desk.window, names, tr("Export which preset?"))
+        name = ask_for_preset(self._context.window, names, tr("Export which preset?"))
         preset = self.store.called(name)
         if preset is None:
             return
-        chosen = dialogs.ask_where_to(self._desk.window, str(Path(self._folder) / f"{preset.name}{SUFFIX}"))
+        chosen = ask_where_to(self._context.window, str(Path(self._folder) / f"{preset.name}{SUFFIX}"))
         if chosen:
             self._folder = str(Path(chosen).parent)
             self.store.hand_out(preset, Path(chosen))
-            self._desk.session.say(tr("Written: {path}").format(path=chosen))
+            self._context.session.say(tr("Exported to {path}.").format(path=chosen))
 
     def _own(self, question: str) -> Preset | None:
-        """The preset of one's own that is in use, or the one that the user chooses."""
+        """The preset in use if it is the user's own, else one of their own that the user chooses."""
         current = self.gallery.current
         if current is not None and current.own:
             return current
         names = [preset.name for preset in self.store.presets if preset.own]
-        return self.store.called(dialogs.ask_for_preset(self._desk.window, names, question))
+        return self.store.called(ask_for_preset(self._context.window, names, question))
+
+
+def ask_for_name(parent: QWidget, suggestion: str) -> str:
+    """Name for a preset, empty when canceled."""
+    name, agreed = QInputDialog.getText(parent, tr("Name of the preset"), tr("Name:"), text=suggestion)
+    return name if agreed else ""
+
+
+def ask_for_preset(parent: QWidget, names: list[str], question: str) -> str:
+    """Name of one of these presets, empty when canceled."""
+    if len(names) < 2:
+        return names[0] if names else ""
+    name, agreed = QInputDialog.getItem(parent, tr("Preset"), question, names, 0, False)
+    return name if agreed else ""
+
+
+def agrees_to_delete(parent: QWidget, name: str) -> bool:
+    """Whether the user agrees to delete a preset."""
+    question = tr("Delete the preset “{name}”? This cannot be undone.").format(name=name)
+    buttons = QMessageBox.StandardButton.Yes | QMessageBox.StandardButton.No
+    return QMessageBox.question(parent, tr("Delete preset"), question, buttons) == QMessageBox.StandardButton.Yes
+
+
+def ask_for_preset_file(parent: QWidget, folder: str) -> str:
+    """File of a preset to import, empty when canceled."""
+    filters = tr("Presets ({pattern})").format(pattern=f"*{SUFFIX}")
+    return QFileDialog.getOpenFileName(parent, tr("Import preset"), folder, filters)[0]
+
+
+def ask_where_to(parent: QWidget, suggestion: str) -> str:
+    """File for the export of a preset, empty when canceled; a missing suffix is added."""
+    filters = tr("Presets ({pattern})").format(pattern=f"*{SUFFIX}")
+    chosen = QFileDialog.getSaveFileName(parent, tr("Export preset"), suggestion, filters)[0]
+    return chosen + SUFFIX if chosen and not chosen.endswith(SUFFIX) else chosen

@@ -1,4 +1,4 @@
-"""The gallery of presets: a button that names the one in use and opens pictures of all of them."""
+"""The gallery of presets: a button with the name of the one in use, which opens pictures of all."""
 
 from __future__ import annotations
 
@@ -28,25 +28,19 @@ _OPENING = (Qt.Key.Key_Space, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Do
 
 
 class PresetGallery(QToolButton):
-    """Shows the name of the preset in use, and when pressed all presets with their pictures.
-
-    Parameters
-    ----------
-    deeds : iterable of QAction
-        What can be done with presets beside using them, as buttons below the pictures.
-    """
+    """Shows the name of the preset in use and, when pressed, pictures of all; `actions` become buttons below."""
 
     chosen = Signal(object)
-    """The user wants a preset: Preset."""
+    """The user chooses a preset: Preset."""
 
-    def __init__(self, deeds: Iterable[QAction]) -> None:
+    def __init__(self, actions: Iterable[QAction]) -> None:
         super().__init__()
         self.setObjectName("preset")
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setAccessibleName(tr("Preset"))
-        self.setToolTip(tr("Settings that have proved good for a kind of task, and your own."))
+        self.setToolTip(tr("Parameters that suit a kind of image, and your own presets."))
         self._presets: tuple[Preset, ...] = ()
         self._current: Preset | None = None
         self.pictures = _Pictures()
@@ -59,19 +53,19 @@ class PresetGallery(QToolButton):
         self.pictures.setFrameShape(QFrame.Shape.NoFrame)
         self.pictures.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.pictures.setAccessibleName(tr("Presets"))
-        self.popup = self._make_popup(deeds)
-        self.pictures.itemClicked.connect(self._take)
-        self.pictures.entered_upon.connect(self._take)
-        self.pictures.currentItemChanged.connect(lambda item, _: self._tell(item))
+        self.popup = self._make_popup(actions)
+        self.pictures.itemClicked.connect(self._choose)
+        self.pictures.key_chosen.connect(self._choose)
+        self.pictures.currentItemChanged.connect(lambda item, _: self._show_about(item))
         self.clicked.connect(self.open)
 
     @property
     def current(self) -> Preset | None:
-        """The preset that the parameters are those of."""
+        """The preset whose parameters are in use."""
         return self._current
 
     def show_presets(self, presets: tuple[Preset, ...]) -> None:
-        """Offer these."""
+        """Show these presets."""
         self._presets = presets
         self.pictures.clear()
         for preset in presets:
@@ -82,9 +76,9 @@ class PresetGallery(QToolButton):
             self.pictures.addItem(item)
 
     def show_current(self, preset: Preset | None) -> None:
-        """Name the one in use; None where the parameters are nobody's."""
+        """Show the name of the preset in use; None if the parameters are not those of a preset."""
         self._current = preset
-        name = preset.name if preset is not None else tr("Settings of this image")
+        name = preset.name if preset is not None else tr("Custom parameters")
         room = 30
         self.setText(f"{name if len(name) <= room else name[: room - 1] + '…'}  ▾")
 
@@ -93,30 +87,30 @@ class PresetGallery(QToolButton):
         rows = -(-len(self._presets) // _COLUMNS)
         self.pictures.setFixedHeight(min(rows * _CELL.height() + 6, _MOST_HEIGHT))
         self.popup.adjustSize()
-        place = self.mapToGlobal(QPoint(self.width() - self.popup.width(), self.height() + 2))
+        corner = self.mapToGlobal(QPoint(self.width() - self.popup.width(), self.height() + 2))
         screen = self.screen().availableGeometry()
         lowest = screen.bottom() - self.popup.height()
-        self.popup.move(max(screen.left(), place.x()), max(screen.top(), min(place.y(), lowest)))
+        self.popup.move(max(screen.left(), corner.x()), max(screen.top(), min(corner.y(), lowest)))
         self.popup.show()
         names = [preset.name for preset in self._presets]
         self.pictures.setCurrentRow(names.index(self._current.name) if self._current else 0)
         self.pictures.setFocus()
 
     def event(self, event: QEvent) -> bool:
-        """Keep the keys that open it from being shortcuts of the window."""
+        """Handle the keys that open it before they act as shortcuts of the window."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _OPENING:
             event.accept()
             return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Open by the keys that open such things."""
+        """Open on the usual keys."""
         if event.key() in _OPENING:
             self.open()
         else:
             super().keyPressEvent(event)
 
-    def _make_popup(self, deeds: Iterable[QAction]) -> QFrame:
+    def _make_popup(self, actions: Iterable[QAction]) -> QFrame:
         popup = QFrame(self, Qt.WindowType.Popup)
         popup.setObjectName("popup")
         self._about = QLabel()
@@ -126,7 +120,7 @@ class PresetGallery(QToolButton):
         self._about.setAlignment(Qt.AlignmentFlag.AlignTop)
         buttons = QGridLayout()
         buttons.setSpacing(4)
-        for index, action in enumerate(deeds):
+        for index, action in enumerate(actions):
             button = QToolButton()
             button.setDefaultAction(action)
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
@@ -142,24 +136,24 @@ class PresetGallery(QToolButton):
         self.pictures.setFixedWidth(_COLUMNS * _CELL.width() + 16)
         return popup
 
-    def _tell(self, item: QListWidgetItem | None) -> None:
+    def _show_about(self, item: QListWidgetItem | None) -> None:
         self._about.setText(item.data(Qt.ItemDataRole.UserRole).about if item is not None else "")
 
-    def _take(self, item: QListWidgetItem) -> None:
+    def _choose(self, item: QListWidgetItem) -> None:
         self.popup.hide()
         self.chosen.emit(item.data(Qt.ItemDataRole.UserRole))
 
 
 class _Pictures(QListWidget):
-    """A list of pictures, one of which is taken by Enter or Space."""
+    """A list of pictures, one of which is chosen by Enter or Space."""
 
-    entered_upon = Signal(QListWidgetItem)
+    key_chosen = Signal(QListWidgetItem)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Take the one that is marked."""
+        """Choose the marked picture on Enter or Space, close on Esc."""
         item = self.currentItem()
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space) and item is not None:
-            self.entered_upon.emit(item)
+            self.key_chosen.emit(item)
         elif event.key() == Qt.Key.Key_Escape:
             self.window().hide()
         else:
@@ -171,14 +165,14 @@ def _picture(preset: Preset) -> QIcon:
     if not (preset.picture and pixmap.loadFromData(preset.picture)):
         pixmap = no_picture()
     icon = QIcon()
-    # Marked or not, the picture is the same.
+    # The picture is the same whether marked or not.
     icon.addPixmap(pixmap, QIcon.Mode.Normal)
     icon.addPixmap(pixmap, QIcon.Mode.Selected)
     return icon
 
 
 def picture_of(canvas: QImage) -> bytes:
-    """A picture of the canvas at the size of the gallery, twice as fine (PNG)."""
+    """A picture of the canvas for the gallery, at twice its size, as PNG."""
     size = QSize(2 * PICTURE.width(), 2 * PICTURE.height())
     across = min(canvas.width(), canvas.height() * size.width() // size.height())
     down = min(canvas.height(), canvas.width() * size.height() // size.width())
@@ -193,7 +187,7 @@ def picture_of(canvas: QImage) -> bytes:
 
 
 def no_picture() -> QPixmap:
-    """What stands for a picture that is not there."""
+    """A blank picture for presets without one."""
     pixmap = QPixmap(PICTURE)
     pixmap.fill(QColor(theme.CANVAS))
     return pixmap

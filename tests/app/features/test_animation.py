@@ -1,4 +1,4 @@
-"""Animations and strips: every frame shows the particles of its step, and giving up leaves nothing behind."""
+"""Animations and strips: every frame shows the particles of its step, and cancellation leaves no file behind."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SIZE = (160, 160)
 
 @pytest.fixture
 def rested(ready, hand):
-    """A window whose run is over."""
+    """A window with a finished run."""
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle)
@@ -54,7 +54,7 @@ def picture(path: Path) -> np.ndarray:
 
 
 def of_color(pixels: np.ndarray, color: str) -> int:
-    """Pixels about as colored as that, though small discs are blended with what is below them."""
+    """Number of pixels near a color; small discs are blended with the image below."""
     wanted = np.array(QColor(color).getRgb()[:3])
     return int((np.abs(pixels[..., :3].astype(int) - wanted).max(axis=-1) < 60).sum())
 
@@ -73,7 +73,7 @@ def test_an_animation_has_a_frame_for_each_step_with_its_particles(rested, hand,
             frames.append(np.array(animation.convert("RGB")))
     for frame in frames:
         assert of_color(frame, theme.MOVING) + of_color(frame, theme.RESTING) > 20
-    # a ring of particles grows from radius 10 towards the rim of the disc
+    # a ring of particles grows from radius 10 toward the rim of the disc
     assert all(not np.array_equal(one, other) for one, other in pairwise(frames))
     assert (rested.session.status.step, rested.canvas_area.canvas.layers.particles.count) == before
     assert rested.session.status.phase == "finished"
@@ -95,7 +95,7 @@ def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_pat
         assert of_color(around, theme.MOVING) + of_color(around, theme.RESTING) > 0
 
 
-def test_what_is_hidden_on_the_canvas_is_not_in_the_frames(rested, hand, tmp_path) -> None:
+def test_hidden_layers_are_not_in_the_frames(rested, hand, tmp_path) -> None:
     path = tmp_path / "bare.png"
     for name in ("particles", "contours", "drawing"):
         rested.canvas_area.canvas.layers[name].set_shown(False)
@@ -122,7 +122,7 @@ def test_the_truth_is_in_the_frames_but_not_how_the_contours_of_another_step_dif
     assert of_color(picture(path), theme.MISSING) + of_color(picture(path), theme.WRONG) == 0
 
 
-def test_giving_up_leaves_nothing_half_written(rested, hand, tmp_path, monkeypatch) -> None:
+def test_cancellation_leaves_no_partial_file(rested, hand, tmp_path, monkeypatch) -> None:
     path = tmp_path / "run.gif"
     last = rested.session.status.step
     bar = rested.feature(TasksFeature).bar
@@ -147,7 +147,7 @@ def test_giving_up_leaves_nothing_half_written(rested, hand, tmp_path, monkeypat
     assert rested.session.status.step == last
 
 
-def test_a_run_that_is_gone_is_told_and_nothing_is_written(rested, hand, tmp_path) -> None:
+def test_a_discarded_run_is_reported_and_nothing_is_written(rested, hand, tmp_path) -> None:
     path = tmp_path / "run.gif"
     task = feature(rested).write(1, AnimationPlan(every(0, 60, 1), SIZE, 10, False, ".gif"), path)
     rested.session.reset()
@@ -177,7 +177,7 @@ def test_the_dialog_leads_to_a_file(rested, hand, tmp_path, monkeypatch) -> None
     assert "chosen.gif" in rested.canvas_area.messages.text
 
 
-def test_the_dialog_says_what_films_need(rested, hand, tmp_path, monkeypatch) -> None:
+def test_the_dialog_reports_the_requirements_of_mp4(rested, hand, tmp_path, monkeypatch) -> None:
     find = importlib.util.find_spec
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name, *rest: None if name == "imageio_ffmpeg" else find(name, *rest)
@@ -197,7 +197,7 @@ def test_the_dialog_says_what_films_need(rested, hand, tmp_path, monkeypatch) ->
     assert list(tmp_path.glob("film*")) == []
 
 
-def test_only_what_the_canvas_shows_is_drawn_where_that_is_asked_for(rested, hand, tmp_path) -> None:
+def test_frames_can_be_limited_to_the_visible_part(rested, hand, tmp_path) -> None:
     rested.canvas_area.canvas.zoom(4.0)
     dialog = feature(rested).ask_for_animation()
     dialog.width_field.setValue(120)
@@ -248,7 +248,7 @@ def test_a_strip_shows_the_steps_that_are_written_and_is_saved(rested, hand, tmp
     hand.wait(lambda: not rested.findChildren(StripDialog))
 
 
-def test_the_window_stays_as_it_is_while_frames_are_drawn(rested, hand, record, tmp_path) -> None:
+def test_rendering_frames_does_not_change_the_window(rested, hand, record, tmp_path) -> None:
     navigation = rested.feature(TimelineFeature).navigation
     navigation.go(1, 20)
     hand.wait(lambda: rested.session.status.step == 20 and rested.session.idle)
@@ -262,7 +262,7 @@ def test_the_window_stays_as_it_is_while_frames_are_drawn(rested, hand, record, 
     assert (rested.session.status.step, rested.session.status.phase) == (20, "paused")
 
 
-def test_steps_are_chosen_evenly_one_in_so_many_or_as_written() -> None:
+def test_steps_are_chosen_evenly_by_stride_or_by_list() -> None:
     assert evenly(0, 90, 4) == (0, 30, 60, 90)
     assert evenly(3, 4, 9) == (3, 4)
     assert every(0, 10, 4) == (0, 4, 8, 10)

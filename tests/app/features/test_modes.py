@@ -1,4 +1,4 @@
-"""Modes: each sets its preset and start in one change that is undone at once, and Run does what the mode is for."""
+"""Modes: each sets its preset and initialization in one undoable change, and Run uses its method."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ CIRCLE, BARRIER = Circle((32.0, 32.0), 10.0), Barrier(((1.0, 2.0), (3.0, 4.0)))
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_a_mode_brings_its_preset_and_takes_hold_in_the_document(mode) -> None:
+def test_a_mode_sets_its_preset_in_the_document(mode) -> None:
     after = use_mode(Document(IMAGE, (CIRCLE, BARRIER)), mode)
     assert after.mode == mode
     assert after.parameters == PRESETS[MODES[mode].preset]
     assert BARRIER in after.shapes
 
 
-def test_automatic_starts_everywhere_and_shape_takes_that_back() -> None:
+def test_automatic_mode_adds_an_initialization_and_shape_mode_removes_it() -> None:
     drawn = Document(IMAGE, (CIRCLE, BARRIER))
     automatic = use_mode(drawn, "automatic")
     assert automatic.starts == (Everywhere("grid"),)
@@ -43,11 +43,11 @@ def test_automatic_starts_everywhere_and_shape_takes_that_back() -> None:
     assert use_mode(drawn, "skeleton").shapes == drawn.shapes
 
 
-def test_a_mode_that_is_not_known_is_the_first() -> None:
+def test_an_unknown_mode_is_read_as_the_first() -> None:
     assert [mode_called(name) for name in (*MODES, "other", None, [])[:-1]] == [*MODES, "shape", "shape"]
 
 
-def test_what_is_said_and_enabled_follows_the_mode() -> None:
+def test_texts_and_enabled_actions_follow_the_mode() -> None:
     ready = RunStatus("ready")
     drawn = Document(IMAGE, (CIRCLE,))
     assert "everywhere" in resolve(Situation(use_mode(drawn, "automatic"), ready)).hint
@@ -103,7 +103,7 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     first = session.scene.skeleton
     assert (session.status.phase, session.status.method, session.status.step) == ("finished", "skeleton", 3)
     assert "Skeleton:" in window.canvas_area.messages.text
-    # The middle line of a disc of radius 18 is its center.
+    # The medial axis of a disc of radius 18 is its center.
     middle, radius = first.contours[0].points, first.radii[0]
     assert np.hypot(*(middle - 32.0).T).max() < 2.0
     assert radius.max() == pytest.approx(18.0, abs=1.0)
@@ -123,7 +123,7 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     assert layer.counts == (0, 0)
 
 
-def test_a_skeleton_of_an_image_that_has_gone_is_not_shown(window, hand, image_file) -> None:
+def test_the_skeleton_of_a_previous_image_is_not_shown(window, hand, image_file) -> None:
     session = window.session
     hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
     generation = session.image_generation
@@ -137,7 +137,7 @@ def test_a_branch_is_cut_where_its_thickness_changes_and_nothing_is_left_out() -
     path = np.stack([np.zeros(30), np.arange(30.0)], axis=1)
     share = np.linspace(0.0, 1.2, 30)
     pieces = by_thickness(path, share, 5)
-    assert [level for level, _ in pieces] == [0, 1, 2, 3, 4]
+    assert [thickness for thickness, _ in pieces] == [0, 1, 2, 3, 4]
     covered = {(a[1], b[1]) for _, piece in pieces for a, b in pairwise(piece)}
     assert len(covered) == 29
 
@@ -150,7 +150,7 @@ def test_disks_have_the_radii_of_the_branch_and_do_not_crowd() -> None:
         assert np.hypot(disk[:, 0], disk[:, 1] - 20.0 * index) == pytest.approx(20.0)
 
 
-def test_a_skeleton_is_stepped_taken_back_and_held_like_any_run(window, hand) -> None:
+def test_a_skeleton_run_is_stepped_rewound_and_paused_like_any_run(window, hand) -> None:
     session = window.session
     hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
     shown = []
@@ -171,7 +171,7 @@ def test_a_skeleton_is_stepped_taken_back_and_held_like_any_run(window, hand) ->
     np.testing.assert_array_equal(session.scene.skeleton.contours[0].points, before)
 
 
-def test_a_run_of_particles_gives_way_to_the_skeleton_and_the_skeleton_to_particles(ready, hand) -> None:
+def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, hand) -> None:
     session = ready.session
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")

@@ -1,4 +1,4 @@
-"""The mosaic: each tile is a run of its own, one of them is taken, and nothing goes on after it has been given up."""
+"""The mosaic: each tile is a separate run, one of them is chosen, and no run continues after cancellation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from app.model.parameters.controls import controls, slider_range, value_of
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.main_window import MainWindow
 from app.views.mosaic import MosaicDialog
-from app.views.mosaic.enlarged import EnlargedTile
+from app.views.mosaic.tile import EnlargedTile
 from cpm_core import Engine, Parameters, segment
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Charge
@@ -80,20 +80,20 @@ def test_placed_charges_act_in_every_tile(ready, dialog, hand) -> None:
     assert not np.array_equal(done.result.particles, without.particles)
 
 
-def test_a_click_takes_both_values_in_one_step_that_can_be_undone(ready, dialog, hand) -> None:
+def test_a_click_sets_both_values_in_one_undoable_change(ready, dialog, hand) -> None:
     before = ready.session.document
     run(hand, dialog)
     hand.qtbot.mouseClick(dialog.tiles[1, 0], LEFT)
     parameters = ready.session.document.parameters
     assert (parameters.beta, parameters.w1 / parameters.w2) == (0.9, pytest.approx(0.7))
-    assert ready.session.situation.undo_name == "take β = 0.9, w₁/w₂ = 0.7"
+    assert ready.session.situation.undo_name == "use β = 0.9, w₁/w₂ = 0.7"
     assert [view.chosen for view in dialog.tiles.values()] == [False, False, True, False]
     ready.session.undo()
     assert ready.session.document == before
     assert not any(view.chosen for view in dialog.tiles.values())
 
 
-def test_tiles_are_reached_enlarged_and_taken_by_keys(ready, dialog, hand) -> None:
+def test_tiles_are_selected_enlarged_and_chosen_by_keys(ready, dialog, hand) -> None:
     run(hand, dialog)
     tiles = dialog.tiles
     assert dialog.focusWidget() is tiles[0, 0]
@@ -109,14 +109,14 @@ def test_tiles_are_reached_enlarged_and_taken_by_keys(ready, dialog, hand) -> No
     assert ready.session.document.parameters.beta == 0.9
 
 
-def test_what_is_seen_large_can_be_taken_there(ready, dialog, hand) -> None:
+def test_an_enlarged_tile_can_be_chosen(ready, dialog, hand) -> None:
     run(hand, dialog)
     hand.qtbot.keyClick(dialog.tiles[0, 0], KEY.Key_Space)
     hand.qtbot.mouseClick(dialog.findChild(EnlargedTile).take, LEFT)
     assert ready.session.document.parameters.beta == 0.6
 
 
-def test_cancel_ends_all_runs_and_keeps_what_has_been_done(ready, dialog, hand, monkeypatch) -> None:
+def test_cancel_stops_all_runs_and_keeps_finished_tiles(ready, dialog, hand, monkeypatch) -> None:
     step, going, held = Engine.step, threading.Event(), threading.Event()
 
     def slow(engine, state, parameters, *rest):
@@ -130,8 +130,8 @@ def test_cancel_ends_all_runs_and_keeps_what_has_been_done(ready, dialog, hand, 
     assert dialog.bar.isVisible()
     hand.qtbot.mouseClick(dialog.cancel_button, LEFT)
     assert not dialog.cancel_button.isEnabled()
-    assert "Given up" in dialog.words.text()
-    assert {view.state for view in dialog.tiles.values()} == {"given up"}
+    assert "Canceled" in dialog.words.text()
+    assert {view.state for view in dialog.tiles.values()} == {"canceled"}
     hand.wait(lambda: not mosaic_threads())
 
 
@@ -155,32 +155,32 @@ def test_closing_leaves_no_thread(ready, dialog, hand, monkeypatch, way) -> None
         assert not mosaic_threads()
 
 
-def test_values_that_make_no_sense_are_refused_in_a_sentence(dialog, hand) -> None:
-    for text, said in (("0.5, often", "often"), ("0.5", "from 2 to 6"), ("0.5, 99", "99")):
+def test_invalid_values_are_rejected_with_a_message(dialog, hand) -> None:
+    for text, expected in (("0.5, often", "often"), ("0.5", "from 2 to 6"), ("0.5, 99", "99")):
         dialog.down.values.setText(text)
         hand.qtbot.mouseClick(dialog.start_button, LEFT)
-        assert said in dialog.words.text()
+        assert expected in dialog.words.text()
         assert not dialog.tiles
     dialog.down.choice.setCurrentIndex(dialog.across.choice.currentIndex())
     hand.qtbot.mouseClick(dialog.start_button, LEFT)
     assert "choose two different ones" in dialog.words.text()
 
 
-def test_without_a_start_the_mosaic_says_what_to_draw(window, hand) -> None:
+def test_without_an_initialization_the_mosaic_asks_for_one(window, hand) -> None:
     hand.key(KEY.Key_M, Qt.KeyboardModifier.ControlModifier)
     dialog = window.feature(MosaicFeature).dialog
     hand.qtbot.mouseClick(dialog.start_button, LEFT)
     assert "nothing to start from" in dialog.words.text()
 
 
-def test_another_number_of_values_and_another_parameter_offer_values_anew(dialog) -> None:
+def test_a_new_number_of_values_or_parameter_suggests_new_values(dialog) -> None:
     dialog.count.setCurrentIndex(2)
     assert len(read_values(dialog.down.control, dialog.down.values.text())) == 5
     dialog.down.choice.setCurrentIndex(next(i for i, c in enumerate(CONTROLS.values()) if c.name == "scales"))
     assert all(value == int(value) for value in read_values(dialog.down.control, dialog.down.values.text()))
 
 
-def test_with_a_truth_each_tile_tells_its_overlap(ready, dialog, hand, tmp_path) -> None:
+def test_with_a_ground_truth_each_tile_shows_its_overlap(ready, dialog, hand, tmp_path) -> None:
     path = tmp_path / "mask.npy"
     np.save(path, (disc() > 100).astype(np.uint8))
     truth = ready.workspace.truth
@@ -194,7 +194,7 @@ def test_with_a_truth_each_tile_tells_its_overlap(ready, dialog, hand, tmp_path)
 
 @settings(max_examples=60, deadline=None)
 @given(st.sampled_from(sorted(CONTROLS)), st.integers(3, 5), st.floats(0, 1), st.floats(1, 255))
-def test_values_offered_lie_in_range_ascend_and_hold_the_present_one(name, count, share, contrast) -> None:
+def test_suggested_values_are_in_range_ascending_and_include_the_present_one(name, count, share, contrast) -> None:
     control = CONTROLS[name]
     low, high = slider_range(control, contrast)
     present = low + share * (high - low)

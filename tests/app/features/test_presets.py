@@ -1,4 +1,4 @@
-"""Presets: used from the gallery, kept, renamed, deleted and shared as files; a damaged file is told in a sentence."""
+"""Presets: used from the gallery, saved, renamed, deleted and shared as files; a damaged file is reported."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from PySide6.QtGui import QImage, QPixmap
 from app.model.parameters.presets import Preset, built_in, checked_name, read, written
 from app.session.storage.presets import PresetStore
 from app.views.features.run.parameters import ParametersFeature
-from app.views.presets import preset_dialogs as dialogs
+from app.views.presets import preset_files as dialogs
 from app.views.presets.preset_gallery import PICTURE, PresetGallery, picture_of
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 
@@ -27,7 +27,7 @@ def store(tmp_path, qapp) -> PresetStore:
     return PresetStore(tmp_path / "presets")
 
 
-def test_the_programs_own_presets_are_those_of_the_core_each_with_words_and_picture(qapp) -> None:
+def test_the_built_in_presets_are_those_of_the_core_with_text_and_picture(qapp) -> None:
     assert {preset.key: preset.parameters for preset in built_in()} == PRESETS
     for preset in built_in():
         assert preset.about
@@ -55,7 +55,7 @@ def test_a_preset_is_read_as_it_was_written(parameters, name, picture) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (lambda kept: [], "no preset of CPM"),
         (lambda kept: kept | {"format": "other"}, "no preset of CPM"),
@@ -71,21 +71,21 @@ def test_a_preset_is_read_as_it_was_written(parameters, name, picture) -> None:
         (lambda kept: kept | {"parameters": {"beta": "much"}}, "beta is 'much'"),
     ],
 )
-def test_a_file_that_is_no_preset_is_told_in_a_sentence(change, said) -> None:
+def test_a_file_that_is_no_preset_is_rejected_with_a_message(change, message) -> None:
     kept = change(json.loads(written(OWN)))
-    with pytest.raises(ValueError, match=said) as caught:
+    with pytest.raises(ValueError, match=message) as caught:
         read(json.dumps(kept).encode(), "shared.cpmpreset")
     assert "shared.cpmpreset" in str(caught.value)
     assert str(caught.value).endswith(".")
 
 
 @given(st.binary(max_size=300))
-def test_no_bytes_whatever_do_more_harm_than_a_sentence(content) -> None:
+def test_arbitrary_bytes_raise_only_a_value_error(content) -> None:
     with pytest.raises(ValueError, match="no preset of CPM"):
         read(content, "a file")
 
 
-def test_parameters_that_a_file_does_not_know_have_their_defaults() -> None:
+def test_parameters_missing_in_a_file_have_their_defaults() -> None:
     kept = json.loads(written(OWN))
     kept["parameters"] = {"beta": 1.0}
     assert read(json.dumps(kept).encode(), "a file").parameters == Parameters(beta=1.0)
@@ -93,13 +93,13 @@ def test_parameters_that_a_file_does_not_know_have_their_defaults() -> None:
 
 
 def test_a_preset_of_an_earlier_version_is_read_by_its_former_names() -> None:
-    """It was written when the border of an image was its frame."""
+    """Its parameter `max_frame` is now called `max_border`."""
     content = (Path(__file__).parent / "former_names.cpmpreset").read_bytes()
     assert b"max_frame" in content
     assert read(content, "a file") == Preset("mine", Parameters(beta=0.5, max_border=0.125), "For x-rays.")
 
 
-def test_a_preset_is_kept_found_again_renamed_and_deleted(store, qtbot) -> None:
+def test_a_preset_is_saved_found_renamed_and_deleted(store, qtbot) -> None:
     with qtbot.waitSignal(store.changed):
         store.save(OWN)
     assert PresetStore(store.folder).called(OWN.name) == OWN
@@ -111,7 +111,7 @@ def test_a_preset_is_kept_found_again_renamed_and_deleted(store, qtbot) -> None:
     assert [preset.own for preset in store.presets] == [False] * len(PRESETS)
 
 
-def test_names_that_are_taken_and_presets_that_are_not_ones_own_are_refused(store) -> None:
+def test_names_in_use_and_changes_of_built_in_presets_are_rejected(store) -> None:
     store.save(OWN)
     store.save(replace(OWN, name="Second"))
     with pytest.raises(ValueError, match="already"):
@@ -122,7 +122,7 @@ def test_names_that_are_taken_and_presets_that_are_not_ones_own_are_refused(stor
     assert len([preset for preset in store.presets if preset.own]) == 2
 
 
-def test_a_shared_preset_is_brought_in_under_a_free_name_and_damaged_ones_are_left_alone(store, tmp_path) -> None:
+def test_a_preset_is_imported_under_a_free_name_and_damaged_files_are_ignored(store, tmp_path) -> None:
     shared = tmp_path / "shared.cpmpreset"
     store.hand_out(OWN, shared)
     assert store.bring_in(shared).name == OWN.name
@@ -182,22 +182,22 @@ def test_own_presets_are_saved_with_a_picture_renamed_shared_and_deleted(
     shared = tmp_path / "softer.cpmpreset"
     monkeypatch.setattr(dialogs, "ask_for_preset", lambda parent, names, question: names[0])
     monkeypatch.setattr(dialogs, "ask_where_to", lambda parent, suggestion: str(shared))
-    preset_files.hand_out.trigger()
+    preset_files.export_action.trigger()
     monkeypatch.setattr(dialogs, "agrees_to_delete", lambda parent, name: True)
     preset_files.delete.trigger()
     assert preset_files.store.called("Softer") is None
     monkeypatch.setattr(dialogs, "ask_for_preset_file", lambda parent, folder: str(shared))
-    preset_files.bring_in.trigger()
+    preset_files.import_action.trigger()
     assert gallery.current.name == "Softer"
 
 
-def test_a_bad_file_is_told_where_everything_is_told(window, monkeypatch, tmp_path) -> None:
+def test_a_bad_file_is_reported_in_the_message_bar(window, monkeypatch, tmp_path) -> None:
     preset_files = window.feature(ParametersFeature).preset_files
     bad = tmp_path / "bad.cpmpreset"
     bad.write_text("nothing")
     for path in (bad, tmp_path / "nowhere.cpmpreset"):
         monkeypatch.setattr(dialogs, "ask_for_preset_file", lambda parent, folder, path=path: str(path))
-        preset_files.bring_in.trigger()
+        preset_files.import_action.trigger()
         assert path.name in window.canvas_area.messages.text
 
 
@@ -213,7 +213,7 @@ def test_the_menu_offers_every_preset(window) -> None:
 
 
 @pytest.mark.parametrize("size", [(50, 400), (400, 50), (10, 10)])
-def test_a_picture_is_of_the_size_of_the_gallery_whatever_the_canvas(qapp, size) -> None:
+def test_pictures_have_the_size_of_the_gallery_for_any_canvas(qapp, size) -> None:
     canvas = QPixmap(*size)
     canvas.fill()
     assert QImage.fromData(picture_of(canvas.toImage())).width() == 2 * PICTURE.width()

@@ -1,4 +1,4 @@
-"""Runs: started, steered, held, stopped and left, always in order and always clean."""
+"""Runs: started, steered, paused, stopped and closed, without lost steps or remaining threads."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_space_runs_to_rest_and_shows_one_closed_contour_around_the_disc(ready, 
     assert hand.canvas.layers.particles.count == int(ready.panels["run"].status.value("Particles").replace(",", ""))
 
 
-def test_nothing_is_looked_at_while_nothing_goes_on(ready, hand) -> None:
+def test_no_updates_are_made_while_nothing_runs(ready, hand) -> None:
     timer = ready.session._timer
     hand.key(KEY.Key_Space)
     assert timer.isActive()
@@ -41,7 +41,7 @@ def test_nothing_is_looked_at_while_nothing_goes_on(ready, hand) -> None:
     hand.wait(lambda: not timer.isActive())
 
 
-def test_the_particles_drawn_are_shown_until_those_of_the_run_take_their_place(ready, hand, monkeypatch) -> None:
+def test_the_seeds_are_shown_until_the_particles_of_the_run_replace_them(ready, hand, monkeypatch) -> None:
     held, begin = threading.Event(), Engine.start
     monkeypatch.setattr(Engine, "start", lambda engine, seeds: held.wait(hand.patience / 1000) and begin(engine, seeds))
     drawn = hand.canvas.layers.drawing._seeds.count
@@ -58,7 +58,7 @@ def test_the_particles_drawn_are_shown_until_those_of_the_run_take_their_place(r
     assert hand.canvas.layers.particles.count > 0
 
 
-def test_pause_holds_the_particles_and_run_goes_on_from_them(ready, hand) -> None:
+def test_pause_stops_the_particles_and_run_continues_from_them(ready, hand) -> None:
     session = ready.session
     session.set_pace(30.0)
     hand.key(KEY.Key_Space)
@@ -114,7 +114,7 @@ def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -
     np.testing.assert_array_equal(ready.session.scene.snapshot.position, state.position)
 
 
-def test_reset_leaves_the_drawing_and_nothing_of_the_run(ready, hand) -> None:
+def test_reset_keeps_the_shapes_and_discards_the_run(ready, hand) -> None:
     hand.key(KEY.Key_Space)
     hand.wait(lambda: ready.session.status.step > 3)
     hand.key(KEY.Key_R)
@@ -126,7 +126,7 @@ def test_reset_leaves_the_drawing_and_nothing_of_the_run(ready, hand) -> None:
     assert ready.session.document.shapes == (Circle((32.0, 32.0), 10.0),)
 
 
-def test_a_changed_drawing_is_said_and_run_starts_anew_from_it(ready, hand) -> None:
+def test_a_changed_initialization_is_reported_and_run_starts_again_from_it(ready, hand) -> None:
     session = ready.session
     session.set_pace(30.0)
     hand.key(KEY.Key_Space)
@@ -144,7 +144,7 @@ def test_a_changed_drawing_is_said_and_run_starts_anew_from_it(ready, hand) -> N
     assert ready.canvas_area.hint.text() == ""
 
 
-def test_a_run_at_rest_goes_on_with_other_parameters(ready, hand) -> None:
+def test_a_run_at_rest_continues_with_changed_parameters(ready, hand) -> None:
     session = ready.session
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
@@ -161,7 +161,7 @@ def test_a_run_at_rest_goes_on_with_other_parameters(ready, hand) -> None:
     assert ready.actions_by_name["run"].text() == "Run anew"
 
 
-def test_contours_at_rest_follow_what_chooses_them_without_a_step(ready, hand) -> None:
+def test_contours_at_rest_follow_their_thresholds_without_a_step(ready, hand) -> None:
     session = ready.session
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
@@ -180,7 +180,7 @@ def test_contours_at_rest_follow_what_chooses_them_without_a_step(ready, hand) -
     assert ready.actions_by_name["run"].text() == "Run anew"
 
 
-def test_a_wider_gap_bridges_at_rest_and_is_shown_and_told(window, hand, tmp_path) -> None:
+def test_a_wider_gap_bridges_at_rest_and_is_shown_and_reported(window, hand, tmp_path) -> None:
     session, canvas = window.session, hand.canvas
     path = tmp_path / "interrupted.npy"
     np.save(path, interrupted_disc())
@@ -202,15 +202,15 @@ def test_a_wider_gap_bridges_at_rest_and_is_shown_and_told(window, hand, tmp_pat
     hand.qtbot.keyClick(slider, KEY.Key_End)
     hand.wait(lambda: canvas.layers.contours.bridged == 1)
     assert canvas.layers.contours.counts == (1, 0)
-    told = re.fullmatch(r"1 gap of ([\d.]+) px", window.panels["run"].status.value("Bridged"))
-    assert told is not None
-    assert float(told[1]) == pytest.approx(gap, abs=2.0)
+    match = re.fullmatch(r"1 gap of ([\d.]+) px", window.panels["run"].status.value("Bridged"))
+    assert match is not None
+    assert float(match[1]) == pytest.approx(gap, abs=2.0)
     assert (session.status.step, session.status.phase) == (step, "finished")
 
 
 def interrupted_disc() -> np.ndarray:
-    """A bright disc of radius 40 whose contrast fades out at its right, and away from its rim, so gently that no other
-    edge comes of it."""
+    """A bright disc of radius 40 whose contrast fades out on the right, and away from its outline, so gradually that
+    there is no other edge."""
     row, col = np.indices((130, 140)) - 65.0
     away = np.hypot(row, col) - 40.0
     fade = np.clip((np.hypot(row, col - 40.0) - 2.5) / 45.0, 0.0, 1.0)
@@ -232,7 +232,7 @@ def test_undoing_the_change_lets_the_run_go_on(ready, hand) -> None:
     assert ready.session.status.step == 2
 
 
-def test_more_scales_act_from_the_next_start_on(ready, hand) -> None:
+def test_more_scales_act_from_the_next_start(ready, hand) -> None:
     hand.key(KEY.Key_Period)
     ready.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))
     assert ready.session.status.stale
@@ -242,7 +242,7 @@ def test_more_scales_act_from_the_next_start_on(ready, hand) -> None:
     assert ready.session.status.scale == 0
 
 
-def test_opening_another_image_while_running_lets_nothing_late_land_on_it(ready, hand, record, tmp_path) -> None:
+def test_no_result_of_the_previous_image_reaches_an_image_opened_during_a_run(ready, hand, record, tmp_path) -> None:
     other = tmp_path / "other.npy"
     np.save(other, np.indices((40, 50)).sum(axis=0) % 17 * 1.0)
     seen = record("snapshot")
@@ -267,7 +267,7 @@ def test_closing_while_running_ends_both_threads(ready, hand) -> None:
     assert not names & {thread.name for thread in threading.enumerate()}
 
 
-def test_overlays_come_when_asked_for_and_follow_the_smoothing(window, hand, record) -> None:
+def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, record) -> None:
     seen = record("overlays")
     hand.key(KEY.Key_4, CONTROL)
     hand.wait(lambda: len(seen) == 1)

@@ -1,4 +1,4 @@
-"""What is drawn while a run exists acts in it at once: charges, limits, new starts and the eraser; and so does undo."""
+"""Interventions act in a run at once: charges, regions, barriers, new initializations, the eraser and their undo."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def shown(ready):
 
 @pytest.fixture
 def begun(ready, hand, shown):
-    """A run at its first step, on a single scale, held there."""
+    """A run paused at its first step, on a single scale."""
     ready.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))
     hand.canvas.setFocus()
     hand.key(KEY.Key_Period)
@@ -80,7 +80,7 @@ def test_a_repelling_charge_drives_particles_off_their_edge(rested, hand, shown)
     hand.wait(lambda: near(shown(), on_edge, 3.0) == 0)
 
 
-def test_a_charge_that_is_dragged_leads_particles_after_it_while_the_button_is_down(rested, hand, shown) -> None:
+def test_particles_follow_a_charge_while_it_is_dragged(rested, hand, shown) -> None:
     session = rested.session
     hand.key(KEY.Key_A)
     hand.press(32, 62)
@@ -97,7 +97,7 @@ def test_a_charge_that_is_dragged_leads_particles_after_it_while_the_button_is_d
     hand.wait(lambda: shown().state.charges == ())
 
 
-def test_a_paused_run_waits_and_feels_the_charge_at_its_next_step(begun, hand, shown) -> None:
+def test_a_charge_acts_at_the_next_step_of_a_paused_run(begun, hand, shown) -> None:
     hand.key(KEY.Key_A)
     hand.click(20, 20)
     hand.wait(lambda: begun.session.idle)
@@ -129,7 +129,7 @@ def test_the_field_is_shown_with_the_charge_that_is_dragged(begun, hand, record)
     assert toward[0] < 0 < toward[1]
 
 
-def test_a_barrier_drawn_into_a_run_holds_the_front_and_lets_it_on_when_it_is_taken_back(ready, hand, shown) -> None:
+def test_a_barrier_drawn_during_a_run_stops_the_front_until_it_is_undone(ready, hand, shown) -> None:
     session = ready.session
     session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))
     session.edit("small", lambda document: edits.set_shapes(document, (Circle((32.0, 20.0), 3.0),)))
@@ -153,7 +153,7 @@ def test_a_barrier_drawn_into_a_run_holds_the_front_and_lets_it_on_when_it_is_ta
     assert session.generation == generation
 
 
-def test_a_circle_drawn_into_a_run_brings_its_particles_when_the_button_comes_up(begun, hand, shown) -> None:
+def test_a_circle_drawn_during_a_run_adds_particles_when_the_button_is_released(begun, hand, shown) -> None:
     before = begun.session.status.count
     hand.key(KEY.Key_C)
     hand.press(8, 8)
@@ -171,7 +171,7 @@ def test_a_circle_drawn_into_a_run_brings_its_particles_when_the_button_comes_up
     assert begun.actions_by_name["run"].text() == "Resume"
 
 
-def test_a_run_at_rest_goes_on_with_points_that_are_placed_into_it(rested, hand) -> None:
+def test_a_run_at_rest_continues_with_added_points(rested, hand) -> None:
     generation, step = rested.session.generation, rested.session.status.step
     hand.key(KEY.Key_P)
     hand.click(5, 5)
@@ -181,9 +181,7 @@ def test_a_run_at_rest_goes_on_with_points_that_are_placed_into_it(rested, hand)
     assert not rested.session.status.stale
 
 
-def test_what_is_taken_back_after_it_has_joined_makes_the_run_out_of_date_until_it_is_done_again(
-    begun, hand, shown
-) -> None:
+def test_undoing_an_added_initialization_makes_the_run_out_of_date_until_redo(begun, hand, shown) -> None:
     session = begun.session
     hand.key(KEY.Key_P)
     hand.click(5, 5)
@@ -200,7 +198,7 @@ def test_what_is_taken_back_after_it_has_joined_makes_the_run_out_of_date_until_
     assert session.status.count == count
 
 
-def test_a_moved_start_brings_nothing_and_makes_the_run_out_of_date(begun, hand) -> None:
+def test_a_moved_initialization_adds_no_particles_and_makes_the_run_out_of_date(begun, hand) -> None:
     session = begun.session
     count = session.status.count
     hand.key(KEY.Key_S)
@@ -212,7 +210,7 @@ def test_a_moved_start_brings_nothing_and_makes_the_run_out_of_date(begun, hand)
     assert not session.status.stale
 
 
-def test_a_start_everywhere_joins_a_run_with_places_that_are_worked_out_for_it(begun, hand) -> None:
+def test_an_automatic_initialization_joins_a_run_with_computed_seeds(begun, hand) -> None:
     before = begun.session.status.count
     hand.key(KEY.Key_G, CONTROL)
     hand.wait(lambda: begun.session.status.count > before + 20)
@@ -240,7 +238,7 @@ def test_erased_particles_vanish_and_so_does_the_shape_that_the_ring_touches(beg
     assert not session.status.stale
 
 
-def test_less_and_greater_belong_to_the_ring_even_where_there_are_steps_to_go_back_to(begun, hand) -> None:
+def test_less_and_greater_resize_the_eraser_even_with_recorded_steps(begun, hand) -> None:
     for _ in range(3):
         hand.key(KEY.Key_Period)
         hand.wait(lambda: begun.session.idle)
@@ -253,7 +251,7 @@ def test_less_and_greater_belong_to_the_ring_even_where_there_are_steps_to_go_ba
     assert begun.session.status.step == step
 
 
-def test_steps_taken_with_charges_new_particles_and_the_eraser_are_found_again_as_they_were(begun, hand, shown) -> None:
+def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> None:
     session = begun.session
     seen = {}
 
@@ -281,7 +279,7 @@ def test_steps_taken_with_charges_new_particles_and_the_eraser_are_found_again_a
         np.testing.assert_array_equal(shown().position, position)
 
 
-def test_erasing_every_particle_ends_the_run_in_a_sentence(begun, hand) -> None:
+def test_erasing_all_particles_ends_the_run_with_a_message(begun, hand) -> None:
     hand.key(KEY.Key_E)
     for _ in range(15):
         hand.key(KEY.Key_Greater)
@@ -290,7 +288,7 @@ def test_erasing_every_particle_ends_the_run_in_a_sentence(begun, hand) -> None:
     assert "erased" in begun.session.resolved.state
 
 
-def test_undoing_the_drag_of_a_charge_leads_it_back_in_the_run(begun, hand, shown) -> None:
+def test_undoing_the_drag_of_a_charge_moves_it_back_in_the_run(begun, hand, shown) -> None:
     session = begun.session
     session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
     hand.key(KEY.Key_S)
@@ -318,7 +316,7 @@ def test_a_charge_belongs_to_its_image_alone(begun, hand, shown, tmp_path) -> No
     assert shown().state.charges == ()
 
 
-def test_charges_drawn_before_the_run_are_felt_from_its_first_step_and_seen_all_the_time(ready, hand, shown) -> None:
+def test_charges_drawn_before_the_run_act_from_its_first_step_and_stay_visible(ready, hand, shown) -> None:
     ready.session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
     hand.canvas.setFocus()
     hand.key(KEY.Key_Period)

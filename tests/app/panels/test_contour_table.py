@@ -1,4 +1,4 @@
-"""The table of contours and the canvas: one selection, and what is said in one is seen in the other and in files."""
+"""The table of contours and the canvas: one shared selection, and reviews that appear in both and in files."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SHIFT = Qt.KeyboardModifier.ShiftModifier
 LEFT = Qt.MouseButton.LeftButton
 
 OUTER, INNER, SINGLE, WEAK = (48.0, 68.0), (48.0, 52.0), (28.0, 114.0), (76.0, 110.0)
-"""Places on the four contours: a disc in a disc, and two others, the last of which is weak."""
+"""Points on the four contours: a disc in a disc, and two others, the last of which is weak."""
 
 DISCS = ((48, 40, 28, 90.0), (48, 40, 12, 90.0), (28, 100, 14, 180.0), (76, 100, 10, 60.0))
 
@@ -87,7 +87,7 @@ def pick(hand: Hand, place: tuple[float, float], modifier=Qt.KeyboardModifier.No
 
 
 def exported(hand: Hand, window: MainWindow, tmp_path: Path) -> list[dict]:
-    """The contours of a file written now."""
+    """The contours of a file that is exported now."""
     path = tmp_path / "out.json"
     path.unlink(missing_ok=True)
     window.session.export(path)
@@ -96,7 +96,7 @@ def exported(hand: Hand, window: MainWindow, tmp_path: Path) -> list[dict]:
     return json.loads(path.read_text(encoding="utf-8"))["contours"]
 
 
-def test_the_table_tells_of_each_contour_what_is_drawn(found, table) -> None:
+def test_the_table_shows_the_measures_of_each_contour_drawn(found, table) -> None:
     assert table.column("kind") == ["closed"] * 4
     radii = [28.0, 14.0, 12.0, 10.0]
     for length, radius in zip(table.column("length"), radii, strict=True):
@@ -107,7 +107,7 @@ def test_the_table_tells_of_each_contour_what_is_drawn(found, table) -> None:
     assert "4 closed, 0 open" in found.panels["contours"].summary.text()
 
 
-def test_a_click_on_a_heading_sorts_by_it_and_another_the_other_way_round(found, table, hand) -> None:
+def test_a_click_on_a_heading_sorts_by_it_and_a_second_reverses_the_order(found, table, hand) -> None:
     click_heading(hand, table, "strength")
     strengths = list(map(float, table.column("strength")))
     assert strengths == sorted(strengths)
@@ -116,7 +116,7 @@ def test_a_click_on_a_heading_sorts_by_it_and_another_the_other_way_round(found,
     assert list(map(float, table.column("strength"))) == sorted(strengths, reverse=True)
 
 
-def test_what_is_selected_in_the_table_is_selected_on_the_canvas_and_the_other_way_round(found, table, hand) -> None:
+def test_table_and_canvas_share_one_selection(found, table, hand) -> None:
     review, layer = found.workspace.review, hand.canvas.layers.contours
     click_row(hand, table, 0)
     assert [item.measures.number for item in review.chosen] == [1]
@@ -163,7 +163,7 @@ def test_a_contour_rejected_on_the_canvas_is_marked_in_its_row_and_missing_in_th
     assert len(exported(hand, found, tmp_path)) == 4
 
 
-def test_the_same_key_once_more_takes_a_verdict_back(found, table, hand) -> None:
+def test_the_same_key_again_removes_a_verdict(found, table, hand) -> None:
     click_row(hand, table, 0)
     hand.key(KEY.Key_K)
     assert table.column("verdict")[0] == "✓ kept"
@@ -174,7 +174,7 @@ def test_the_same_key_once_more_takes_a_verdict_back(found, table, hand) -> None
     assert found.session.document.marks == ()
 
 
-def test_several_rows_are_judged_at_once_and_undone_at_once(found, table, hand) -> None:
+def test_several_rows_are_reviewed_and_undone_together(found, table, hand) -> None:
     click_row(hand, table, 0)
     click_row(hand, table, 2, SHIFT)
     hand.qtbot.mouseClick(found.panels["contours"].buttons["reject"], LEFT)
@@ -232,7 +232,7 @@ def test_a_color_is_chosen_from_the_menu_drawn_and_exported(found, table, hand, 
     assert layer._curves[True].count == 4
 
 
-def test_rejected_contours_are_hidden_by_the_menu_and_then_out_of_reach(found, hand) -> None:
+def test_rejected_contours_hidden_by_the_menu_cannot_be_selected(found, hand) -> None:
     hand.key(KEY.Key_V)
     pick(hand, SINGLE)
     hand.key(KEY.Key_X)
@@ -248,7 +248,7 @@ def test_rejected_contours_are_hidden_by_the_menu_and_then_out_of_reach(found, h
 
 
 @pytest.mark.parametrize("name", ["min_strength", "min_length"])
-def test_a_slider_leaves_out_the_least_at_once_and_is_undone_in_one_step(found, table, hand, name) -> None:
+def test_a_threshold_excludes_contours_at_once_and_is_undone_in_one_step(found, table, hand, name) -> None:
     threshold = found.panels["contours"].thresholds[name]
     threshold.slider.setFocus()
     for _ in range(100):
@@ -260,7 +260,7 @@ def test_a_slider_leaves_out_the_least_at_once_and_is_undone_in_one_step(found, 
             hand.qtbot.keyClick(threshold.slider, KEY.Key_Right)
     assert len(table.column("number")) == 3
     assert all(float(length) > 2 * np.pi * 11 for length in table.column("length")), "the weakest is the shortest, too"
-    assert threshold.histogram._counts.sum() == 4, "what has been left out is still seen in the histogram"
+    assert threshold.histogram._counts.sum() == 4, "excluded values stay in the histogram"
     assert getattr(found.session.document.parameters, name) > 0.0
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
@@ -268,7 +268,7 @@ def test_a_slider_leaves_out_the_least_at_once_and_is_undone_in_one_step(found, 
     assert getattr(found.session.document.parameters, name) == 0.0
 
 
-def test_selection_order_and_a_name_being_written_outlast_a_reconstruction(found, table, hand) -> None:
+def test_a_reconstruction_preserves_selection_order_and_a_name_being_edited(found, table, hand) -> None:
     click_heading(hand, table, "strength")
     click_row(hand, table, 2)
     chosen = table.column("number")[2]
@@ -290,7 +290,7 @@ def test_selection_order_and_a_name_being_written_outlast_a_reconstruction(found
     hand.wait(lambda: found.workspace.review.chosen[0].contour.name == "half a na")
 
 
-def test_marks_stay_with_their_contours_in_a_run_from_another_start(found, table, hand) -> None:
+def test_reviews_stay_with_their_contours_in_a_run_from_another_initialization(found, table, hand) -> None:
     click_row(hand, table, 1)
     hand.key(KEY.Key_X)
     found.session.edit("more", lambda document: edits.add_shape(document, Circle((28.0, 100.0), 5.0)))
@@ -311,21 +311,21 @@ def test_shift_n_goes_through_the_contours_longest_first(found, hand) -> None:
     assert numbers == [1, 2, 3, 4, 1]
 
 
-def test_a_table_that_is_opened_later_shows_what_is_selected_and_said_by_then(found, table, hand) -> None:
+def test_a_table_that_is_opened_later_shows_the_present_selection_and_review(found, table, hand) -> None:
     dock = found.docks["contours"]
     dock.hide()
     hand.canvas.setFocus()
     hand.key(KEY.Key_V)
     pick(hand, SINGLE)
     hand.key(KEY.Key_X)
-    assert table.column("verdict") == ["–"] * 4, "nobody sees it"
+    assert table.column("verdict") == ["–"] * 4, "a hidden table is not updated"
     hand.key(KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
     assert dock.isVisible()
     assert table.column("verdict") == ["–", "✗ rejected", "–", "–"]
     assert [index.row() for index in table.selectionModel().selectedRows()] == [1]
 
 
-def test_escape_selects_nothing(found, table, hand) -> None:
+def test_escape_clears_the_selection(found, table, hand) -> None:
     hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
     assert len(found.workspace.review.selected) == 4
     hand.key(KEY.Key_Escape)
@@ -333,14 +333,14 @@ def test_escape_selects_nothing(found, table, hand) -> None:
     assert not table.selectionModel().hasSelection()
 
 
-def test_nothing_is_offered_for_contours_where_none_is_selected(window, hand) -> None:
+def test_review_buttons_are_disabled_without_a_selection(window, hand) -> None:
     for name in ("keep", "reject", "name_contour"):
         assert not window.actions_by_name[name].isEnabled()
     assert not any(button.isEnabled() for button in window.panels["contours"].buttons.values())
     assert window.panels["contours"].summary.text().startswith("No contours yet")
 
 
-def test_lengths_are_told_in_the_unit_of_the_image(found, table) -> None:
+def test_lengths_are_given_in_the_unit_of_the_image(found, table) -> None:
     result = replace(found.workspace.review.result, spacing=(0.5, 0.5), unit="mm")
     tracked = ContourTracker().track(result, thorough=False)
     found.session.show(replace(found.session.scene, contours=ReviewedContours.of(tracked, ())))

@@ -1,4 +1,4 @@
-"""Every parameter is named, explained and drawn; the illustration follows its value and rests when nobody looks."""
+"""Every parameter is named, explained and illustrated; the illustration follows its value and stops when hidden."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from cpm_core.parameters import PARAMETERS
 CONTROLS = {control.name: control for control in controls()}
 
 
-def test_every_control_has_words_and_a_drawing_and_nothing_else_has() -> None:
+def test_every_control_has_words_and_an_illustration_and_nothing_else_has() -> None:
     assert set(WORDS) == set(ILLUSTRATIONS) == set(CONTROLS) == {*PARAMETERS, "ratio"} - {"w1"}
 
 
-def test_no_two_controls_are_called_the_same() -> None:
+def test_no_two_controls_have_the_same_name() -> None:
     for names in ([words.plain for words in WORDS.values()], [control.title for control in CONTROLS.values()]):
         assert len(set(names)) == len(names)
 
 
 @pytest.mark.parametrize("name", CONTROLS)
-def test_a_drawing_changes_with_the_value_and_with_time(qtbot, name) -> None:
+def test_an_illustration_changes_with_the_value_and_with_time(qtbot, name) -> None:
     illustration, control = Illustration(), CONTROLS[name]
     qtbot.addWidget(illustration)
     span = control.slider_high - control.slider_low
@@ -40,7 +40,7 @@ def test_a_drawing_changes_with_the_value_and_with_time(qtbot, name) -> None:
 
 
 @pytest.mark.parametrize("name", CONTROLS)
-def test_a_drawing_bears_every_value_that_may_be_typed(qtbot, name) -> None:
+def test_an_illustration_accepts_every_value_that_may_be_typed(qtbot, name) -> None:
     illustration, control = Illustration(), CONTROLS[name]
     qtbot.addWidget(illustration)
     for value in (control.low, control.high, "auto"):
@@ -49,7 +49,7 @@ def test_a_drawing_bears_every_value_that_may_be_typed(qtbot, name) -> None:
             assert not illustration.picture(moment).isNull()
 
 
-def test_a_drawing_moves_only_while_it_is_seen_and_motion_is_wanted(window, hand) -> None:
+def test_an_illustration_is_animated_only_while_it_is_visible_and_animation_is_on(window, hand) -> None:
     illustration = window.panels["parameters"].explanation.illustration
     hand.wait(lambda: illustration.moving)
     window.actions_by_name["motion"].trigger()
@@ -62,7 +62,7 @@ def test_a_drawing_moves_only_while_it_is_seen_and_motion_is_wanted(window, hand
 
 
 @pytest.mark.parametrize("size", [(1000, 700), (1500, 1000)])
-def test_the_explanation_follows_focus_and_fits_its_place(window, hand, size) -> None:
+def test_the_explanation_follows_the_focus_and_fits_its_panel(window, hand, size) -> None:
     window.resize(*size)
     panel = window.panels["parameters"]
     panel.advanced.fold.click()
@@ -72,24 +72,24 @@ def test_the_explanation_follows_focus_and_fits_its_place(window, hand, size) ->
         for name, row in panel.rows.items():
             row.slider.setFocus(Qt.FocusReason.TabFocusReason)
             hand.wait(lambda row=row: panel.explanation.control is row.control)
-            said = panel.explanation.head.text() + panel.explanation.body.text()
-            assert row.control.more in said
-            assert row.control.rich_symbol in said
+            shown = panel.explanation.head.text() + panel.explanation.body.text()
+            assert row.control.more in shown
+            assert row.control.rich_symbol in shown
             for label in (panel.explanation.head, panel.explanation.body):
                 assert label.isHidden() or label.heightForWidth(label.width()) <= label.height(), name
 
 
-def test_all_is_said_where_there_is_room(window, hand) -> None:
+def test_the_explanation_is_complete_where_there_is_room(window, hand) -> None:
     window.resize(1500, 1100)
     explanation = window.panels["parameters"].explanation
     hand.wait(explanation.body.isVisible)
     control = explanation.control
-    said = explanation.head.text() + explanation.body.text()
+    shown = explanation.head.text() + explanation.body.text()
     for part in (control.intuitive, control.title, control.span, control.meaning, control.formula, control.acts):
-        assert part in said
+        assert part in shown
 
 
-def test_the_drawing_follows_the_slider(window, hand) -> None:
+def test_the_illustration_follows_the_slider(window, hand) -> None:
     panel = window.panels["parameters"]
     row = panel.rows["annealing"]
     row.explained.emit(row.control)
@@ -100,7 +100,7 @@ def test_the_drawing_follows_the_slider(window, hand) -> None:
     assert panel.explanation.illustration.picture(0.8) != before
 
 
-def test_words_and_formulas_are_switched_from_the_menu_and_kept(window, hand) -> None:
+def test_plain_and_formula_labels_are_switched_from_the_menu_and_remembered(window, hand) -> None:
     row = window.panels["parameters"].rows["beta"]
     assert "Calm" in row.findChild(QLabel).text()
     window.actions_by_name["wording_formula"].trigger()
@@ -112,12 +112,12 @@ def test_words_and_formulas_are_switched_from_the_menu_and_kept(window, hand) ->
     assert "Calm" in row.findChild(QLabel).text()
 
 
-def test_symbols_are_set_with_what_stands_lower() -> None:
+def test_symbols_are_set_with_subscripts() -> None:
     assert rich("d_max,0") == "<i>d</i><sub>max,0</sub>"
     assert rich("β") == "<i>β</i>"
 
 
-def test_the_preferences_offer_wording_motion_and_colors(window, hand) -> None:
+def test_the_preferences_offer_wording_animation_and_colors(window, hand) -> None:
     dialog = window.feature(PreferencesFeature).show()
     wording, motion, colors = (dialog.rows[label] for label in ("Wording", "Illustrations", "Colors"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
@@ -132,7 +132,7 @@ def test_the_preferences_offer_wording_motion_and_colors(window, hand) -> None:
     dialog.reject()
 
 
-def test_space_presses_what_has_the_focus_and_runs_nothing(ready, hand) -> None:
+def test_space_presses_the_focused_button_and_does_not_start_a_run(ready, hand) -> None:
     box = ready.panels["parameters"].rows["smoothing"].findChild(QCheckBox)
     ready.panels["parameters"].advanced.fold.click()
     hand.wait(box.isVisible)

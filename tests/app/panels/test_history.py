@@ -1,4 +1,4 @@
-"""Undo and redo go back and forth over everything, whatever the order."""
+"""Undo and redo restore every document, in any order."""
 
 from __future__ import annotations
 

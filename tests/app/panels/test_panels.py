@@ -1,4 +1,4 @@
-"""The panels show what is and change what the user changes, nothing else."""
+"""The panels show the present state and change only what the user changes."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from app.session.exchange.messages import RunMetrics
 from app.views.canvas.items.curves import pieces
 from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
 from app.views.features.help.help import show_about
-from app.views.panels.run.plot import PlotPanel
+from app.views.panels.run.run_panel import PlotPanel
 from cpm_core import Parameters
 
 
-def test_every_parameter_tells_symbol_range_default_and_what_more_of_it_does(window) -> None:
+def test_every_tooltip_has_symbol_range_default_and_effect(window) -> None:
     rows = window.panels["parameters"].rows
     assert [row.control for row in rows.values()] == list(controls())
     for name, row in rows.items():
         tip = row.slider.toolTip()
-        for said in (row.control.symbol, row.control.meaning, row.control.more, "default"):
-            assert said in tip, name
+        for part in (row.control.symbol, row.control.meaning, row.control.more, "default"):
+            assert part in tip, name
 
 
 @pytest.mark.parametrize("name", ["beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"])
-def test_a_double_click_on_a_slider_and_the_button_bring_the_default_back(window, hand, name) -> None:
+def test_a_double_click_on_a_slider_and_the_button_restore_the_default(window, hand, name) -> None:
     panel = window.panels["parameters"]
     panel.advanced.fold.click()
     row = panel.rows[name]
@@ -49,7 +49,7 @@ def test_a_double_click_on_a_slider_and_the_button_bring_the_default_back(window
         )
 
 
-def test_smoothing_can_be_left_to_the_program_and_taken_back(window, hand) -> None:
+def test_automatic_smoothing_can_be_turned_on_and_off(window, hand) -> None:
     row = window.panels["parameters"].rows["smoothing"]
     row.findChild(QCheckBox).click()
     assert window.session.document.parameters.smoothing == "auto"
@@ -88,7 +88,7 @@ def test_no_label_is_cut_off(window, hand, size, advanced) -> None:
             assert right <= column.width(), child.text()
 
 
-def test_the_figures_of_a_large_run_fit_their_places(window, hand) -> None:
+def test_the_numbers_of_a_large_run_fit_their_labels(window, hand) -> None:
     status = RunStatus(
         "running", step=123_456, count=98_765, scale=2, epsilon=0.0123, steps_per_second=1234.0, closed=123, open=456,
         bridges=23, longest_bridge=104.6,
@@ -103,7 +103,7 @@ def test_the_figures_of_a_large_run_fit_their_places(window, hand) -> None:
             assert label.mapTo(panel, QPoint(label.width(), 0)).x() <= panel.width(), label.text()
 
 
-def test_the_plot_draws_whatever_a_run_can_give(qtbot) -> None:
+def test_the_plot_draws_all_values_that_a_run_can_have(qtbot) -> None:
     plot = PlotPanel()
     qtbot.addWidget(plot)
     plot.resize(300, 150)
@@ -116,7 +116,7 @@ def test_the_plot_draws_whatever_a_run_can_give(qtbot) -> None:
     assert drawn != empty
 
 
-def test_arrows_neither_crowd_nor_leave_what_is_seen() -> None:
+def test_arrows_neither_crowd_nor_leave_the_visible_part() -> None:
     field = np.stack([np.zeros((200, 300)), np.ones((200, 300))])
     seen = QRectF(50.0, 20.0, 100.0, 80.0)
     for pixel in (0.02, 0.5, 3.0):
@@ -137,7 +137,7 @@ def test_the_pieces_of_a_path_cover_every_segment(length) -> None:
     assert covered == {(a[0], b[0]) for a, b in pairwise(path)}
 
 
-def test_light_and_dark_are_both_to_be_had(window) -> None:
+def test_light_and_dark_colors_can_be_chosen(window) -> None:
     window.actions_by_name["theme_dark"].trigger()
     dark = window.palette().window().color().lightness()
     window.actions_by_name["theme_light"].trigger()

@@ -1,4 +1,4 @@
-"""The plots tell what the run has recorded, for every step that is asked about."""
+"""The plots show the recorded metrics of a run at every step."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from PySide6.QtCore import Qt
 from app.model.display.plots import PLOTS, figure
 from app.session.exchange.messages import RunMetrics
 from app.session.worker.run_record import RunRecord
-from app.views.panels.run.plot import PlotPanel
+from app.views.panels.run.run_panel import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc
 
 
 def trace_of(length: int) -> RunMetrics:
-    """A record of so many steps over three scales."""
+    """Metrics of a number of steps over three scales."""
     step = np.arange(1.0, length + 1)
     return RunMetrics(
         step, 1.0 / step, 10 * step, step % 3, step % 2, 1.0 / step**2, -step, 2.0 - step // (length / 3), step
@@ -38,7 +38,7 @@ def panel(qtbot):
 
 @pytest.mark.parametrize("plot", PLOTS, ids=lambda plot: plot.name)
 @given(st.lists(st.floats(1e-12, 1e9), min_size=1, max_size=20))
-def test_every_value_has_its_place_on_the_axis(plot, values):
+def test_every_value_lies_on_the_axis(plot, values):
     column = np.array(values)
     record = RunMetrics(column, column, column, column, column, column, -column, column, column)
     axis = plot.axis(record)
@@ -51,7 +51,7 @@ def test_every_value_has_its_place_on_the_axis(plot, values):
     assert axis.low < axis.high
 
 
-def test_the_stopping_line_is_always_in_sight_of_a_curve_that_nears_it():
+def test_the_stopping_line_is_visible_when_the_curve_is_near_it():
     plot = PLOTS[0]
     for epsilon in (1.0, 1e-2, 5e-4, 1e-5):
         column = np.full(4, epsilon)
@@ -59,7 +59,7 @@ def test_the_stopping_line_is_always_in_sight_of_a_curve_that_nears_it():
         assert 0.0 <= at <= 1.0
 
 
-def test_the_record_holds_what_the_states_were(compiled_loops):
+def test_the_metrics_are_those_of_the_recorded_states(compiled_loops):
     parameters = Parameters()
     engine, recorder = Engine(disc(), parameters), RunRecord()
     state = engine.start([(32.0, 20.0), (32.0, 44.0), (20.0, 32.0)])
@@ -71,15 +71,15 @@ def test_the_record_holds_what_the_states_were(compiled_loops):
     metrics = recorder.metrics()
     for name in ("step", "count", "born", "deleted", "scale"):
         assert getattr(metrics, name).tolist() == [getattr(state, name) for state in states]
-    told = [engine.energies(state, parameters) for state in states]
-    assert metrics.kinetic == pytest.approx([energies.kinetic for energies in told])
+    expected = [engine.energies(state, parameters) for state in states]
+    assert metrics.kinetic == pytest.approx([energies.kinetic for energies in expected])
     assert np.isnan(metrics.potential[:3]).all()
     assert metrics.potential[3:] == pytest.approx(
-        [told[i - i % 4 + 3 - 4 * (i % 4 != 3)].potential for i in range(3, 20)]
+        [expected[i - i % 4 + 3 - 4 * (i % 4 != 3)].potential for i in range(3, 20)]
     )
 
 
-def test_pointer_and_keys_read_the_figures_of_a_step(panel, qtbot):
+def test_pointer_and_keys_read_the_values_of_a_step(panel, qtbot):
     chart, metrics = panel.chart, trace_of(61)
     panel.show_plots([plot.name for plot in PLOTS])
     panel.show_metrics(metrics)
@@ -97,7 +97,7 @@ def test_pointer_and_keys_read_the_figures_of_a_step(panel, qtbot):
     assert chart.reading == ""
 
 
-def test_what_is_read_may_be_gone_when_a_run_is_taken_back(panel):
+def test_going_back_in_a_run_clears_a_reading_beyond_its_end(panel):
     panel.show_metrics(trace_of(60))
     panel.chart.read(50)
     panel.show_metrics(trace_of(10))
@@ -106,7 +106,7 @@ def test_what_is_read_may_be_gone_when_a_run_is_taken_back(panel):
     panel.grab()
 
 
-def test_curves_are_chosen_by_keys_and_stay_chosen(ready, hand, qtbot):
+def test_plots_are_chosen_by_keys_and_remembered(ready, hand, qtbot):
     window, plot = ready, ready.panels["run"].plot
     assert plot.shown == ("epsilon", "count")
     button = plot.buttons["potential"]
@@ -139,5 +139,5 @@ def test_each_curve_and_each_change_of_scale_is_drawn(panel):
 
 
 def columns(metrics: RunMetrics) -> list[tuple[str, np.ndarray]]:
-    """Names and columns of a trace."""
+    """Names and columns of metrics."""
     return [(name, getattr(metrics, name)) for name in RunMetrics.__dataclass_fields__]

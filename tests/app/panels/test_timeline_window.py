@@ -27,7 +27,7 @@ LEFT = Qt.MouseButton.LeftButton
 
 @pytest.fixture
 def fresh(ready) -> list[State]:
-    """The states of the same run, taken without a window."""
+    """The states of the same run, computed without a window."""
     engine = Engine(ready.session.image, Parameters())
     states = [engine.start(circle((32.0, 32.0), 10.0))]
     while not states[-1].stop_reason:
@@ -37,7 +37,7 @@ def fresh(ready) -> list[State]:
 
 @pytest.fixture
 def rested(ready, hand):
-    """A window whose run is over."""
+    """A window with a finished run."""
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle)
@@ -58,7 +58,7 @@ def ordered(state: State) -> np.ndarray:
     return state.position[np.lexsort(state.position.T)]
 
 
-def settle(window, hand, step: int) -> None:
+def wait_for_step(window, hand, step: int) -> None:
     hand.wait(lambda: window.session.status.step == step and window.session.idle)
 
 
@@ -82,25 +82,25 @@ def go_on_otherwise(window, hand) -> None:
     hand.wait(lambda: window.session.idle)
 
 
-def test_scrubbing_back_shows_the_very_particles_of_that_step(rested, hand, fresh) -> None:
+def test_scrubbing_back_shows_exactly_the_particles_of_that_step(rested, hand, fresh) -> None:
     assert rested.session.status.step == fresh[-1].step
     scrub(rested, hand, 1, 10, 25, 60, 40)
     step = navigation(rested).place[1]
     assert abs(step - 40) <= 1  # a pixel of the timeline may be more than a step
-    settle(rested, hand, step)
+    wait_for_step(rested, hand, step)
     assert rested.session.status.phase == "paused"
     np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
     assert rested.panels["run"].status.value("Step") == str(step)
     assert len(rested.session.scene.snapshot.metrics.step) == step
 
 
-def test_going_on_otherwise_from_an_earlier_step_keeps_both_branches(rested, hand, fresh) -> None:
+def test_continuing_differently_from_an_earlier_step_keeps_both_branches(rested, hand, fresh) -> None:
     panel = rested.panels["timeline"]
     panel.step.setFocus()
     panel.step.selectAll()
     hand.qtbot.keyClicks(panel.step, "40")
     hand.qtbot.keyClick(panel.step, KEY.Key_Return)
-    settle(rested, hand, 40)
+    wait_for_step(rested, hand, 40)
     np.testing.assert_array_equal(shown(rested), ordered(fresh[40]))
     go_on_otherwise(rested, hand)
     kept, new = navigation(rested).outline.branches
@@ -112,7 +112,7 @@ def test_going_on_otherwise_from_an_earlier_step_keeps_both_branches(rested, han
     panel.view.setFocus()
     while navigation(rested).place[1] != 60:
         hand.key(KEY.Key_Right if navigation(rested).place[1] < 60 else KEY.Key_Left)
-    settle(rested, hand, 60)
+    wait_for_step(rested, hand, 60)
     np.testing.assert_array_equal(shown(rested), ordered(state))
     hand.key(KEY.Key_Up)
     hand.wait(lambda: navigation(rested).outline.branch == kept.identity and rested.session.idle)
@@ -120,7 +120,7 @@ def test_going_on_otherwise_from_an_earlier_step_keeps_both_branches(rested, han
     assert not np.array_equal(ordered(state), ordered(fresh[60]))
 
 
-def test_a_branch_compared_with_is_seen_beside_and_the_difference_told(rested, hand, fresh) -> None:
+def test_a_compared_branch_is_shown_with_its_difference(rested, hand, fresh) -> None:
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
     go_on_otherwise(rested, hand)
@@ -137,7 +137,7 @@ def test_a_branch_compared_with_is_seen_beside_and_the_difference_told(rested, h
     for _ in range(3):
         hand.key(KEY.Key_Comma)
     step = navigation(rested).place[1]
-    settle(rested, hand, step)
+    wait_for_step(rested, hand, step)
     hand.wait(lambda: ghost.count == fresh[step].count)
     hand.qtbot.keyClick(panel.branch.compare, KEY.Key_Up)
     hand.wait(lambda: ghost.count == 0)
@@ -149,11 +149,11 @@ def test_steps_backwards_return_exactly_and_forwards_repeat_the_branch(rested, h
     last = fresh[-1].step
     for back in range(1, 6):
         hand.key(KEY.Key_Comma)
-        settle(rested, hand, last - back)
+        wait_for_step(rested, hand, last - back)
         np.testing.assert_array_equal(shown(rested), ordered(fresh[last - back]))
     for forward in range(1, 3):
         hand.key(KEY.Key_Period)
-        settle(rested, hand, last - 5 + forward)
+        wait_for_step(rested, hand, last - 5 + forward)
         np.testing.assert_array_equal(shown(rested), ordered(fresh[last - 5 + forward]))
     assert len(navigation(rested).outline.branches) == 1
     assert navigation(rested).last(1) == last
@@ -168,13 +168,13 @@ def test_keys_go_ten_steps_and_to_both_ends(rested, hand, fresh) -> None:
     rested.session.select(None)
     last = fresh[-1].step
     hand.key(KEY.Key_Comma, SHIFT)
-    settle(rested, hand, last - 10)
+    wait_for_step(rested, hand, last - 10)
     hand.key(KEY.Key_Comma, SHIFT)
-    settle(rested, hand, last - 20)
+    wait_for_step(rested, hand, last - 20)
     hand.key(KEY.Key_Period, SHIFT)
-    settle(rested, hand, last - 10)
+    wait_for_step(rested, hand, last - 10)
     hand.key(KEY.Key_Home)
-    settle(rested, hand, 0)
+    wait_for_step(rested, hand, 0)
     np.testing.assert_array_equal(shown(rested), ordered(fresh[0]))
     assert hand.canvas.layers.contours.counts == (0, 0)
     hand.key(KEY.Key_Comma)
@@ -182,10 +182,10 @@ def test_keys_go_ten_steps_and_to_both_ends(rested, hand, fresh) -> None:
     assert rested.session.status.step == 0
     hand.key(KEY.Key_End)
     hand.wait_for_phase("finished")
-    settle(rested, hand, last)
+    wait_for_step(rested, hand, last)
 
 
-def test_going_back_while_it_runs_holds_it(ready, hand) -> None:
+def test_going_back_during_a_run_pauses_it(ready, hand) -> None:
     ready.session.set_pace(60.0)
     hand.key(KEY.Key_Space)
     hand.wait(lambda: ready.session.status.step >= 12)
@@ -198,7 +198,7 @@ def test_going_back_while_it_runs_holds_it(ready, hand) -> None:
 
 @dataclass(frozen=True)
 class Wait(Command):
-    """Holds the worker until it is let."""
+    """Blocks the worker until it is released."""
 
     gate: threading.Event
 
@@ -206,7 +206,7 @@ class Wait(Command):
         assert self.gate.wait(20)
 
 
-def test_of_many_places_on_the_way_only_the_last_is_gone_to(rested, hand, monkeypatch) -> None:
+def test_of_many_requested_steps_only_the_last_is_computed(rested, hand, monkeypatch) -> None:
     gone: list[int] = []
     go_to, gate = Run.go_to, threading.Event()
     monkeypatch.setattr(Run, "go_to", lambda run, *at: gone.append(at[1]) or go_to(run, *at))
@@ -214,20 +214,20 @@ def test_of_many_places_on_the_way_only_the_last_is_gone_to(rested, hand, monkey
     scrub(rested, hand, 1, *range(5, 60))
     step = navigation(rested).place[1]
     assert abs(step - 59) <= 1
-    assert rested.panels["timeline"].step.value() == step  # shown at once, before anything has been worked out
+    assert rested.panels["timeline"].step.value() == step  # shown at once, before anything has been computed
     gate.set()
-    settle(rested, hand, step)
+    wait_for_step(rested, hand, step)
     assert gone == [step]
 
 
 def test_recorded_steps_are_played_to_the_end(rested, hand, record, fresh) -> None:
     scrub(rested, hand, 1, fresh[-1].step - 6)
     begun = navigation(rested).place[1]
-    settle(rested, hand, begun)
+    wait_for_step(rested, hand, begun)
     seen = record("snapshot")
     hand.qtbot.mouseClick(rested.panels["timeline"].buttons["play"], LEFT)
     assert navigation(rested).playing
-    settle(rested, hand, fresh[-1].step)
+    wait_for_step(rested, hand, fresh[-1].step)
     hand.wait(lambda: not navigation(rested).playing)
     assert [snapshot.state.step for snapshot in seen] == list(range(begun + 1, fresh[-1].step + 1))
 
@@ -251,7 +251,7 @@ def test_branches_are_named_and_deleted(rested, hand, fresh) -> None:
     assert not panel.branch.delete.isEnabled()
 
 
-def test_a_reset_forgets_the_timeline(rested, hand) -> None:
+def test_a_reset_clears_the_timeline(rested, hand) -> None:
     panel = rested.panels["timeline"]
     assert panel.view.accessibleDescription().startswith("Branch 1, step")
     hand.canvas.setFocus()
@@ -270,7 +270,7 @@ def test_a_press_on_a_name_changes_the_branch_and_keeps_the_step(rested, hand) -
     step = min(branch.last for branch in navigation(rested).outline.branches) - 2
     scrub(rested, hand, 2, step)
     step = navigation(rested).place[1]
-    settle(rested, hand, step)
+    wait_for_step(rested, hand, step)
     view = rested.panels["timeline"].view
     y = view.point(1, 0).toPoint().y()
     hand.qtbot.mouseClick(view, LEFT, pos=QPoint(14, y))
@@ -278,7 +278,7 @@ def test_a_press_on_a_name_changes_the_branch_and_keeps_the_step(rested, hand) -
     assert rested.session.status.step == step
 
 
-def test_the_parameters_of_a_step_can_be_set_again_and_going_on_then_repeats_its_branch(rested, hand, fresh) -> None:
+def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand, fresh) -> None:
     panel, first = rested.panels["timeline"], rested.session.document.parameters
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
@@ -286,7 +286,7 @@ def test_the_parameters_of_a_step_can_be_set_again_and_going_on_then_repeats_its
     go_on_otherwise(rested, hand)
     scrub(rested, hand, 1, 50)
     step = navigation(rested).place[1]
-    settle(rested, hand, step)
+    wait_for_step(rested, hand, step)
     assert panel.parameters.isVisible()
     hand.qtbot.mouseClick(panel.parameters, LEFT)
     assert rested.session.document.parameters == first
@@ -294,19 +294,19 @@ def test_the_parameters_of_a_step_can_be_set_again_and_going_on_then_repeats_its
     assert "parameters of step" in rested.actions_by_name["undo"].text()
     hand.canvas.setFocus()
     hand.key(KEY.Key_Period)
-    settle(rested, hand, step + 1)
+    wait_for_step(rested, hand, step + 1)
     np.testing.assert_array_equal(shown(rested), ordered(fresh[step + 1]))
     assert navigation(rested).outline.branch == 1
     assert len(navigation(rested).outline.branches) == 2
 
 
-def test_memory_is_preferred_in_the_dialog_and_kept_to_at_once(rested, hand, fresh) -> None:
+def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> None:
     used = navigation(rested).outline.used
     assert used > 0
     hand.key(KEY.Key_Comma, CONTROL)
     (dialog,) = rested.findChildren(PreferencesDialog)
-    field, told = dialog.rows["Memory for steps"], dialog.rows["In use now"]
-    assert f"{used / MEGABYTE:.1f} MB" in told.text()
+    field, used_now = dialog.rows["Memory for steps"], dialog.rows["In use now"]
+    assert f"{used / MEGABYTE:.1f} MB" in used_now.text()
     field.setFocus()
     field.selectAll()
     hand.qtbot.keyClicks(field, "16")
@@ -316,15 +316,15 @@ def test_memory_is_preferred_in_the_dialog_and_kept_to_at_once(rested, hand, fre
     hand.qtbot.keyClick(dialog, KEY.Key_Escape)
     hand.wait(lambda: not rested.findChildren(PreferencesDialog))
     navigation(rested).by(-1)
-    settle(rested, hand, fresh[-1].step - 1)
+    wait_for_step(rested, hand, fresh[-1].step - 1)
 
 
-def test_with_hardly_any_memory_every_step_is_still_exact(rested, hand, fresh) -> None:
+def test_with_very_little_memory_every_step_is_still_exact(rested, hand, fresh) -> None:
     recorded = rested.session._worker_thread._run.recorded
     recorded.set_budget(1)
     for step in (40, 3, 57, 56):
         navigation(rested).go(1, step)
-        settle(rested, hand, step)
+        wait_for_step(rested, hand, step)
         np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
     assert navigation(rested).outline.kept <= 2
 
@@ -336,9 +336,9 @@ def test_every_part_of_the_window_has_the_rows_that_it_brings(rested) -> None:
     dialog.reject()
 
 
-def test_the_state_gone_back_to_is_the_whole_state(rested, hand, fresh) -> None:
+def test_going_back_restores_the_complete_state(rested, hand, fresh) -> None:
     navigation(rested).go(1, 33)
-    settle(rested, hand, 33)
+    wait_for_step(rested, hand, 33)
     state = rested.session.scene.snapshot.state
     for name in ("position", "velocity", "force", "distance", "identity"):
         np.testing.assert_array_equal(getattr(state.particles, name), getattr(fresh[33].particles, name))

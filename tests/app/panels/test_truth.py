@@ -1,4 +1,4 @@
-"""Ground truth: the figures are those of geometry, follow every reconstruction, and lead to where it is wrong."""
+"""Ground truth: the measures agree with geometry, follow every reconstruction, and locate the differences."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ RADIUS, SHIFT = 18.0, 9.0
 
 
 def lens(radius: float, shift: float) -> float:
-    """Common area of two discs of a radius whose centers are some way apart."""
+    """Common area of two discs of equal radius at a distance of their centers."""
     half = shift / (2 * radius)
     return 2 * radius**2 * math.acos(half) - 0.5 * shift * math.sqrt(4 * radius**2 - shift**2)
 
@@ -54,7 +54,7 @@ def compared(ready: MainWindow, hand: Hand, mask_file: Path, monkeypatch: pytest
 
 
 def figure(window: MainWindow, name: str) -> float:
-    return float(window.panels["truth"].figures[name].text().split()[0])
+    return float(window.panels["truth"].values[name].text().split()[0])
 
 
 def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) -> None:
@@ -66,7 +66,7 @@ def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) 
     assert compared.docks["truth"].isVisible()
 
 
-def test_where_they_differ_is_drawn_and_a_larger_tolerance_leaves_nothing(compared, hand) -> None:
+def test_differences_are_drawn_and_vanish_with_a_larger_tolerance(compared, hand) -> None:
     layer, panel = hand.canvas.layers["truth"], compared.panels["truth"]
     boundaries, missing, wrong = layer.counts
     assert boundaries == 1
@@ -82,7 +82,7 @@ def test_where_they_differ_is_drawn_and_a_larger_tolerance_leaves_nothing(compar
     assert not compared.actions_by_name["worst_place"].isEnabled()
 
 
-def test_the_worst_place_is_brought_into_sight(compared, hand) -> None:
+def test_the_largest_difference_is_brought_into_view(compared, hand) -> None:
     hand.qtbot.mouseClick(compared.panels["truth"].worst_button, LEFT)
     worst = compared.workspace.truth.verified.differences[0]
     assert worst.farthest == pytest.approx(SHIFT, abs=0.8)
@@ -93,15 +93,15 @@ def test_the_worst_place_is_brought_into_sight(compared, hand) -> None:
     assert seen.height() < 70
 
 
-def test_a_rejected_contour_counts_no_longer_and_the_figures_come_back_with_it(compared, hand) -> None:
+def test_a_rejected_contour_is_excluded_until_it_is_restored(compared, hand) -> None:
     before = figure(compared, "dice")
     hand.canvas.setFocus()
     hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
     hand.key(KEY.Key_X)
-    hand.wait(lambda: compared.panels["truth"].figures["dice"].text() == "0.0000")
-    assert compared.panels["truth"].figures["hausdorff"].text() == "–"
+    hand.wait(lambda: compared.panels["truth"].values["dice"].text() == "0.0000")
+    assert compared.panels["truth"].values["hausdorff"].text() == "–"
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    hand.wait(lambda: compared.panels["truth"].figures["dice"].text() == f"{before:.4f}")
+    hand.wait(lambda: compared.panels["truth"].values["dice"].text() == f"{before:.4f}")
 
 
 def test_contours_written_by_the_program_are_their_own_truth(compared, hand, tmp_path) -> None:
@@ -111,12 +111,12 @@ def test_contours_written_by_the_program_are_their_own_truth(compared, hand, tmp
     hand.wait(lambda: compared.session.idle)
     compared.feature(TruthFeature).truth.load(path)
     hand.wait(lambda: "own.geojson" in compared.panels["truth"].source.text())
-    hand.wait(lambda: compared.panels["truth"].figures["dice"].text() == "1.0000")
+    hand.wait(lambda: compared.panels["truth"].values["dice"].text() == "1.0000")
     assert figure(compared, "hausdorff") == 0.0
-    assert compared.panels["truth"].pieces.text() == "Everywhere within the tolerance."
+    assert compared.panels["truth"].pieces.text() == "All boundaries agree within the tolerance."
 
 
-def test_a_mask_of_another_size_is_refused_in_a_sentence_and_the_truth_stays(compared, hand, tmp_path) -> None:
+def test_a_mask_of_another_size_is_rejected_with_a_message_and_the_truth_stays(compared, hand, tmp_path) -> None:
     path = tmp_path / "small.npy"
     np.save(path, np.eye(20))
     compared.feature(TruthFeature).truth.load(path)
@@ -124,14 +124,14 @@ def test_a_mask_of_another_size_is_refused_in_a_sentence_and_the_truth_stays(com
     assert compared.workspace.truth.truth.source == "mask.npy"
 
 
-def test_another_image_has_no_truth_yet(compared, hand, tmp_path) -> None:
+def test_a_new_image_has_no_ground_truth(compared, hand, tmp_path) -> None:
     other = tmp_path / "other.npy"
     np.save(other, disc(10.0))
     compared.session.open(other)
     hand.wait(lambda: compared.session.document.image.name == "other.npy")
     assert compared.workspace.truth.truth is None
     assert hand.canvas.layers["truth"].counts == (0, 0, 0)
-    assert compared.panels["truth"].figures["dice"].text() == "–"
+    assert compared.panels["truth"].values["dice"].text() == "–"
 
 
 def square(low: float, high: float) -> Contour:
@@ -140,7 +140,7 @@ def square(low: float, high: float) -> Contour:
     return Contour(np.column_stack([rows, np.roll(rows, len(side))]), True)
 
 
-def test_differences_are_the_pieces_beyond_the_tolerance_and_the_farthest_comes_first() -> None:
+def test_differences_are_the_segments_beyond_the_tolerance_largest_first() -> None:
     found = square(10.0, 30.0)
     bulge = found.points.copy()
     bulge[found.points[:, 0] == 30.0, 0] += 6.0  # the lower side is pushed out
@@ -155,7 +155,7 @@ def test_differences_are_the_pieces_beyond_the_tolerance_and_the_farthest_comes_
     assert same == ()
 
 
-def test_a_wrong_piece_goes_around_the_end_of_a_closed_contour_in_one() -> None:
+def test_a_wrong_segment_across_the_first_vertex_of_a_closed_contour_is_one() -> None:
     ring = Contour(
         np.array([(10, 10), (10, 20), (10, 30), (20, 30), (30, 30), (30, 20), (30, 10), (20, 10)], float), True
     )
@@ -165,26 +165,26 @@ def test_a_wrong_piece_goes_around_the_end_of_a_closed_contour_in_one() -> None:
     assert len(wrong[0].points) == 7  # five vertices off, and one beside them at either end
 
 
-def test_of_many_pieces_of_work_the_newest_is_done_and_the_thread_ends(qtbot) -> None:
-    latest, told, begun, held = Latest("test"), [], threading.Event(), threading.Event()
-    latest.done.connect(told.append)
+def test_of_many_jobs_the_newest_is_done_and_the_thread_ends(qtbot) -> None:
+    latest, results, begun, held = Latest("test"), [], threading.Event(), threading.Event()
+    latest.done.connect(results.append)
     latest.ask(lambda: (begun.set(), held.wait(20), "first")[-1])
     assert begun.wait(20)
     for number in range(5):
         latest.ask(lambda number=number: number)
     held.set()
-    qtbot.waitUntil(lambda: told[-1:] == [4], timeout=20_000)
-    assert told == ["first", 4]
+    qtbot.waitUntil(lambda: results[-1:] == [4], timeout=20_000)
+    assert results == ["first", 4]
     qtbot.waitUntil(lambda: latest.idle, timeout=20_000)
     latest.close()
 
 
-def test_work_that_fails_does_not_end_the_work_to_come(qtbot, caplog) -> None:
-    latest, told = Latest("test"), []
-    latest.done.connect(told.append)
+def test_a_job_that_fails_does_not_stop_later_jobs(qtbot, caplog) -> None:
+    latest, results = Latest("test"), []
+    latest.done.connect(results.append)
     latest.ask(lambda: 1 / 0)
     qtbot.waitUntil(lambda: latest.idle, timeout=20_000)
     latest.ask(lambda: "done")
-    qtbot.waitUntil(lambda: told == ["done"], timeout=20_000)
+    qtbot.waitUntil(lambda: results == ["done"], timeout=20_000)
     assert "unexpected trouble" in caplog.text
     latest.close()

@@ -28,7 +28,7 @@ def test_the_bubble_points_at_each_of_five_and_covers_none_of_them(window, hand,
         assert tour._ring.geometry().intersects(place(target, window))
         assert not tour.geometry().adjusted(14, 14, -14, -14).intersects(place(target, window)), stop.title
         assert window.rect().contains(tour.geometry())
-        hand.qtbot.mouseClick(tour.onward, Qt.MouseButton.LeftButton)
+        hand.qtbot.mouseClick(tour.next, Qt.MouseButton.LeftButton)
     assert number == 4
     assert window.feature(HelpFeature).tour is None
 
@@ -56,7 +56,7 @@ def test_the_tour_is_controlled_by_keys_and_starts_no_run(ready, hand) -> None:
 
 def test_back_and_skip_do_what_they_say(window, hand, tour) -> None:
     assert not tour.back.isEnabled()
-    hand.qtbot.mouseClick(tour.onward, Qt.MouseButton.LeftButton)
+    hand.qtbot.mouseClick(tour.next, Qt.MouseButton.LeftButton)
     hand.qtbot.mouseClick(tour.back, Qt.MouseButton.LeftButton)
     assert tour.at == 0
     hand.qtbot.mouseClick(tour.skip, Qt.MouseButton.LeftButton)

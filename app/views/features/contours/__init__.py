@@ -1,1 +1,1 @@
-"""Menu Contours: review, table and comparison with a truth."""
+"""Menu Contours: review, table and comparison with a ground truth."""

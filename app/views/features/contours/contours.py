@@ -1,4 +1,4 @@
-"""The contours: their table, what is said about them, and how they are picked on the canvas."""
+"""The contours: their table, their review, and their selection on the canvas."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 
 
 class ContoursFeature(Feature):
-    """What is done to contours once they are found."""
+    """Review of the contours."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -41,111 +41,48 @@ class ContoursFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, selection, verdicts, names, colors."""
-        return (*self._selection(), *self._verdicts(), *self._marks())
-
-    def _selection(self) -> Sequence[ActionSpec]:
         return (
-            ActionSpec(
-                name="contour_table",
-                menu="Contours",
-                text=tr("&Table of contours"),
-                do=lambda: self.context.reveal("contours"),
-                shortcuts=("Ctrl+T",),
-                tip=tr("Show what is known about each contour."),
-            ),
-            ActionSpec(
-                name="next_contour",
-                menu="Contours",
-                text=tr("Select ne&xt contour"),
-                do=self._select_next,
-                shortcuts=("Shift+N",),
-                tip=tr("Select one contour after the other, longest first."),
-                gap=True,
-                when=self._any,
-            ),
-            ActionSpec(
-                name="all_contours",
-                menu="Contours",
-                text=tr("Select &all contours"),
-                do=lambda: self._review.select(item.key for item in self._review.items),
-                shortcuts=("Ctrl+A",),
-                tip=tr("Select all contours."),
-                when=self._any,
-            ),
-        )
-
-    def _verdicts(self) -> Sequence[ActionSpec]:
-        return (
-            ActionSpec(
-                name="keep",
-                menu="Contours",
-                text=tr("&Keep"),
-                do=lambda: self._review.judge("kept"),
-                shortcuts=("K",),
-                tip=tr("Say that the selected contours are right; once more takes it back."),
-                gap=True,
-                when=self._chosen,
-            ),
-            ActionSpec(
-                name="reject",
-                menu="Contours",
-                text=tr("&Reject"),
-                do=lambda: self._review.judge("rejected"),
-                shortcuts=("X",),
-                tip=tr("Leave the selected contours out of what is exported; once more takes it back."),
-                when=self._chosen,
-            ),
-        )
-
-    def _marks(self) -> Sequence[ActionSpec | Submenu]:
-        return (
-            ActionSpec(
-                name="name_contour",
-                menu="Contours",
-                text=tr("&Name…"),
-                do=self.ask_name,
-                shortcuts=("F2",),
-                tip=tr("Give the selected contour a name."),
-                when=self._chosen,
-            ),
+            ActionSpec(name="contour_table", menu="Contours", text=tr("&Table of contours"),
+                       do=lambda: self.context.reveal("contours"), shortcuts=("Ctrl+T",),
+                       tip=tr("Show the measures and the review of each contour.")),
+            ActionSpec(name="next_contour", menu="Contours", text=tr("Select ne&xt contour"), do=self._select_next,
+                       shortcuts=("Shift+N",), tip=tr("Select one contour after the other, longest first."), gap=True,
+                       when=self._any),
+            ActionSpec(name="all_contours", menu="Contours", text=tr("Select &all contours"),
+                       do=lambda: self._review.select(item.key for item in self._review.items), shortcuts=("Ctrl+A",),
+                       tip=tr("Select all contours."), when=self._any),
+            ActionSpec(name="keep", menu="Contours", text=tr("&Keep"), do=lambda: self._review.judge("kept"),
+                       shortcuts=("K",), tip=tr("Mark the selected contours as correct; press again to undo."),
+                       gap=True, when=self._chosen),
+            ActionSpec(name="reject", menu="Contours", text=tr("&Reject"), do=lambda: self._review.judge("rejected"),
+                       shortcuts=("X",), tip=tr("Exclude the selected contours from exports; press again to undo."),
+                       when=self._chosen),
+            ActionSpec(name="name_contour", menu="Contours", text=tr("&Name…"), do=self.ask_name, shortcuts=("F2",),
+                       tip=tr("Give the selected contour a name."), when=self._chosen),
             Submenu(name="colors", menu="Contours", text=tr("&Color"), fill=self._fill_colors),
             ActionSpec(
                 name="forget_verdicts",
                 menu="Contours",
-                text=tr("&Forget verdicts, names and colors"),
-                do=lambda: self.context.session.edit(tr("forget verdicts, names and colors"), marking.clear_marks),
-                tip=tr("Begin anew with what has been said about contours."),
+                text=tr("C&lear verdicts, names and colors"),
+                do=lambda: self.context.session.edit(tr("clear verdicts, names and colors"), marking.clear_marks),
+                tip=tr("Remove all contour reviews."),
                 when=lambda situation: bool(situation.document.marks),
             ),
-            ActionSpec(
-                name="show_rejected",
-                menu="Contours",
-                text=tr("&Show rejected contours"),
-                do=lambda: self._layer.choose("rejected", not self._layer.chosen["rejected"]),
-                tip=tr("Show rejected contours faint and dashed, or hide them."),
-                group=STATE,
-                checked=True,
-                gap=True,
-                holds=lambda situation: bool(self._layer.chosen["rejected"]),
-            ),
-        )
+            ActionSpec(name="show_rejected", menu="Contours", text=tr("&Show rejected contours"),
+                       do=lambda: self._layer.choose("rejected", not self._layer.chosen["rejected"]),
+                       tip=tr("Show rejected contours faint and dashed, or hide them."), group=STATE, checked=True,
+                       gap=True, holds=lambda situation: bool(self._layer.chosen["rejected"])),
+        )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
         """The table."""
         return (
-            Panel(
-                name="contours",
-                title=tr("Contours"),
-                widget=self.panel,
-                area="bottom",
-                tab="below",
-                shown=False,
-                shortcut="F11",
-            ),
-        )
+            Panel(name="contours", title=tr("Contours"), widget=self.panel, area="bottom", tab="below", shown=False,
+                  shortcut="F11"),
+        )  # fmt: skip
 
     def ask_name(self) -> None:
-        """Ask for the name of the contour selected, on the canvas or in the table, wherever the hand is."""
+        """Ask for the name of the selected contour, in the table if it has the focus, else on the canvas."""
         chosen = self._review.chosen
         if self.panel.table.hasFocus():
             self.panel.table.name_selected()
@@ -153,8 +90,8 @@ class ContoursFeature(Feature):
             self.name_field.ask(chosen[0].key)
 
     def take_key(self, key: int) -> bool:
-        """Enter names and Delete rejects what is picked on the canvas."""
-        if not self._picking:
+        """Name the contour selected on the canvas on Enter, reject it on Delete; return whether the key was handled."""
+        if not self._selecting:
             return False
         if key in _ENTER:
             self.ask_name()
@@ -163,7 +100,7 @@ class ContoursFeature(Feature):
         return key in _ENTER or key in _DELETE
 
     @property
-    def _picking(self) -> bool:
+    def _selecting(self) -> bool:
         tool = self.context.canvas_area.canvas.tool
         return tool is not None and tool.name == "contours" and bool(self._review.selected)
 
@@ -187,14 +124,14 @@ class ContoursFeature(Feature):
 
 
 class _CanvasKeys(QObject):
-    """Keys of the canvas that concern contours."""
+    """Keys of the canvas that act on contours."""
 
     def __init__(self, feature: ContoursFeature) -> None:
         super().__init__(feature.context.window)
         self._feature = feature
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Take those keys while contours are picked."""
+        """Handle these keys while contours are selected."""
         if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
             return self._feature.take_key(event.key())
         return False

@@ -1,4 +1,4 @@
-"""The ground truth."""
+"""The comparison with a ground truth."""
 
 from __future__ import annotations
 
@@ -17,72 +17,48 @@ from cpm_core.formats import READABLE
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE
 
 _SPAN = 48.0
-"""Side of what is shown of a place that is jumped to, at least [px of the image]."""
+"""Minimum side of the part of the image that is shown around a difference [px]."""
 
 
 class TruthFeature(Feature):
-    """What contours are compared with."""
+    """Comparison of the contours with a ground truth."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self.truth = context.workspace.truth
         self.panel = TruthPanel(self.truth)
         self._folder = ""
-        self.panel.load_wanted.connect(self._load)
-        self.panel.jump_wanted.connect(self._jump)
+        self.panel.load_requested.connect(self._load)
+        self.panel.jump_requested.connect(self._jump)
         self.truth.changed.connect(context.refresh)
         self.truth.compared.connect(context.refresh)
 
     def action_specs(self) -> Sequence[ActionSpec]:
-        """Load, forget, look at the worst."""
+        """Load, show differences, remove."""
         return (
-            ActionSpec(
-                name="load_truth",
-                menu="Contours",
-                text=tr("Compare with &truth…"),
-                do=self._load,
-                shortcuts=("Ctrl+Shift+T",),
-                tip=tr("Load a mask or contours known to be right, and see how far the contours are from them."),
-                gap=True,
-                when=has_image,
-            ),
-            ActionSpec(
-                name="worst_place",
-                menu="Contours",
-                text=tr("Look at the &worst place"),
-                do=self.panel.jump_to_worst,
-                tip=tr("Show where contours and truth are farthest from each other."),
-                when=self._differs,
-            ),
-            ActionSpec(
-                name="next_place",
-                menu="Contours",
-                text=tr("Look at the next pla&ce"),
-                do=self.panel.jump_to_next,
-                shortcuts=("Shift+W",),
-                tip=tr("Show the next place where they differ."),
-                when=self._differs,
-            ),
-            ActionSpec(
-                name="forget_truth",
-                menu="Contours",
-                text=tr("Compare no &longer"),
-                do=self.truth.forget,
-                tip=tr("Forget the truth."),
-                when=lambda situation: self.truth.truth is not None,
-            ),
-        )
+            ActionSpec(name="load_truth", menu="Contours", text=tr("Compare with ground &truth…"), do=self._load,
+                       shortcuts=("Ctrl+Shift+T",),
+                       tip=tr("Load a reference mask or reference contours and measure the agreement."),
+                       gap=True, when=has_image),
+            ActionSpec(name="worst_place", menu="Contours", text=tr("Sho&w largest difference"),
+                       do=self.panel.jump_to_worst,
+                       tip=tr("Show where contours and ground truth are farthest apart."), when=self._differs),
+            ActionSpec(name="next_place", menu="Contours", text=tr("Show next differen&ce"),
+                       do=self.panel.jump_to_next, shortcuts=("Shift+W",),
+                       tip=tr("Show the next difference between contours and ground truth."), when=self._differs),
+            ActionSpec(name="forget_truth", menu="Contours", text=tr("Remo&ve ground truth"), do=self.truth.forget,
+                       tip=tr("Remove the ground truth."), when=lambda situation: self.truth.truth is not None),
+        )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
-        """The figures."""
+        """The measures."""
         return (
-            Panel(
-                name="truth", title=tr("Ground truth"), widget=self.panel, tab="settings", shown=False, shortcut="F12"
-            ),
-        )
+            Panel(name="truth", title=tr("Ground truth"), widget=self.panel, tab="settings", shown=False,
+                  shortcut="F12"),
+        )  # fmt: skip
 
     def close(self) -> bool:
-        """End the thread."""
+        """Stop the thread of comparisons."""
         self.truth.close()
         return True
 
@@ -93,7 +69,9 @@ class TruthFeature(Feature):
         self.context.reveal("truth")
         patterns = " ".join(f"*{suffix}" for suffix in dict.fromkeys((*READABLE, *CONTOURS_READABLE)))
         filters = tr("Masks and contours ({patterns});;All files (*)").format(patterns=patterns)
-        chosen, _ = QFileDialog.getOpenFileName(self.context.window, tr("Compare with truth"), self._folder, filters)
+        chosen, _ = QFileDialog.getOpenFileName(
+            self.context.window, tr("Compare with ground truth"), self._folder, filters
+        )
         if chosen:
             self._folder = str(Path(chosen).parent)
             self.truth.load(chosen)

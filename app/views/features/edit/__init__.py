@@ -1,1 +1,1 @@
-"""Menu Edit: what is drawn, modes, undo."""
+"""Menu Edit: drawing, modes, undo."""

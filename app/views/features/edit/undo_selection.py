@@ -15,86 +15,34 @@ from app.views.window.feature import Feature, FeatureContext, Panel
 
 
 class UndoSelectionFeature(Feature):
-    """What changes the document without the pointer."""
+    """Undo, selection and deletion by menus and keys."""
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Undo, redo, selection, deletion."""
-        return (*self._undo(), *self._selection())
-
-    def _undo(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
-            ActionSpec(
-                name="undo",
-                menu="Edit",
-                text=tr("Undo"),
-                short=tr("Undo"),
-                do=session.undo,
-                shortcuts=("Ctrl+Z",),
-                tip=tr("Take back the last change."),
-                icon="undo",
-                when=can_undo,
-                worded=lambda situation: resolve(situation).undo_text,
-            ),
-            ActionSpec(
-                name="redo",
-                menu="Edit",
-                text=tr("Redo"),
-                short=tr("Redo"),
-                do=session.redo,
-                shortcuts=("Ctrl+Shift+Z", "Ctrl+Y"),
-                tip=tr("Do again what was undone."),
-                icon="redo",
-                when=can_redo,
-                worded=lambda situation: resolve(situation).redo_text,
-            ),
-        )
-
-    def _selection(self) -> Sequence[ActionSpec]:
-        session = self.context.session
-        return (
-            ActionSpec(
-                name="select_next",
-                menu="Edit",
-                text=tr("Select &next shape"),
-                do=session.select_next,
-                shortcuts=("N",),
-                tip=tr("Select one shape after the other."),
-                gap=True,
-                when=has_shapes,
-            ),
-            ActionSpec(
-                name="escape",
-                menu="Edit",
-                text=tr("Gi&ve up"),
-                do=self.context.canvas_area.escape,
-                shortcuts=("Escape",),
-                tip=tr("Give up what is being drawn, else select nothing and hide messages."),
-            ),
-            ActionSpec(
-                name="delete",
-                menu="Edit",
-                text=tr("&Delete"),
-                do=session.delete_selected,
-                shortcuts=("Delete", "Backspace"),
-                tip=tr("Remove the selected shape."),
-                gap=True,
-                when=has_selection,
-            ),
-            ActionSpec(
-                name="clear",
-                menu="Edit",
-                text=tr("Delete &all shapes"),
-                do=lambda: session.edit(tr("delete all shapes"), edits.clear_shapes),
-                shortcuts=("Ctrl+Shift+Backspace",),
-                tip=tr("Remove everything that is drawn."),
-                when=has_shapes,
-            ),
-        )
+            ActionSpec(name="undo", menu="Edit", text=tr("Undo"), short=tr("Undo"), do=session.undo,
+                       shortcuts=("Ctrl+Z",), tip=tr("Undo the last change."), icon="undo", when=can_undo,
+                       worded=lambda situation: resolve(situation).undo_text),
+            ActionSpec(name="redo", menu="Edit", text=tr("Redo"), short=tr("Redo"), do=session.redo,
+                       shortcuts=("Ctrl+Shift+Z", "Ctrl+Y"), tip=tr("Redo the last undone change."), icon="redo",
+                       when=can_redo, worded=lambda situation: resolve(situation).redo_text),
+            ActionSpec(name="select_next", menu="Edit", text=tr("Select &next shape"), do=session.select_next,
+                       shortcuts=("N",), tip=tr("Select the next shape."), gap=True, when=has_shapes),
+            ActionSpec(name="escape", menu="Edit", text=tr("Cance&l"), do=self.context.canvas_area.escape,
+                       shortcuts=("Escape",),
+                       tip=tr("Cancel the present drawing, or clear the selection and hide messages.")),
+            ActionSpec(name="delete", menu="Edit", text=tr("&Delete"), do=session.delete_selected,
+                       shortcuts=("Delete", "Backspace"), tip=tr("Remove the selected shape."), gap=True,
+                       when=has_selection),
+            ActionSpec(name="clear", menu="Edit", text=tr("Delete &all shapes"),
+                       do=lambda: session.edit(tr("delete all shapes"), edits.clear_shapes),
+                       shortcuts=("Ctrl+Shift+Backspace",), tip=tr("Remove all shapes."), when=has_shapes),
+        )  # fmt: skip
 
 
 class HistoryFeature(Feature):
-    """What has been done and undone."""
+    """The panel of the history."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -104,10 +52,10 @@ class HistoryFeature(Feature):
         self.panel.show_changes(*session.changes)
 
     def panels(self) -> Sequence[Panel]:
-        """The changes."""
+        """The history."""
         title = tr("History")
         return (Panel(name="history", title=title, widget=self.panel, tab="settings", shown=False, shortcut="Ctrl+H"),)
 
     def use_theme(self, theme: Theme) -> None:
-        """Gray is another gray now."""
+        """Color the lines for the new palette."""
         self.panel.mark()

@@ -23,13 +23,13 @@ from app.views.window.feature import Feature, FeatureContext
 from app.views.window.recent_files import RecentFiles
 
 _FOLDER = "files/folder"
-"""Preference: folder of what was opened or saved last."""
+"""Preference: folder of the last file opened or saved."""
 
 POINTS = ".csv"
 
 
 class OpenSaveFeature(Feature):
-    """What is read, and the session file."""
+    """Opening of images, sessions, points and presets, and the session file."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -37,7 +37,7 @@ class OpenSaveFeature(Feature):
         self.document_file = DocumentFile(context.session, canvas.view_state)
         self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
         self.bring_in: Callable[[Path], None] | None = None
-        """Takes in the file of a preset; the window knows who does."""
+        """Imports the file of a preset; set by the window."""
         self.document_file.changed.connect(self._name_window)
         self.document_file.restored.connect(canvas.use_view_state)
         context.session.document_changed.connect(lambda _: self._name_window())
@@ -49,52 +49,22 @@ class OpenSaveFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Open, save, quit."""
         return (
-            ActionSpec(
-                name="open",
-                menu="File",
-                text=tr("&Open…"),
-                short=tr("Open"),
-                do=self._open,
-                shortcuts=("Ctrl+O",),
-                tip=tr("Open an image or a session."),
-                icon="open",
-            ),
+            ActionSpec(name="open", menu="File", text=tr("&Open…"), short=tr("Open"), do=self._open,
+                       shortcuts=("Ctrl+O",), tip=tr("Open an image or a session."), icon="open"),
             Submenu(name="recent", menu="File", text=tr("Open &recent"), fill=self.recent.fill),
             Submenu(name="samples", menu="File", text=tr("Open sa&mple"), fill=self._fill_samples),
-            ActionSpec(
-                name="save",
-                menu="File",
-                text=tr("&Save session"),
-                short=tr("Save"),
-                do=self.save,
-                shortcuts=("Ctrl+S",),
-                icon="save",
-                tip=tr("Save what is drawn, the parameters, what was said about contours, and the view."),
-                gap=True,
-                when=has_image,
-            ),
-            ActionSpec(
-                name="save_as",
-                menu="File",
-                text=tr("Save session &as…"),
-                do=self.save_as,
-                shortcuts=("Ctrl+Shift+S",),
-                tip=tr("Save the session to another file, and keep to that."),
-                when=has_image,
-            ),
-            ActionSpec(
-                name="quit",
-                menu="File",
-                text=tr("&Quit"),
-                do=self.context.window.close,
-                shortcuts=("Ctrl+Q",),
-                tip=tr("End the program."),
-                gap=True,
-            ),
-        )
+            ActionSpec(name="save", menu="File", text=tr("&Save session"), short=tr("Save"), do=self.save,
+                       shortcuts=("Ctrl+S",), icon="save",
+                       tip=tr("Save shapes, parameters, contour reviews and the view."), gap=True, when=has_image),
+            ActionSpec(name="save_as", menu="File", text=tr("Save session &as…"), do=self.save_as,
+                       shortcuts=("Ctrl+Shift+S",), tip=tr("Save the session to another file and continue with it."),
+                       when=has_image),
+            ActionSpec(name="quit", menu="File", text=tr("&Quit"), do=self.context.window.close, shortcuts=("Ctrl+Q",),
+                       tip=tr("Quit the program."), gap=True),
+        )  # fmt: skip
 
     def take(self, paths: Sequence[Path]) -> None:
-        """Do with files what suits them: open images and sessions, draw points, bring in presets."""
+        """Open files by their kind: images and sessions, points (which are drawn), presets (which are imported)."""
         self.context.canvas_area.messages.hide()
         documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
         for path in paths:
@@ -105,19 +75,19 @@ class OpenSaveFeature(Feature):
         if documents and self.may_leave():
             self.context.session.open(documents[0])
             if len(documents) > 1:
-                told = tr("One image is open at a time: of {count} files, {name} is opened.")
-                self.context.session.say(told.format(count=len(documents), name=documents[0].name))
+                message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
+                self.context.session.say(message.format(count=len(documents), name=documents[0].name))
 
     def take_dropped(self, urls: Sequence[QUrl]) -> None:
-        """Take files that were dropped on the window."""
+        """Open files that were dropped on the window."""
         elsewhere = [url for url in urls if not url.isLocalFile()]
         self.take([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
         if elsewhere:
-            told = tr("{place} is not a file on this computer: save it first, then open it.")
-            self.context.session.say(told.format(place=elsewhere[0].toDisplayString()), True)
+            message = tr("{place} is not a file on this computer. Save it first, then open it.")
+            self.context.session.say(message.format(place=elsewhere[0].toDisplayString()), True)
 
     def save(self) -> None:
-        """Save to the file there is, else ask for one."""
+        """Save to the present file, or ask for one."""
         if self.document_file.path is None:
             self.save_as()
         else:
@@ -130,7 +100,7 @@ class OpenSaveFeature(Feature):
             self.document_file.save(path)
 
     def may_leave(self) -> bool:
-        """Whether what is open may be closed; unsaved work is asked about, and saved if that is wished."""
+        """Whether the document may be closed; asks about unsaved work and saves it if the user agrees."""
         if not self.document_file.unsaved:
             return True
         answer = dialogs.ask_about_unsaved(self.context.window, self.document_file.name)
@@ -140,10 +110,10 @@ class OpenSaveFeature(Feature):
         return path is not None and self.document_file.save_at_once(path)
 
     def close(self) -> bool:
-        """Not before unsaved work has been asked about."""
+        """Ask about unsaved work first."""
         return self.may_leave()
 
-    # Inside
+    # Internal
 
     def _fill_samples(self, menu: QMenu) -> None:
         for sample in samples():
@@ -167,7 +137,7 @@ class OpenSaveFeature(Feature):
 
     def _draw(self, path: Path) -> None:
         if self.context.session.document.image is None:
-            self.context.session.say(tr("Open an image first; then {name} can be drawn.").format(name=path.name), True)
+            self.context.session.say(tr("Open an image first. Then {name} can be drawn.").format(name=path.name), True)
         else:
             read_points(self.context.session, path)
 

@@ -1,4 +1,4 @@
-"""Autosave, and the offer to restore what was open when the program ended without having been closed."""
+"""Autosave, and the offer to restore unsaved work after a crash."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from app.views.window.feature import Feature, FeatureContext
 
 
 class RecoveryFeature(Feature):
-    """Nothing is lost when the program ends without being asked to."""
+    """Recovery of unsaved work after the program has ended unexpectedly."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -26,17 +26,17 @@ class RecoveryFeature(Feature):
         self._restoring: Leftover | None = None
 
     def keep(self, document_file: DocumentFile) -> None:
-        """Keep a journal of what is open."""
+        """Keep a journal of the open document."""
         self.journal = Journal(document_file, self._folder)
         document_file.restored.connect(lambda _: self._restored())
 
     def offer(self) -> None:
-        """Ask what is to become of what earlier windows have left behind."""
+        """Offer to restore the unsaved work of earlier windows."""
         self._waiting = list(left_behind(self._folder))
         self._ask()
 
     def close(self) -> bool:
-        """The window ends well: its journal goes, what was not asked about stays."""
+        """Remove the journal of this window; keep work that the user has not decided on."""
         for leftover in self._waiting:
             leftover.keep()
         if self._restoring is not None:
@@ -55,7 +55,7 @@ class RecoveryFeature(Feature):
         self.box = box = QMessageBox(self.context.window)
         box.setIcon(QMessageBox.Icon.Question)
         box.setWindowTitle(tr("Restore unsaved work"))
-        box.setText(tr("CPM did not end properly: restore “{name}”?").format(name=leftover.name))
+        box.setText(tr("CPM ended unexpectedly. Restore “{name}”?").format(name=leftover.name))
         box.setInformativeText("\n".join(_details(leftover)))
         restore = box.addButton(tr("&Restore"), QMessageBox.ButtonRole.AcceptRole)
         discard = box.addButton(tr("&Discard"), QMessageBox.ButtonRole.DestructiveRole)
@@ -76,7 +76,7 @@ class RecoveryFeature(Feature):
         self._ask()
 
     def _restored(self) -> None:
-        """What was restored is in a journal of its own before the old one goes."""
+        """Write the restored document to the new journal before the old one is deleted."""
         if self._restoring is not None and self.journal is not None:
             self.journal.write()
             self.journal.flush()

@@ -1,4 +1,4 @@
-"""Help: the keys, the guide, the tour, and what this is."""
+"""Help: the keys, the guide, the tour, and the about box."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from app.model.document.samples import sample_called
 from app.model.text.language import tr
 from app.views.help.cheat_sheet import CheatSheet
 from app.views.help.guide import Guide
-from app.views.help.tour import Tour
-from app.views.help.tour_stops import stops
+from app.views.help.tour import Tour, stops
 from app.views.theme.icons import program_icon
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
@@ -22,7 +21,7 @@ SEEN = "tour/seen"
 
 
 class HelpFeature(Feature):
-    """What explains the program."""
+    """Help on the program."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -33,42 +32,18 @@ class HelpFeature(Feature):
         """Keys, guide, tour and about."""
         window = self.context.window
         return (
-            ActionSpec(
-                name="keys",
-                menu="Help",
-                text=tr("&Keys"),
-                do=self._show_keys,
-                shortcuts=("?",),
-                tip=tr("All keys at a glance."),
-            ),
-            ActionSpec(
-                name="guide",
-                menu="Help",
-                text=tr("&Guide"),
-                do=self.show_guide,
-                shortcuts=("F1",),
-                tip=tr("First steps, three tasks step by step, and what works on the canvas."),
-                icon="guide",
-            ),
-            ActionSpec(
-                name="tour",
-                menu="Help",
-                text=tr("&Tour of the window"),
-                do=self.begin_tour,
-                tip=tr("Five bubbles show how one works."),
-            ),
-            ActionSpec(
-                name="about",
-                menu="Help",
-                text=tr("&About CPM"),
-                do=lambda: show_about(window),
-                tip=tr("What this is."),
-                gap=True,
-            ),
-        )
+            ActionSpec(name="keys", menu="Help", text=tr("&Keys"), do=self._show_keys, shortcuts=("?",),
+                       tip=tr("Show all keys.")),
+            ActionSpec(name="guide", menu="Help", text=tr("&Guide"), do=self.show_guide, shortcuts=("F1",),
+                       tip=tr("First steps, three examples step by step, and the use of the canvas."), icon="guide"),
+            ActionSpec(name="tour", menu="Help", text=tr("&Tour of the window"), do=self.begin_tour,
+                       tip=tr("Five bubbles explain the main steps.")),
+            ActionSpec(name="about", menu="Help", text=tr("&About CPM"), do=lambda: show_about(window),
+                       tip=tr("About this program."), gap=True),
+        )  # fmt: skip
 
     def welcome(self) -> None:
-        """Begin the tour for somebody who has not seen it."""
+        """Begin the tour at the first start of the program."""
         if not self.context.preferences.get(SEEN, False):
             self.begin_tour()
 
@@ -80,7 +55,7 @@ class HelpFeature(Feature):
         self.tour.begin()
 
     def show_guide(self, page: str = "") -> None:
-        """Open the guide, at a page if one is named, or bring it to the front."""
+        """Open the guide, at a named page if given, or bring it to the front."""
         if self.guide is None:
             self.guide = Guide(self.context.window, self.context.action_specs(), self._open_sample)
             self.guide.destroyed.connect(self._forget_guide)
@@ -91,7 +66,7 @@ class HelpFeature(Feature):
         self.guide.activateWindow()
 
     def close(self) -> bool:
-        """Take the guide away."""
+        """Close the guide."""
         if self.guide is not None:
             self.guide.close()
         return True

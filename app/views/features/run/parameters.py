@@ -20,16 +20,16 @@ from app.views.widgets.preference_row import PreferenceRow, choice
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 WORDING, MOTION = "parameters/wording", "motion"
-"""Preferences: how parameters are called, and whether illustrations move."""
+"""Preferences: labels of parameters, and whether illustrations are animated."""
 
 _WORDINGS: tuple[tuple[Wording, str, str], ...] = (
-    ("intuitive", tr("Parameters in plain &words"), tr("Call parameters by what they do.")),
-    ("formula", tr("Parameters as in the for&mulas"), tr("Call parameters by their symbols and names.")),
+    ("intuitive", tr("Parameters in plain &words"), tr("Label parameters by their effect.")),
+    ("formula", tr("Parameters as in the for&mulas"), tr("Label parameters by symbol and name.")),
 )
 
 
 class ParametersFeature(Feature):
-    """What the particles obey."""
+    """Parameters and presets."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -40,22 +40,16 @@ class ParametersFeature(Feature):
         self._follow(MOTION)
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
-        """Presets, and how parameters are called."""
+        """Presets, labels of parameters, animation of illustrations."""
         presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.preset_files.fill, gap=True)
-        motion = ActionSpec(
-            name="motion",
-            menu="View",
-            text=tr("Illustrations that mo&ve"),
-            do=lambda: self._prefer(MOTION, not self._moves),
-            tip=tr("Let the small illustrations of the parameters move, or stand still."),
-            group=STATE,
-            checked=self._moves,
-            holds=lambda _: self._moves,
-        )
+        motion = ActionSpec(name="motion", menu="View", text=tr("Ani&mated illustrations"),
+                            do=lambda: self._prefer(MOTION, not self._animated),
+                            tip=tr("Animate the illustrations of the parameters."), group=STATE,
+                            checked=self._animated, holds=lambda _: self._animated)  # fmt: skip
         return (presets, *self._wordings(), motion)
 
     def preferences(self) -> Sequence[PreferenceRow]:
-        """How parameters are called, and whether illustrations move."""
+        """Labels of parameters, and whether illustrations are animated."""
         section, specs = tr("Parameters"), self._wordings()
         return (
             PreferenceRow(section=section, label=tr("Wording"), make=lambda: choice(specs, f"wording_{self._wording}")),
@@ -67,7 +61,7 @@ class ParametersFeature(Feature):
         return (Panel(name="parameters", title=tr("Parameters"), widget=self.panel, tab="settings", shortcut="F7"),)
 
     def use_theme(self, theme: Theme) -> None:
-        """Tint the buttons."""
+        """Color the buttons."""
         self.panel.use_theme(theme)
 
     @property
@@ -75,28 +69,19 @@ class ParametersFeature(Feature):
         return wording_called(self.context.preferences.get(WORDING, FIRST_WORDING))
 
     @property
-    def _moves(self) -> bool:
+    def _animated(self) -> bool:
         return self.context.preferences.get(MOTION, True)
 
     def _wordings(self) -> list[ActionSpec]:
         return [
-            ActionSpec(
-                name=f"wording_{name}",
-                menu="View",
-                text=text,
-                do=partial(self._prefer, WORDING, name),
-                tip=tip,
-                group=STATE,
-                checked=name == self._wording,
-                holds=partial(self._holds, name),
-                gap=index == 0,
-            )
+            ActionSpec(name=f"wording_{name}", menu="View", text=text, do=partial(self._prefer, WORDING, name), tip=tip,
+                       group=STATE, checked=name == self._wording, holds=partial(self._holds, name), gap=index == 0)
             for index, (name, text, tip) in enumerate(_WORDINGS)
-        ]
+        ]  # fmt: skip
 
     def _make_motion(self) -> QCheckBox:
-        box = QCheckBox(tr("Let the small illustrations move"))
-        box.setChecked(self._moves)
+        box = QCheckBox(tr("Animate the illustrations"))
+        box.setChecked(self._animated)
         box.toggled.connect(partial(self._prefer, MOTION))
         return box
 
@@ -105,11 +90,11 @@ class ParametersFeature(Feature):
 
     def _prefer(self, key: str, value: Value) -> None:
         self.context.preferences.put(key, value)
-        # The actions show what is preferred now.
+        # The actions must show the new preference.
         self.context.refresh()
 
     def _follow(self, key: str) -> None:
         if key == WORDING:
             self.panel.use_wording(self._wording)
         elif key == MOTION:
-            self.panel.explanation.illustration.set_motion(self._moves)
+            self.panel.explanation.illustration.set_animated(self._animated)

@@ -1,4 +1,4 @@
-"""Running, pausing, stepping; and how the run stands."""
+"""Running, pausing, stepping, and the panel of the run."""
 
 from __future__ import annotations
 
@@ -15,16 +15,15 @@ from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.speed import SpeedControl
 from app.views.window.feature import Feature, FeatureContext, Panel
 
-_FIGURES_EVERY = 250
-"""Time between two looks at the frame counter [ms]."""
-
+_UPDATE_EVERY = 250
+"""Time between two updates of the panel during the run [ms]."""
 
 _PLOTS = "run/plots"
-"""Preference that keeps which plots are shown."""
+"""Preference: which plots are shown."""
 
 
 class RunControlFeature(Feature):
-    """What drives a run and tells of it."""
+    """Control and state of the run."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -35,82 +34,37 @@ class RunControlFeature(Feature):
         self.panel.plot.show_plots(chosen)
         self.panel.plot.chosen.connect(self._choose_plots)
         self._choose_plots()
-        self._figures = QTimer(self.panel)
-        self._figures.setInterval(_FIGURES_EVERY)
-        self._figures.timeout.connect(self._show_figures)
+        self._timer = QTimer(self.panel)
+        self._timer.setInterval(_UPDATE_EVERY)
+        self._timer.timeout.connect(self._show_values)
         context.session.status_changed.connect(self._show)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Run, step, reset, speed."""
-        return (*self._run(), *self._speeds())
-
-    def _run(self) -> Sequence[ActionSpec]:
         session = self.context.session
         return (
-            ActionSpec(
-                name="run",
-                menu="Run",
-                text=tr("Run"),
-                do=self.context.session.toggle,
-                shortcuts=("Space",),
-                tip=tr("Let the particles move, or hold them."),
-                icon="run",
-                when=has_image,
-                worded=lambda situation: resolve(situation).run_text,
-                pictured=lambda situation: "pause" if is_running(situation) else "run",
-            ),
-            ActionSpec(
-                name="step",
-                menu="Run",
-                text=tr("&Step"),
-                short=tr("Step"),
-                do=session.step,
-                shortcuts=(".",),
-                tip=tr("Take a single step."),
-                icon="step",
-                when=can_step,
-            ),
-            ActionSpec(
-                name="reset",
-                menu="Run",
-                text=tr("&Reset"),
-                short=tr("Reset"),
-                do=session.reset,
-                shortcuts=("R",),
-                tip=tr("Forget the particles and go back to the drawing."),
-                icon="reset",
-                when=is_started,
-            ),
-        )
-
-    def _speeds(self) -> Sequence[ActionSpec]:
-        return (
-            ActionSpec(
-                name="faster",
-                menu="Run",
-                text=tr("&Faster"),
-                do=self.speed.faster,
-                shortcuts=("]",),
-                tip=tr("Allow more steps a second."),
-                gap=True,
-            ),
-            ActionSpec(
-                name="slower",
-                menu="Run",
-                text=tr("S&lower"),
-                do=self.speed.slower,
-                shortcuts=("[",),
-                tip=tr("Allow fewer steps a second."),
-            ),
-        )
+            ActionSpec(name="run", menu="Run", text=tr("Run"), do=session.toggle, shortcuts=("Space",),
+                       tip=tr("Start or pause the run."), icon="run", when=has_image,
+                       worded=lambda situation: resolve(situation).run_text,
+                       pictured=lambda situation: "pause" if is_running(situation) else "run"),
+            ActionSpec(name="step", menu="Run", text=tr("&Step"), short=tr("Step"), do=session.step, shortcuts=(".",),
+                       tip=tr("Take a single step."), icon="step", when=can_step),
+            ActionSpec(name="reset", menu="Run", text=tr("&Reset"), short=tr("Reset"), do=session.reset,
+                       shortcuts=("R",), tip=tr("Discard the run and go back to the initialization."), icon="reset",
+                       when=is_started),
+            ActionSpec(name="faster", menu="Run", text=tr("&Faster"), do=self.speed.faster, shortcuts=("]",),
+                       tip=tr("Allow more steps per second."), gap=True),
+            ActionSpec(name="slower", menu="Run", text=tr("S&lower"), do=self.speed.slower, shortcuts=("[",),
+                       tip=tr("Allow fewer steps per second.")),
+        )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
-        """How the run stands."""
+        """The panel of the run."""
         return (Panel(name="run", title=tr("Run"), widget=self.panel, shortcut="F6"),)
 
     def close(self) -> bool:
-        """Look no more."""
-        self._figures.stop()
+        """Stop the updates."""
+        self._timer.stop()
         return True
 
     def _choose_plots(self) -> None:
@@ -123,12 +77,12 @@ class RunControlFeature(Feature):
 
     def _show(self) -> None:
         running = is_running(self.context.session.situation)
-        if running != self._figures.isActive():
-            (self._figures.start if running else self._figures.stop)()
+        if running != self._timer.isActive():
+            (self._timer.start if running else self._timer.stop)()
         if not running:
-            self._show_figures()
+            self._show_values()
 
-    def _show_figures(self) -> None:
+    def _show_values(self) -> None:
         session = self.context.session
         resolved, snapshot = session.resolved, session.scene.snapshot
         frames = f"{session.frames_per_second:.0f}" if resolved.running else "–"

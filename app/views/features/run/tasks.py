@@ -1,4 +1,4 @@
-"""Long work and how it is given up."""
+"""Tasks in the background and their cancellation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from app.views.window.task_bar import TaskBar
 
 
 class TasksFeature(Feature):
-    """What goes on beside the run, in the status bar."""
+    """Tasks in the status bar."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -20,21 +20,14 @@ class TasksFeature(Feature):
         context.window.statusBar().addPermanentWidget(self.bar)
 
     def action_specs(self) -> Sequence[ActionSpec]:
-        """Give up."""
+        """Cancel."""
         tasks = self.context.session.tasks
         return (
-            ActionSpec(
-                name="cancel_task",
-                menu="Run",
-                text=tr("Cancel what is being &prepared"),
-                do=self.bar.cancel,
-                shortcuts=("Ctrl+.",),
-                tip=tr("Give up what the status bar says is being done."),
-                gap=True,
-                when=lambda situation: any(task.cancellable for task in tasks.current),
-            ),
-        )
+            ActionSpec(name="cancel_task", menu="Run", text=tr("Cancel background &task"), do=self.bar.cancel,
+                       shortcuts=("Ctrl+.",), tip=tr("Cancel the task shown in the status bar."), gap=True,
+                       when=lambda situation: any(task.cancellable for task in tasks.current)),
+        )  # fmt: skip
 
     def use_theme(self, theme: Theme) -> None:
-        """Tint the button."""
+        """Color the button."""
         self.bar.use_theme(theme)

@@ -24,67 +24,28 @@ BUDGET = "timeline/megabytes"
 """Preference: memory for the states of a run."""
 
 _LEAST, _MOST = 16, 16384
-"""What may be preferred [MB]."""
+"""Range of the preference [MB]."""
 
 _MENU = "Run>" + tr("&Timeline")
 
-
-_WAYS: tuple[tuple[str, str, Callable[[TimelineNavigation], None], str, str, str], ...] = (
-    (
-        "back",
-        tr("One step &back"),
-        lambda to: to.by(-1),
-        ",",
-        tr("Go to the step before; the steps after it are kept."),
-        "back",
-    ),
-    (
-        "forward",
-        tr("One step &forward"),
-        lambda to: to.by(1),
-        "",
-        tr("Go to the next step that is recorded."),
-        "forward",
-    ),
+_MOVES: tuple[tuple[str, str, Callable[[TimelineNavigation], None], str, str, str], ...] = (
+    ("back", tr("One step &back"), lambda to: to.by(-1), ",",
+     tr("Go to the previous step; the steps after it are kept."), "back"),
+    ("forward", tr("One step &forward"), lambda to: to.by(1), "", tr("Go to the next recorded step."), "forward"),
     ("back_ten", tr("Ten steps b&ack"), lambda to: to.by(-10), "Shift+,", tr("Go ten steps back."), ""),
-    (
-        "forward_ten",
-        tr("Ten steps f&orward"),
-        lambda to: to.by(10),
-        "Shift+.",
-        tr("Go ten recorded steps forward."),
-        "",
-    ),
-    (
-        "first",
-        tr("Fi&rst step"),
-        TimelineNavigation.to_first,
-        "Ctrl+Home",
-        tr("Go to the beginning of the run; on the canvas Home does so too."),
-        "first",
-    ),
-    (
-        "last",
-        tr("&Last step"),
-        TimelineNavigation.to_last,
-        "Ctrl+End",
-        tr("Go to the last step of the branch; on the canvas End does so too."),
-        "last",
-    ),
-    (
-        "play",
-        tr("&Play the recorded steps"),
-        TimelineNavigation.toggle_play,
-        "Shift+Space",
-        tr("Show one recorded step after the other, or hold."),
-        "play",
-    ),
-)
-"""Name, text, what it does, key, tip and icon of each way through the recorded steps."""
+    ("forward_ten", tr("Ten steps f&orward"), lambda to: to.by(10), "Shift+.", tr("Go ten steps forward."), ""),
+    ("first", tr("Fi&rst step"), TimelineNavigation.to_first, "Ctrl+Home",
+     tr("Go to the first step of the run; Home on the canvas does the same."), "first"),
+    ("last", tr("&Last step"), TimelineNavigation.to_last, "Ctrl+End",
+     tr("Go to the last step of the branch; End on the canvas does the same."), "last"),
+    ("play", tr("&Play the recorded steps"), TimelineNavigation.toggle_play, "Shift+Space",
+     tr("Play or pause the recorded steps."), "play"),
+)  # fmt: skip
+"""Name, text, effect, key, tip and icon of each move along the recorded steps."""
 
 
 class TimelineFeature(Feature):
-    """What goes through the steps of a run."""
+    """Navigation through the recorded run and its branches."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -97,47 +58,24 @@ class TimelineFeature(Feature):
         self._use_budget()
 
     def action_specs(self) -> Sequence[ActionSpec]:
-        """Ways through the timeline."""
-        return (*self._ways(), *self._branch())
-
-    def _ways(self) -> Sequence[ActionSpec]:
+        """Moves along the timeline, and actions on branches."""
         navigation = self.navigation
-        return [
-            ActionSpec(
-                name=f"timeline_{name}",
-                menu=_MENU,
-                text=text,
-                do=partial(go, navigation),
-                shortcuts=(keys,) if keys else (),
-                tip=tip,
-                icon=icon,
-                when=has_particles,
-            )
-            for name, text, go, keys, tip, icon in _WAYS
-        ]
-
-    def _branch(self) -> Sequence[ActionSpec]:
-        navigation = self.navigation
+        moves = [
+            ActionSpec(name=f"timeline_{name}", menu=_MENU, text=text, do=partial(go, navigation),
+                       shortcuts=(keys,) if keys else (), tip=tip, icon=icon, when=has_particles)
+            for name, text, go, keys, tip, icon in _MOVES
+        ]  # fmt: skip
         return (
-            ActionSpec(
-                name="timeline_parameters",
-                menu=_MENU,
-                text=tr("Use the pa&rameters of this step"),
-                do=navigation.use_its_parameters,
-                tip=tr("Set the parameters with which the step that is shown was taken."),
-                gap=True,
-                when=lambda situation: has_particles(situation) and navigation.other_parameters is not None,
-            ),
-            ActionSpec(
-                name="timeline_delete",
-                menu=_MENU,
-                text=tr("&Delete the branch"),
-                do=lambda: navigation.drop(navigation.place[0]),
-                tip=tr("Forget the branch that is shown; what it has in common with others stays."),
-                icon="bin",
-                when=lambda situation: has_particles(situation) and len(navigation.outline.branches) > 1,
-            ),
-        )
+            *moves,
+            ActionSpec(name="timeline_parameters", menu=_MENU, text=tr("Use the pa&rameters of this step"),
+                       do=navigation.use_its_parameters,
+                       tip=tr("Set the parameters with which the shown step was computed."), gap=True,
+                       when=lambda situation: has_particles(situation) and navigation.other_parameters is not None),
+            ActionSpec(name="timeline_delete", menu=_MENU, text=tr("&Delete the branch"),
+                       do=lambda: navigation.drop(navigation.place[0]),
+                       tip=tr("Delete the shown branch; steps shared with other branches are kept."), icon="bin",
+                       when=lambda situation: has_particles(situation) and len(navigation.outline.branches) > 1),
+        )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
         """The timeline, below the canvas."""
@@ -148,8 +86,8 @@ class TimelineFeature(Feature):
     def preferences(self) -> Sequence[PreferenceRow]:
         """Memory for the timeline."""
         note = tr(
-            "So much memory at most is used for steps of a run; when it is full fewer steps are kept whole, evenly "
-            "spread, and those between are worked out anew, exactly as they were."
+            "Maximum memory for the steps of a run. When it is full, fewer steps are stored, evenly spaced; the steps "
+            "between them are recomputed exactly."
         )
         section = tr("Timeline")
         return (
@@ -158,7 +96,7 @@ class TimelineFeature(Feature):
         )
 
     def use_theme(self, theme: Theme) -> None:
-        """Tint the buttons."""
+        """Color the buttons."""
         self.panel.use_theme(theme)
 
     def _budget_field(self) -> QSpinBox:
@@ -192,14 +130,14 @@ class TimelineFeature(Feature):
 
 
 class _Keys(QObject):
-    """Home and End on the canvas; elsewhere they belong to sliders, lists and fields."""
+    """Home and End on the canvas; in sliders, lists and fields they keep their usual meaning."""
 
     def __init__(self, navigation: TimelineNavigation, parent: QObject) -> None:
         super().__init__(parent)
         self._navigation = navigation
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Take both."""
+        """Go to the first or last step."""
         if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
             if event.key() == Qt.Key.Key_Home:
                 self._navigation.to_first()

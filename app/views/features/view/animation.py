@@ -1,4 +1,4 @@
-"""Export of a run as an animation, and of some of its steps as a strip."""
+"""Export of a run as an animation, and of some of its steps as a snapshot strip."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from cpm_core.formats.animations.snapshot_strip import strip, write_picture
 from cpm_core.numerics.types import Pixels
 
 _AHEAD = 4
-"""Frames that may wait for being written."""
+"""Maximum number of frames that wait to be written."""
 
-_PATIENCE = 0.05
-"""Time between two looks whether the film has been given up [s]."""
+_TIMEOUT = 0.05
+"""Time between two checks for cancellation [s]."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -41,7 +41,7 @@ class StripReady(Report):
 
 
 class AnimationFeature(Feature):
-    """Films a run."""
+    """Exports animations and snapshot strips."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -55,27 +55,14 @@ class AnimationFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Both exports."""
         return (
-            ActionSpec(
-                name="export_animation",
-                menu="File",
-                text=tr("Export a&nimation…"),
-                do=self.ask_for_animation,
-                shortcuts=("Ctrl+Shift+A",),
-                tip=tr("Write the steps of the run as a GIF, an APNG or a film."),
-                when=has_particles,
-            ),
-            ActionSpec(
-                name="export_strip",
-                menu="File",
-                text=tr("Export snapshot s&trip…"),
-                do=self.ask_for_strip,
-                tip=tr("Write some steps of the run side by side as one picture."),
-                when=has_particles,
-            ),
-        )
+            ActionSpec(name="export_animation", menu="File", text=tr("Export a&nimation…"), do=self.ask_for_animation,
+                       shortcuts=("Ctrl+Shift+A",), tip=tr("Export the run as GIF, APNG or MP4."), when=has_particles),
+            ActionSpec(name="export_strip", menu="File", text=tr("Export snapshot s&trip…"), do=self.ask_for_strip,
+                       tip=tr("Export some steps of the run side by side as one image."), when=has_particles),
+        )  # fmt: skip
 
     def close(self) -> bool:
-        """End what is being drawn."""
+        """Stop the rendering of frames."""
         for filming in self._filming:
             filming.stop()
         return True
@@ -83,7 +70,7 @@ class AnimationFeature(Feature):
     # Animation
 
     def ask_for_animation(self) -> AnimationDialog:
-        """Ask how the animation is to be, then where to, then write it."""
+        """Ask for the settings and the file of the animation, then write it."""
         branch = self._navigation.place[0]
         dialog = AnimationDialog(
             self.context.window,
@@ -98,7 +85,7 @@ class AnimationFeature(Feature):
         return dialog
 
     def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
-        """Write an animation; None where it cannot be, which is told."""
+        """Write an animation; None if it cannot be written, which is reported."""
         session = self.context.session
         try:
             check_animation(path)
@@ -156,7 +143,7 @@ class AnimationFeature(Feature):
     # Strip
 
     def ask_for_strip(self) -> StripDialog:
-        """Show a strip of evenly spaced steps, and save it when asked to."""
+        """Show a strip of evenly spaced steps, which the user can save."""
         branch = self._navigation.place[0]
         dialog = StripDialog(
             self.context.window,
@@ -200,7 +187,7 @@ class AnimationFeature(Feature):
             self._strip_dialog or self.context.window,
             tr("Export snapshot strip"),
             self._suggestion("strip", ".png"),
-            tr("Picture (*.png)"),
+            tr("Image (*.png)"),
         )
         if chosen:
             path = Path(chosen)
@@ -231,11 +218,11 @@ class AnimationFeature(Feature):
 
 
 def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
-    """Frames as they come, until there are no more; raises when nobody wants them any more."""
+    """Frames as they arrive, until there are no more; raises when the task is canceled."""
     while True:
         task.go_on()
         try:
-            frame = frames.get(timeout=_PATIENCE)
+            frame = frames.get(timeout=_TIMEOUT)
         except queue.Empty:
             continue
         if frame is None:
@@ -246,7 +233,7 @@ def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
 def _encode(
     frames: queue.Queue[Pixels | None], count: int, path: Path, frames_per_second: float, task: Task
 ) -> Report | None:
-    """Write frames as they come; runs on a thread of its own."""
+    """Write frames as they arrive; runs on a worker thread."""
     done = write_animation(
         _taken(frames, task),
         path,

@@ -15,9 +15,9 @@ from app.views.widgets.preference_row import PreferenceRow, choice
 from app.views.window.feature import Feature, FeatureContext
 
 _CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
-    ("system", tr("Colors of the &desktop"), tr("Light or dark as the desktop is."), None),
-    ("light", tr("&Light colors"), tr("Light window."), theme.LIGHT),
-    ("dark", tr("Dar&k colors"), tr("Dark window."), theme.DARK),
+    ("system", tr("Colors of the &desktop"), tr("Light or dark colors, as on the desktop."), None),
+    ("light", tr("&Light colors"), tr("Light background."), theme.LIGHT),
+    ("dark", tr("Dar&k colors"), tr("Dark background."), theme.DARK),
 )
 _KEY = "theme"
 
@@ -34,19 +34,10 @@ class AppearanceFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """The choices."""
         return [
-            ActionSpec(
-                name=f"theme_{name}",
-                menu="View",
-                text=text,
-                do=partial(self._choose, name),
-                tip=tip,
-                group=STATE,
-                checked=name == self._chosen,
-                holds=partial(self._holds, name),
-                gap=index == 0,
-            )
+            ActionSpec(name=f"theme_{name}", menu="View", text=text, do=partial(self._choose, name), tip=tip,
+                       group=STATE, checked=name == self._chosen, holds=partial(self._holds, name), gap=index == 0)
             for index, (name, text, tip, _) in enumerate(_CHOICES)
-        ]
+        ]  # fmt: skip
 
     def preferences(self) -> Sequence[PreferenceRow]:
         """Light or dark."""
@@ -56,12 +47,12 @@ class AppearanceFeature(Feature):
         )
 
     def theme(self) -> theme.Theme:
-        """The theme that is chosen, or the desktop's."""
+        """The chosen theme, or that of the desktop."""
         chosen = {name: made for name, _, _, made in _CHOICES}.get(self._chosen)
         return chosen or theme.system_theme()
 
     def close(self) -> bool:
-        """Follow the desktop no longer."""
+        """Stop following the desktop."""
         if self._following:
             self._following = False
             QGuiApplication.styleHints().colorSchemeChanged.disconnect(self._follow_desktop)
@@ -71,7 +62,7 @@ class AppearanceFeature(Feature):
         self._chosen = name
         self.context.preferences.put(_KEY, name)
         self.context.use_theme(self.theme())
-        # The actions show what is chosen now.
+        # The actions must show the new choice.
         self.context.refresh()
 
     def _holds(self, name: str, situation: Situation) -> bool:

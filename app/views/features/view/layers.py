@@ -12,21 +12,21 @@ from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.particles import ParticleLayer
-from app.views.panels.layer_list.layers_panel import LayersPanel
+from app.views.panels.layer_list import LayersPanel
 from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 _KEY = "layers/{layer}"
-"""Preference that keeps what has been chosen about a layer."""
+"""Preference: the settings of a layer."""
 
 
 class LayersFeature(Feature):
-    """What is seen of the image and of what lies over it."""
+    """Zoom, layers and their settings."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         layers = context.canvas_area.canvas.layers
-        self._told: tuple[object, ...] = ()
+        self._menu_state: tuple[object, ...] = ()
         self._panel = LayersPanel(layers)
         context.canvas_area.canvas.pointed.connect(layers.forces.point_at)
         for layer in layers:
@@ -34,45 +34,24 @@ class LayersFeature(Feature):
             layer.changed.connect(self._follow)
 
     def _follow(self) -> None:
-        """Let the menu be right; what it does not show, as while levels are dragged, is none of its business."""
+        """Refresh the menu, but only if something that it shows has changed."""
         layers = self.context.canvas_area.canvas.layers
-        told = (*(layer.shown for layer in layers), layers.particles.word("colour"))
-        if told != self._told:
-            self._told = told
+        state = (*(layer.shown for layer in layers), layers.particles.word("colour"))
+        if state != self._menu_state:
+            self._menu_state = state
             self.context.refresh()
 
     def action_specs(self) -> Sequence[ActionSpec]:
-        """Zoom, and one toggle a layer."""
+        """Zoom, one toggle per layer, and the coloring of particles."""
         canvas = self.context.canvas_area.canvas
         zoom = (
-            ActionSpec(
-                name="fit",
-                menu="View",
-                text=tr("&Fit to window"),
-                short=tr("Fit"),
-                do=canvas.fit,
-                shortcuts=("F",),
-                tip=tr("Show the whole image."),
-                icon="fit",
-                when=has_image,
-            ),
-            ActionSpec(
-                name="zoom_in",
-                menu="View",
-                text=tr("Zoom &in"),
-                do=lambda: canvas.zoom(ZOOM),
-                shortcuts=("+", "=", "Ctrl++"),
-                tip=tr("Enlarge."),
-            ),
-            ActionSpec(
-                name="zoom_out",
-                menu="View",
-                text=tr("Zoom &out"),
-                do=lambda: canvas.zoom(1.0 / ZOOM),
-                shortcuts=("-", "Ctrl+-"),
-                tip=tr("Make smaller."),
-            ),
-        )
+            ActionSpec(name="fit", menu="View", text=tr("&Fit to window"), short=tr("Fit"), do=canvas.fit,
+                       shortcuts=("F",), tip=tr("Show the whole image."), icon="fit", when=has_image),
+            ActionSpec(name="zoom_in", menu="View", text=tr("Zoom &in"), do=lambda: canvas.zoom(ZOOM),
+                       shortcuts=("+", "=", "Ctrl++"), tip=tr("Zoom in.")),
+            ActionSpec(name="zoom_out", menu="View", text=tr("Zoom &out"), do=lambda: canvas.zoom(1.0 / ZOOM),
+                       shortcuts=("-", "Ctrl+-"), tip=tr("Zoom out.")),
+        )  # fmt: skip
         toggles = [_toggle(layer, index == 0) for index, layer in enumerate(canvas.layers)]
         return (*zoom, *toggles, *_colorings(canvas.layers.particles))
 
@@ -81,7 +60,7 @@ class LayersFeature(Feature):
         return (Panel(name="layers", title=tr("Layers"), widget=self._panel, tab="settings", shortcut="F8"),)
 
     def close(self) -> bool:
-        """Keep what has been chosen about the layers for the next start; which are shown is begun with anew."""
+        """Keep the settings of layers for the next start; their visibility is not kept."""
         for layer in self.context.canvas_area.canvas.layers:
             chosen = {name: value for name, value in layer.chosen.items() if value != "hand"}
             if layer.options:
@@ -90,7 +69,7 @@ class LayersFeature(Feature):
 
 
 def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
-    """What has been chosen about a layer before; nothing where it cannot be read."""
+    """The stored settings of a layer; empty if they cannot be read."""
     try:
         kept = json.loads(preferences.get(_KEY.format(layer=layer.name), "{}"))
     except json.JSONDecodeError:
@@ -99,32 +78,20 @@ def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
 
 
 def _colorings(layer: ParticleLayer) -> list[ActionSpec]:
-    """One action for everything that particles can be colored by."""
+    """One action per quantity that particles can be colored by."""
 
     def spec(way: str, title: str) -> ActionSpec:
-        return ActionSpec(
-            name=f"colour_{way}",
-            menu="View>" + tr("Color particles by"),
-            text=title,
-            do=lambda: layer.choose("colour", way),
-            tip=QUANTITIES[way].tip if way in QUANTITIES else layer.tip,
-            group=STATE,
-            holds=lambda situation: layer.word("colour") == way,
-        )
+        return ActionSpec(name=f"colour_{way}", menu="View>" + tr("Color particles by"), text=title,
+                          do=lambda: layer.choose("colour", way),
+                          tip=QUANTITIES[way].tip if way in QUANTITIES else layer.tip, group=STATE,
+                          holds=lambda situation: layer.word("colour") == way)  # fmt: skip
 
     return [spec(way, title) for way, title in layer.ways.items()]
 
 
 def _toggle(layer: Layer, first: bool) -> ActionSpec:
-    return ActionSpec(
-        name=f"layer_{layer.name}",
-        menu="View",
-        text=layer.title,
-        do=lambda: layer.set_shown(not layer.shown),
-        shortcuts=(layer.shortcut,) if layer.shortcut else (),
-        tip=tr("Show or hide: {layer}").format(layer=layer.tip),
-        group=STATE,
-        checked=layer.shown,
-        gap=first,
-        holds=lambda situation: layer.shown,
-    )
+    return ActionSpec(name=f"layer_{layer.name}", menu="View", text=layer.title,
+                      do=lambda: layer.set_shown(not layer.shown),
+                      shortcuts=(layer.shortcut,) if layer.shortcut else (),
+                      tip=tr("Show or hide: {layer}").format(layer=layer.tip), group=STATE, checked=layer.shown,
+                      gap=first, holds=lambda situation: layer.shown)  # fmt: skip

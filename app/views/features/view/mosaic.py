@@ -1,4 +1,4 @@
-"""The mosaic."""
+"""The mosaic of two parameters."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 
 _LEAST_SEEN = 0.02
-"""Part of the image that must be in sight for the tiles to show no more than is in sight."""
+"""Fraction of the image that must be visible for the tiles to show only the visible part."""
 
 
 class MosaicFeature(Feature):
-    """A small sweep of two parameters."""
+    """A sweep of two parameters."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -29,20 +29,14 @@ class MosaicFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Open it."""
         return (
-            ActionSpec(
-                name="mosaic",
-                menu="Run",
-                text=tr("&Mosaic of two parameters…"),
-                do=self.open,
-                shortcuts=("Ctrl+M",),
-                tip=tr("Run the image with some values of two parameters side by side, and take the best."),
-                gap=True,
-                when=has_image,
-            ),
-        )
+            ActionSpec(name="mosaic", menu="Run", text=tr("&Mosaic of two parameters…"), do=self.open,
+                       shortcuts=("Ctrl+M",),
+                       tip=tr("Compare runs with several values of two parameters and choose the best."),
+                       gap=True, when=has_image),
+        )  # fmt: skip
 
     def open(self) -> None:
-        """Open the dialog, or bring it to the front; tiles show the part of the image that is in sight."""
+        """Open the dialog, or bring it to the front; tiles show the visible part of the image."""
         display = self.context.session.scene.display
         if self.dialog is None and display is not None:
             self.dialog = MosaicDialog(
@@ -55,7 +49,7 @@ class MosaicFeature(Feature):
             self.dialog.activateWindow()
 
     def close(self) -> bool:
-        """Close the dialog and give up its runs."""
+        """Close the dialog and cancel its runs."""
         if self.dialog is not None:
             self.dialog.close()
         self.sweep.cancel()

@@ -1,4 +1,4 @@
-"""The columns of the table of contours: what each shows and what it is sorted by."""
+"""The columns of the contour table: the text of each and its sort key."""
 
 from __future__ import annotations
 
@@ -14,22 +14,9 @@ _ORDER = {"kept": 0, "": 1, "rejected": 2}
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One column.
+    """One column: heading (with ``{unit}`` for the unit of lengths), tooltip, text and sort key of an item.
 
-    Attributes
-    ----------
-    name : str
-        What it is called in code.
-    title, tip : str
-        Heading, and what it means; ``{unit}`` stands for the unit of lengths.
-    text : callable
-        What is shown of an item.
-    value : callable
-        What an item is sorted by.
-    sample : str
-        The widest text that is usual.
-    figure : bool
-        Whether it is a number, which stands at the right.
+    `sample` is the widest usual text; `numeric` columns are aligned to the right.
     """
 
     name: str
@@ -38,11 +25,11 @@ class Column:
     text: Callable[[Item], str]
     value: Callable[[Item], float | str]
     sample: str
-    figure: bool = True
+    numeric: bool = True
 
 
-def _figure(value: float) -> str:
-    """A number with as many digits as a person reads."""
+def _number(value: float) -> str:
+    """A number with three significant digits, or all digits before the point."""
     return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}" if value < 100 else f"{value:.0f}"
 
 
@@ -58,28 +45,28 @@ def _contrast(item: Item) -> str:
 COLUMNS: tuple[Column, ...] = (
     Column("number", tr("#"), tr("Number, longest first."), lambda i: str(i.measures.number),
            lambda i: i.measures.number, "0000"),
-    Column("name", tr("Name"), tr("Name and color; double click or F2 to write one."), lambda i: i.contour.name,
+    Column("name", tr("Name"), tr("Name and color; double-click or press F2 to rename."), lambda i: i.contour.name,
            lambda i: i.contour.name.casefold() or "\uffff", "left ventricle", False),
-    Column("verdict", tr("Verdict"), tr("K keeps, X rejects; rejected contours are not exported."),
+    Column("verdict", tr("Verdict"), tr("K keeps, X rejects. Rejected contours are not exported."),
            lambda i: VERDICTS[i.reviewed.verdict], lambda i: _ORDER[i.reviewed.verdict], "✗ rejected ", False),
     Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
            lambda i: tr("closed") if i.contour.closed else tr("open"), lambda i: float(not i.contour.closed), "closed",
            False),
     Column("length", tr("Length [{unit}]"), tr("Length along the contour."),
-           lambda i: _figure(i.measures.length_in_units), lambda i: i.measures.length_in_units, "000,000"),
-    Column("area", tr("Area [{unit}²]"), tr("Area enclosed, that of contours inside included."),
-           lambda i: _figure(i.measures.area_in_units) if i.contour.closed else "–",
+           lambda i: _number(i.measures.length_in_units), lambda i: i.measures.length_in_units, "000,000"),
+    Column("area", tr("Area [{unit}²]"), tr("Enclosed area, including the area of contours inside."),
+           lambda i: _number(i.measures.area_in_units) if i.contour.closed else "–",
            lambda i: i.measures.area_in_units, "00,000,000"),
-    Column("strength", tr("Strength"), tr("Mean edge strength along it, in gray levels per px."),
-           lambda i: _figure(i.measures.strength), lambda i: i.measures.strength, "000.0"),
-    Column("inside", tr("Inside"), tr("Number of the closed contour that it lies in."),
+    Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
+           lambda i: _number(i.measures.strength), lambda i: i.measures.strength, "000.0"),
+    Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
            lambda i: str(i.measures.inside) if i.measures.inside else "–", lambda i: i.measures.inside, "0000"),
-    Column("junctions", tr("Junctions"), tr("Ends that lie where contours meet."), _ends,
+    Column("junctions", tr("Junctions"), tr("Number of ends at which it meets other contours."), _ends,
            lambda i: i.measures.junctions, "0"),
-    Column("contrast", tr("Contrast"), tr("Contrast of the regions on both sides, 0 to 1; measured at rest."),
+    Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
            _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
 )  # fmt: skip
 """All columns in the order shown."""
 
 NAME = next(index for index, column in enumerate(COLUMNS) if column.name == "name")
-"""Where names stand."""
+"""Index of the column of names."""

@@ -1,4 +1,4 @@
-"""The model of the table: one row a contour, which stays where it is for as long as the contour is found again."""
+"""The model of the contour table: one row per contour, which stays in place as long as the contour is found again."""
 
 from __future__ import annotations
 
@@ -17,23 +17,16 @@ Index = QModelIndex | QPersistentModelIndex
 Role = Qt.ItemDataRole
 
 VALUE = Role.UserRole
-"""Role of what a cell is sorted by."""
+"""Role of the sort key of a cell."""
 
 _PX = "px"
 
 
 class ContourModel(QAbstractTableModel):
-    """Contours as a table.
+    """Contours of a review as a table; names that are typed go back to the review.
 
-    Rows are told apart by the keys of their contours: a reconstruction changes what stands in them and leaves
-    selection, order and a name that is being written alone.
-
-    Parameters
-    ----------
-    review : ContourReview
-        Where contours come from and names go to.
-    parent : QObject
-        The view, which it is not to outlive.
+    Rows are identified by the keys of their contours: a reconstruction updates their contents and preserves the
+    selection, the order and a name that is being edited.
     """
 
     def __init__(self, review: ContourReview, parent: QObject) -> None:
@@ -52,7 +45,7 @@ class ContourModel(QAbstractTableModel):
         return self._rows.get(key)
 
     def refresh(self) -> None:
-        """Show the contours there are now."""
+        """Show the present contours."""
         present = {item.key: item for item in self._review.items}
         self._drop(present.keys())
         self._items = [present[item.key] for item in self._items]
@@ -67,18 +60,18 @@ class ContourModel(QAbstractTableModel):
             self.endInsertRows()
         self._use_unit()
 
-    # What Qt calls
+    # Qt interface
 
     def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
-        """Contours."""
+        """Number of contours."""
         return 0 if parent.isValid() else len(self._items)
 
     def columnCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
-        """Columns."""
+        """Number of columns."""
         return 0 if parent.isValid() else len(COLUMNS)
 
     def headerData(self, section: int, orientation: Qt.Orientation, role: int = Role.DisplayRole) -> Any:
-        """Headings with the unit of lengths, and what they mean."""
+        """Headings with the unit of lengths, and their tooltips."""
         if orientation == Qt.Orientation.Vertical:
             return None
         column = COLUMNS[section]
@@ -86,12 +79,12 @@ class ContourModel(QAbstractTableModel):
             return column.title.format(unit=self._unit)
         if role == Role.ToolTipRole:
             return column.tip
-        if role == Role.TextAlignmentRole and column.figure:
+        if role == Role.TextAlignmentRole and column.numeric:
             return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         return None
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
-        """What a cell shows."""
+        """The text, sort key, icon and style of a cell."""
         item, column = self._items[index.row()], COLUMNS[index.column()]
         match role:
             case Role.DisplayRole:
@@ -100,7 +93,7 @@ class ContourModel(QAbstractTableModel):
                 return item.contour.name
             case Role.UserRole:
                 return column.value(item)
-            case Role.TextAlignmentRole if column.figure:
+            case Role.TextAlignmentRole if column.numeric:
                 return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
             case Role.DecorationRole if index.column() == NAME:
                 return swatch(item.contour.colour or (theme.CLOSED if item.contour.closed else theme.OPEN))
@@ -120,14 +113,14 @@ class ContourModel(QAbstractTableModel):
         return True
 
     def flags(self, index: Index) -> Qt.ItemFlag:
-        """Names can be written."""
+        """Names can be edited."""
         flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
         return flags | Qt.ItemFlag.ItemIsEditable if index.column() == NAME else flags
 
-    # Inside
+    # Internal
 
     def _drop(self, present: Any) -> None:
-        """Take out the rows of contours that are gone, neighbors together."""
+        """Remove the rows of contours that have disappeared, adjacent rows in one operation."""
         gone = [row for row, item in enumerate(self._items) if item.key not in present]
         while gone:
             last = first = gone.pop()
@@ -161,7 +154,7 @@ class Sorted(QSortFilterProxyModel):
         self.setDynamicSortFilter(True)
 
     def lessThan(self, left: Index, right: Index) -> bool:
-        """Whether one row stands before another."""
+        """Whether one row comes before another."""
         model = self.sourceModel()
         one, other = model.data(left, VALUE), model.data(right, VALUE)
         if one != other:

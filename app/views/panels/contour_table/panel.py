@@ -1,4 +1,4 @@
-"""The panel of the contours: thresholds and buttons beside the table."""
+"""The panel of the contours: the table with thresholds and review buttons beside it."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLabel, QMenu, QToolButto
 
 from app.model.document import edits
 from app.model.document.document import Document
+from app.model.parameters.controls import controls
 from app.model.text.language import tr
 from app.session.features.contour_review import ContourReview
 from app.session.session import Session
@@ -18,23 +19,13 @@ from app.views.panels.contour_table.threshold import Threshold
 from app.views.panels.contour_table.view import ContourTable
 
 _NARROW = 640
-"""Width under which thresholds and buttons stand above the table instead of beside it [px]."""
+"""Width below which thresholds and buttons are placed above the table instead of beside it [px]."""
 
 _BESIDE = 236
 
 
 class ContourPanel(QWidget):
-    """Shows the contours and what has been said about them.
-
-    Parameters
-    ----------
-    session : Session
-        Whose document it edits.
-    review : ContourReview
-        What it shows.
-    fill_colors : callable
-        Fills a menu with the colors that can be chosen.
-    """
+    """Shows the contours and their review; `fill_colors` fills a menu with the colors on offer."""
 
     def __init__(self, session: Session, review: ContourReview, fill_colors: Callable[[QMenu], None]) -> None:
         super().__init__()
@@ -45,10 +36,7 @@ class ContourPanel(QWidget):
         self.summary.setWordWrap(True)
         self.summary.setObjectName("dim")
         self.thresholds = {
-            "min_strength": Threshold(
-                tr("Least strength"), tr("gray/px"), tr("Contours of weaker edges are left out; acts at once.")
-            ),
-            "min_length": Threshold(tr("Least length"), tr("px"), tr("Shorter contours are left out; acts at once.")),
+            control.name: Threshold(control) for control in controls() if control.name in ("min_strength", "min_length")
         }
         self.buttons: dict[str, QToolButton] = {}
         self._colors = QMenu(self)
@@ -63,7 +51,7 @@ class ContourPanel(QWidget):
         self._layout.addWidget(self.table, 1)
         for name, threshold in self.thresholds.items():
             threshold.moved_to.connect(partial(self._set, name))
-            threshold.settled.connect(session.seal)
+            threshold.released.connect(session.seal)
         review.changed.connect(self._show)
         review.selection_changed.connect(self._enable)
         session.document_changed.connect(self._use_document)
@@ -74,7 +62,7 @@ class ContourPanel(QWidget):
         return QSize(900, 230)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Stand below each other where there is no room beside."""
+        """Arrange the parts vertically in a narrow panel."""
         narrow = event.size().width() < _NARROW
         along, across = QBoxLayout.Direction.LeftToRight, QBoxLayout.Direction.TopToBottom
         self._layout.setDirection(across if narrow else along)
@@ -106,16 +94,14 @@ class ContourPanel(QWidget):
             rows.addLayout(pair)
         self.buttons["colour"].setMenu(self._colors)
         self.buttons["colour"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self.buttons["colour"].setToolTip(tr("Give the selected contours a color."))
+        self.buttons["colour"].setToolTip(tr("Set the color of the selected contours."))
         column.addLayout(rows)
         column.addStretch(1)
         return beside
 
     def _set(self, name: str, value: float) -> None:
-        words = {"min_strength": tr("set least strength"), "min_length": tr("set least length")}
-        self._session.edit(
-            words[name], lambda document: edits.set_parameter(document, name, value), f"threshold {name}"
-        )
+        change = tr("change of {parameter}").format(parameter=self.thresholds[name].title.lower())
+        self._session.edit(change, lambda document: edits.set_parameter(document, name, value), f"threshold {name}")
 
     def _use_document(self, document: Document) -> None:
         for name, threshold in self.thresholds.items():
@@ -126,18 +112,18 @@ class ContourPanel(QWidget):
         moment = (self._session.generation, result.steps) if result is not None else None
         self.thresholds["min_strength"].show_values(moment, [item.measures.strength for item in items])
         self.thresholds["min_length"].show_values(moment, [item.measures.length for item in items])
-        self.summary.setText(self._words())
+        self.summary.setText(self._summary())
         self._enable()
 
-    def _words(self) -> str:
+    def _summary(self) -> str:
         items = self._review.items
         if not items:
-            return tr("No contours yet: let the particles run.")
+            return tr("No contours yet. Start the run.")
         closed = sum(item.contour.closed for item in items)
         rejected = sum(item.reviewed.rejected for item in items)
         kept = sum(item.reviewed.verdict == "kept" for item in items)
-        told = tr("{closed} closed, {open} open; {kept} kept, {rejected} rejected, {undecided} undecided.")
-        return told.format(
+        summary = tr("{closed} closed, {open} open; {kept} kept, {rejected} rejected, {undecided} undecided.")
+        return summary.format(
             closed=closed,
             open=len(items) - closed,
             kept=kept,

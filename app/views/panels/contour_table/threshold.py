@@ -1,4 +1,4 @@
-"""A threshold on the contours: a slider below the histogram of what it chooses among."""
+"""A threshold on the contours: a slider below the histogram of their values."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from PySide6.QtCore import QRectF, QSize, Signal
 from PySide6.QtGui import QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
+from app.model.parameters.controls import Control
 from app.views.widgets.marked_slider import MarkedSlider
 
 _BINS = 40
@@ -18,7 +19,7 @@ _LEAST = 10.0
 
 
 class Histogram(QWidget):
-    """Bars that tell how many values there are of which size; those below the threshold are pale."""
+    """A histogram; bars below the threshold are pale."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -27,27 +28,28 @@ class Histogram(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
 
     def sizeHint(self) -> QSize:
-        """As high as two lines of text."""
+        """About two lines of text high."""
         return QSize(160, 30)
 
-    def show(self, shares: np.ndarray, threshold: float) -> None:  # type: ignore[override]  # of values, not of itself
-        """Show values, each as its share of the way along the slider."""
+    def show(self, shares: np.ndarray, threshold: float) -> None:  # type: ignore[override]  # shows values, not itself
+        """Show values, each as its position along the slider from 0 to 1."""
         self._counts = np.histogram(shares, _BINS, (0.0, 1.0))[0]
         self._threshold = threshold
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw a bar for each size that there is."""
+        """Draw a bar for each bin that is not empty."""
         painter = QPainter(self)
         palette = self.palette()
-        # The groove of the slider below begins and ends half a handle inside.
+        # The groove of the slider below starts and ends half a handle from its sides.
         inset = 6.0
         width, height = (self.width() - 2 * inset) / _BINS, self.height() - 1.0
         most = max(1, int(self._counts.max()))
         for index, count in enumerate(self._counts.tolist()):
             if count:
                 role = QPalette.ColorRole.Highlight if (index + 1) / _BINS > self._threshold else QPalette.ColorRole.Mid
-                tall = max(3.0, height * math.sqrt(count / most))  # the root lets a single one be seen beside hundreds
+                # the root keeps a single value visible beside hundreds
+                tall = max(3.0, height * math.sqrt(count / most))
                 painter.fillRect(
                     QRectF(inset + index * width, height - tall, max(1.5, width - 1), tall), palette.color(role)
                 )
@@ -57,58 +59,47 @@ class Histogram(QWidget):
 
 
 class Threshold(QWidget):
-    """Least value of contours, set by a slider that has more room for small values.
-
-    Parameters
-    ----------
-    title, unit, tip : str
-        What it is, and what it does.
-    """
+    """Lower limit of a measure of contours, set by a slider that is finer for small values."""
 
     moved_to = Signal(float)
-    """The user has moved it to a value."""
-    settled = Signal()
-    """The user has let go of it."""
+    """The user has moved the slider to a value."""
+    released = Signal()
+    """The user has released the slider."""
 
-    def __init__(self, title: str, unit: str, tip: str) -> None:
+    def __init__(self, control: Control) -> None:
         super().__init__()
-        self._unit = unit
+        self.title, self._unit = control.title, control.unit
         self._top = _LEAST
         self._value = 0.0
         self._known: tuple[object, float, np.ndarray] = (None, 0.0, np.empty(0))
         self.histogram = Histogram()
         self.slider = MarkedSlider(0.0, 1.0, _STEP, None)
-        self.slider.setAccessibleName(title)
+        self.slider.setAccessibleName(self.title)
         self.label = QLabel()
-        self.setToolTip(tip)
+        self.setToolTip(f"{control.meaning} {control.acts}")
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
         grid.setVerticalSpacing(0)
-        grid.addWidget(QLabel(title), 0, 0)
+        grid.addWidget(QLabel(self.title), 0, 0)
         grid.addWidget(self.label, 0, 1)
         grid.addWidget(self.histogram, 1, 0, 1, 2)
         grid.addWidget(self.slider, 2, 0, 1, 2)
         grid.setColumnStretch(0, 1)
-        self.slider.moved_to.connect(lambda share: self._tell(self._top * share**2))
-        self.slider.restored.connect(lambda: self._tell(0.0))
-        self.slider.sliderReleased.connect(self.settled)
+        self.slider.moved_to.connect(lambda share: self._report(self._top * share**2))
+        self.slider.restored.connect(lambda: self._report(0.0))
+        self.slider.sliderReleased.connect(self.released)
         self._show()
 
     def show_values(self, moment: object, values: Sequence[float]) -> None:
-        """Show the values there are.
+        """Show the values of the present contours.
 
-        Parameters
-        ----------
-        moment : object
-            What the contours were made from: as long as it stays the same, values that the threshold has left out are
-            remembered, for the user to see what is chosen among.
-        values : sequence of float
-            Values of the contours there are.
+        `moment` identifies the state that the contours were reconstructed from. While it stays the same, values that
+        the threshold has excluded are remembered, so that the user sees the whole distribution.
         """
         known, below, before = self._known
         now = np.asarray(values, dtype=float)
         if moment is not None and moment == known and below < self._value:
-            # What the newest threshold leaves out may still be there: contours follow a moment later.
+            # Values below the newest threshold may still be present: the contours follow a moment later.
             left_out = (before < self._value) & ~np.isin(before, now)
             now = np.concatenate([now, before[left_out]])
             self._known = (moment, below, np.sort(now))
@@ -117,12 +108,12 @@ class Threshold(QWidget):
         self._show()
 
     def show_value(self, value: float) -> None:
-        """Show the threshold that is in force."""
+        """Show the present threshold."""
         if value != self._value:
             self._value = value
             self._show()
 
-    def _tell(self, value: float) -> None:
+    def _report(self, value: float) -> None:
         self.moved_to.emit(float(f"{value:.3g}"))
 
     def _show(self) -> None:
@@ -136,6 +127,6 @@ class Threshold(QWidget):
 
 
 def _nice(value: float) -> float:
-    """The next of 1, 2, 5, 10, 20, … that is no smaller, so that the range seldom changes."""
+    """Round up to the next of 1, 2, 5, 10, 20, …, so that the range rarely changes."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value)

@@ -1,4 +1,4 @@
-"""The panel of the ground truth: how well the contours agree with it."""
+"""The panel of the ground truth: the agreement of the contours with it."""
 
 from __future__ import annotations
 
@@ -24,32 +24,26 @@ from app.views.theme.icons import swatch
 from app.views.widgets.marked_slider import MarkedSlider
 from cpm_core.contours.agreement import TOLERANCE, Comparison
 
-_FIGURES: tuple[tuple[str, str, str], ...] = (
-    ("dice", tr("Dice"), tr("Overlap of the areas: 1 when they are the same, 0 when they have nothing in common.")),
-    ("jaccard", tr("Jaccard"), tr("Common area as a fraction of the area of both together.")),
-    ("hausdorff", tr("Hausdorff"), tr("Largest distance of a place on one boundary from the other.")),
-    ("hausdorff95", tr("95 % Hausdorff"), tr("The same without the worst twentieth.")),
-    ("mean_boundary_distance", tr("Mean distance"), tr("Mean distance of the boundaries from each other.")),
-    ("recall", tr("Recall"), tr("Part of the true boundary that has a contour within the tolerance.")),
-    ("precision", tr("Precision"), tr("Part of the contours that has a true boundary within the tolerance.")),
+_MEASURES: tuple[tuple[str, str, str], ...] = (
+    ("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint.")),
+    ("jaccard", tr("Jaccard"), tr("Intersection of the areas divided by their union.")),
+    ("hausdorff", tr("Hausdorff"), tr("Largest distance from a point on one boundary to the other boundary.")),
+    ("hausdorff95", tr("95 % Hausdorff"), tr("The 95th percentile of these distances.")),
+    ("mean_boundary_distance", tr("Mean distance"), tr("Mean distance between the boundaries.")),
+    ("recall", tr("Recall"), tr("Fraction of the true boundary that has a contour within the tolerance.")),
+    ("precision", tr("Precision"), tr("Fraction of the contours that has a true boundary within the tolerance.")),
     ("f", tr("F"), tr("Harmonic mean of recall and precision.")),
 )
 _IN_PX = ("hausdorff", "hausdorff95", "mean_boundary_distance")
 
 
 class TruthPanel(QWidget):
-    """Shows the figures of a comparison.
+    """Shows the measures of a comparison with the ground truth, and its settings."""
 
-    Parameters
-    ----------
-    truth : GroundTruth
-        What it shows and sets.
-    """
-
-    load_wanted = Signal()
-    """The user wants to choose a file."""
-    jump_wanted = Signal(object)
-    """The user wants to look at a place: Difference."""
+    load_requested = Signal()
+    """The user asks for the dialog that chooses a file."""
+    jump_requested = Signal(object)
+    """The user asks to see a Difference on the canvas."""
 
     def __init__(self, truth: GroundTruth) -> None:
         super().__init__()
@@ -60,18 +54,18 @@ class TruthPanel(QWidget):
         self.pieces = QLabel()
         self.pieces.setWordWrap(True)
         self.pieces.setObjectName("dim")
-        self.figures: dict[str, QLabel] = {}
+        self.values: dict[str, QLabel] = {}
         self.load_button = QPushButton(tr("Load…"))
-        self.forget_button = QPushButton(tr("Forget"))
-        self.worst_button = QPushButton(tr("Worst place"))
-        self.next_button = QPushButton(tr("Next place"))
-        self.holes = QCheckBox(tr("Contours inside contours are holes"))
-        self.holes.setToolTip(tr("Otherwise all that lies inside a contour is object."))
+        self.forget_button = QPushButton(tr("Remove"))
+        self.worst_button = QPushButton(tr("Largest difference"))
+        self.next_button = QPushButton(tr("Next difference"))
+        self.holes = QCheckBox(tr("Inner contours are holes"))
+        self.holes.setToolTip(tr("Otherwise everything inside a contour belongs to the object."))
         self.tolerance = MarkedSlider(0.25, 10.0, 0.25, TOLERANCE)
         self.tolerance.setAccessibleName(tr("Tolerance"))
         self._tolerance_label = QLabel()
         self._lay_out()
-        self.load_button.clicked.connect(self.load_wanted)
+        self.load_button.clicked.connect(self.load_requested)
         self.forget_button.clicked.connect(truth.forget)
         self.worst_button.clicked.connect(self.jump_to_worst)
         self.next_button.clicked.connect(self.jump_to_next)
@@ -87,15 +81,15 @@ class TruthPanel(QWidget):
         return QSize(320, 380)
 
     def jump_to_worst(self) -> None:
-        """Look at the place where boundaries are farthest from each other."""
+        """Show the place where the boundaries are farthest apart."""
         self._next = 0
         self.jump_to_next()
 
     def jump_to_next(self) -> None:
-        """Look at the next one, the worst after the last."""
+        """Show the next difference; after the last one, the largest again."""
         found = self._differences
         if found:
-            self.jump_wanted.emit(found[self._next % len(found)])
+            self.jump_requested.emit(found[self._next % len(found)])
             self._next += 1
 
     @property
@@ -114,14 +108,14 @@ class TruthPanel(QWidget):
         grid = QGridLayout()
         grid.setHorizontalSpacing(10)
         grid.setVerticalSpacing(3)
-        for index, (name, title, tip) in enumerate(_FIGURES):
-            label, figure = QLabel(title), QLabel("–")
+        for index, (name, title, tip) in enumerate(_MEASURES):
+            label, value = QLabel(title), QLabel("–")
             label.setObjectName("dim")
-            for widget in (label, figure):
+            for widget in (label, value):
                 widget.setToolTip(tip)
-            self.figures[name] = figure
+            self.values[name] = value
             grid.addWidget(label, index // 2, 2 * (index % 2))
-            grid.addWidget(figure, index // 2, 2 * (index % 2) + 1)
+            grid.addWidget(value, index // 2, 2 * (index % 2) + 1)
         grid.setColumnStretch(1, 1)
         grid.setColumnStretch(3, 1)
         column.addLayout(grid)
@@ -149,12 +143,12 @@ class TruthPanel(QWidget):
     def _show(self) -> None:
         truth, verified = self._truth.truth, self._truth.verified
         if truth is None:
-            self.source.setText(tr("Load a mask or contours to compare with."))
+            self.source.setText(tr("Load a mask or contours for the comparison."))
         else:
             self.source.setText(tr("Compared with {name}").format(name=truth.source))
-        for name, figure in self.figures.items():
-            figure.setText(_figure(verified.comparison, name) if verified else "–")
-        self.pieces.setText(self._words())
+        for name, label in self.values.items():
+            label.setText(_value(verified.comparison, name) if verified else "–")
+        self.pieces.setText(self._summary())
         self.tolerance.show_value(self._truth.tolerance)
         self._tolerance_label.setText(tr("{tolerance:g} px").format(tolerance=self._truth.tolerance))
         self.holes.blockSignals(True)
@@ -164,23 +158,23 @@ class TruthPanel(QWidget):
         self.worst_button.setEnabled(bool(self._differences))
         self.next_button.setEnabled(len(self._differences) > 1)
 
-    def _words(self) -> str:
+    def _summary(self) -> str:
         if self._truth.truth is None:
             return ""
         if self._truth.verified is None:
-            return tr("No contours yet: let the particles run.")
-        found = self._differences
-        if not found:
-            return tr("Everywhere within the tolerance.")
-        missing = sum(difference.kind == "missing" for difference in found)
-        told = tr("{missing} missing and {wrong} wrong pieces; the worst is {farthest} off.")
-        farthest = tr("{distance:.1f} px").format(distance=found[0].farthest)
-        if math.isinf(found[0].farthest):
-            farthest = tr("infinitely far")
-        return told.format(missing=missing, wrong=len(found) - missing, farthest=farthest)
+            return tr("No contours yet. Start the run.")
+        differences = self._differences
+        if not differences:
+            return tr("All boundaries agree within the tolerance.")
+        missing = sum(difference.kind == "missing" for difference in differences)
+        summary = tr("{missing} missing and {wrong} wrong segments; the largest distance is {farthest}.")
+        farthest = tr("{distance:.1f} px").format(distance=differences[0].farthest)
+        if math.isinf(differences[0].farthest):
+            farthest = tr("infinite")
+        return summary.format(missing=missing, wrong=len(differences) - missing, farthest=farthest)
 
 
-def _figure(comparison: Comparison, name: str) -> str:
+def _value(comparison: Comparison, name: str) -> str:
     value = getattr(comparison, name)
     if not math.isfinite(value):
         return "–"
@@ -199,9 +193,9 @@ def _legend() -> QHBoxLayout:
     row = QHBoxLayout()
     row.setSpacing(5)
     for color, text, tip in (
-        (theme.TRUTH, tr("true"), tr("The true boundary, thin.")),
-        (theme.MISSING, tr("missing"), tr("True boundary without a contour, dashed.")),
-        (theme.WRONG, tr("wrong"), tr("Contour without a true boundary, broad.")),
+        (theme.TRUTH, tr("true"), tr("True boundary (thin line).")),
+        (theme.MISSING, tr("missing"), tr("True boundary without a contour (dashed line).")),
+        (theme.WRONG, tr("wrong"), tr("Contour without a true boundary (wide line).")),
     ):
         picture, words = QLabel(), QLabel(text)
         picture.setPixmap(swatch(color).pixmap(QSize(16, 14)))

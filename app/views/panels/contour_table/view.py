@@ -1,4 +1,4 @@
-"""The table itself: rows that are selected here and on the canvas alike."""
+"""The contour table; its selection is shared with the canvas."""
 
 from __future__ import annotations
 
@@ -17,22 +17,16 @@ _PAD = 18
 
 
 class NameDelegate(QStyledItemDelegate):
-    """Lets a name be written while reconstructions change what stands around it."""
+    """Editor of names that is not disturbed by reconstructions."""
 
     def setEditorData(self, editor: QWidget, index: QModelIndex | QPersistentModelIndex) -> None:
-        """Begin with the name there is; what has been written since is left alone."""
+        """Start with the present name; text that the user has typed is not overwritten."""
         if not (isinstance(editor, QLineEdit) and editor.isModified()):
             super().setEditorData(editor, index)
 
 
 class ContourTable(QTableView):
-    """Shows the contours of a curation.
-
-    Parameters
-    ----------
-    review : ContourReview
-        What it shows, selects and names.
-    """
+    """Shows the contours of a review, selects and names them."""
 
     def __init__(self, review: ContourReview) -> None:
         super().__init__()
@@ -57,58 +51,58 @@ class ContourTable(QTableView):
         self.setMinimumHeight(96)
         self._lay_out()
         self.entered.connect(lambda index: review.hover(self._key(index)))
-        self.doubleClicked.connect(lambda index: self._name(index.row()))
-        self.selectionModel().selectionChanged.connect(self._tell_selection)
+        self.doubleClicked.connect(lambda index: self._edit_name(index.row()))
+        self.selectionModel().selectionChanged.connect(self._report_selection)
         review.changed.connect(self._show)
         review.selection_changed.connect(self._show_selection)
 
     def column(self, name: str) -> list[str]:
-        """What stands in a column, from above."""
+        """The texts of a column, from top to bottom."""
         number = next(index for index, column in enumerate(COLUMNS) if column.name == name)
         return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
 
     def name_selected(self) -> None:
-        """Write a name into the row selected."""
+        """Edit the name in the selected row."""
         rows = self.selectionModel().selectedRows()
         if rows:
-            self._name(rows[0].row())
+            self._edit_name(rows[0].row())
 
-    # What Qt calls
+    # Qt interface
 
     def event(self, event: QEvent) -> bool:
-        """Keep keys that mean something here, whatever they mean to the window."""
+        """Handle the keys of the table before they act as shortcuts of the window."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _DELETE:
             event.accept()
             return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Enter names, Delete rejects."""
+        """Edit the name on Enter, reject on Delete."""
         if event.key() in _ENTER:
-            self._name(self.currentIndex().row())
+            self._edit_name(self.currentIndex().row())
         elif event.key() in _DELETE:
             self._review.judge("rejected")
         else:
             super().keyPressEvent(event)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Give what room is left to the names."""
+        """Give the remaining width to the names."""
         others = sum(self.columnWidth(index) for index in range(len(COLUMNS)) if index != NAME)
-        self.setColumnWidth(NAME, max(self._least_name, event.size().width() - others))
+        self.setColumnWidth(NAME, max(self._name_width, event.size().width() - others))
         super().resizeEvent(event)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Catch up with what has changed meanwhile."""
+        """Update the table if contours have changed while it was hidden."""
         super().showEvent(event)
         if self._stale:
             self._show()
 
     def leaveEvent(self, event: QEvent) -> None:
-        """The pointer is over no row."""
+        """Clear the highlight when the pointer leaves."""
         self._review.hover(None)
         super().leaveEvent(event)
 
-    # Inside
+    # Internal
 
     def _lay_out(self) -> None:
         self.verticalHeader().hide()
@@ -119,18 +113,18 @@ class ContourTable(QTableView):
         for index, column in enumerate(COLUMNS):
             texts = (column.sample, column.title.format(unit="px"))
             self.setColumnWidth(index, max(map(self.fontMetrics().horizontalAdvance, texts)) + _PAD)
-        self._least_name = self.columnWidth(NAME) + 2 * _PAD
+        self._name_width = self.columnWidth(NAME) + 2 * _PAD
         header.setMinimumSectionSize(44)
 
     def _key(self, index: QModelIndex) -> int:
         return self._rows.key(self._sorted.mapToSource(index).row())
 
-    def _name(self, row: int) -> None:
+    def _edit_name(self, row: int) -> None:
         if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
             self.edit(self._sorted.index(row, NAME))
 
     def _show(self) -> None:
-        self._stale = not self.isVisible()  # a table that nobody sees is not to take time from the run
+        self._stale = not self.isVisible()  # a hidden table must not take time from the run
         if self._stale:
             return
         self._showing = True
@@ -138,7 +132,7 @@ class ContourTable(QTableView):
         self._showing = False
         self._show_selection()
 
-    def _tell_selection(self) -> None:
+    def _report_selection(self) -> None:
         if not self._showing:
             self._review.select(self._key(index) for index in self.selectionModel().selectedRows())
 

@@ -1,4 +1,4 @@
-"""What is said and shown of the parameter that is looked at."""
+"""The explanation of the parameter under the pointer or with the focus."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _FULL_CONTRAST = 255.0
 
 
 class Explanation(QWidget):
-    """The small illustration with symbol, name and range beside it, and below what the parameter is and does.
+    """The illustration with symbol, name and range beside it, and below the meaning and effect of the parameter.
 
-    Where there is little room only its name and what more of it does are said; the rest is in the tooltip of its row.
+    In a low panel only its name and effect are shown; the rest is in the tooltip of its row.
     """
 
     def __init__(self) -> None:
@@ -43,7 +43,7 @@ class Explanation(QWidget):
         layout.setSpacing(4)
         layout.addLayout(above)
         layout.addWidget(self.body, 1)
-        self._keep_height()
+        self._fix_height()
 
     @property
     def control(self) -> Control | None:
@@ -51,17 +51,7 @@ class Explanation(QWidget):
         return self._control
 
     def explain(self, control: Control, value: float | str, contrast: float) -> None:
-        """Explain a control, and draw it at its value.
-
-        Parameters
-        ----------
-        control : Control
-            What is explained.
-        value : float or str
-            Its value.
-        contrast : float
-            Contrast of the image, which values in gray levels mean something beside.
-        """
+        """Explain a control at its value; gray levels are scaled by the contrast of the image."""
         if control is not self._control:
             self._control = control
             self._write()
@@ -70,19 +60,19 @@ class Explanation(QWidget):
         self.illustration.show_control(control.name, value)
 
     def use_wording(self, wording: Wording) -> None:
-        """Begin with plain words, or with the symbol."""
+        """Put plain words first, or the symbol."""
         self._wording = wording
         self._write()
 
     def set_brief(self, brief: bool) -> None:
-        """Say only what matters most, for there is little room."""
+        """Show only name and effect where there is little room, or everything."""
         if brief != self._brief:
             self._brief = brief
-            self._keep_height()
+            self._fix_height()
             self._write()
 
-    def _keep_height(self) -> None:
-        """Room for the longest of all explanations, so that nothing jumps when another one is shown."""
+    def _fix_height(self) -> None:
+        """Fix the height to that of the longest explanation, so that the layout stays the same for all of them."""
         line = self.fontMetrics().lineSpacing()
         self.body.setVisible(not self._brief)
         self.setFixedHeight(7 * line + 10 if self._brief else self.illustration.height() + 8 * line + 18)
@@ -104,12 +94,12 @@ class Explanation(QWidget):
         self.body.setText(f"{control.meaning}{formula}{control.more} {control.acts}")
 
     def sizeHint(self) -> QSize:
-        """As wide as there is room."""
+        """A usual width; the height is fixed."""
         return QSize(280, self.height())
 
 
 def tip(control: Control) -> str:
-    """All that is said of a control, as the tooltip of its row."""
+    """The full explanation of a control, as the tooltip of its row."""
     place = f" ({control.equation})" if control.equation else ""
     names = tr("{plain}: {title}").format(plain=control.intuitive, title=control.title)
     lines = (

@@ -1,4 +1,4 @@
-"""One parameter: label, number, slider, and the way back to its default."""
+"""One parameter: label, number, slider, and a button that restores its default."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _SAME = 1e-9
 
 
 class Number(QDoubleSpinBox):
-    """A number that is typed; the wheel turns it only once it has been chosen."""
+    """A number field; the wheel changes it only while it has the focus."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Leave the wheel to the column unless the number has the focus."""
+        """Scroll the column unless the number has the focus."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:
@@ -31,14 +31,14 @@ class Number(QDoubleSpinBox):
 
 
 class ParameterRow(QWidget):
-    """Shows one control and tells what the user does to it."""
+    """Shows one control and reports the changes that the user makes."""
 
     changed = Signal(str, object)
     """Name of the control and its new value."""
-    settled = Signal()
-    """The user has let go of it."""
+    released = Signal()
+    """The user has finished one change."""
     explained = Signal(object)
-    """The user looks at this control."""
+    """The pointer or the focus is on this control."""
 
     def __init__(self, control: Control) -> None:
         super().__init__()
@@ -54,18 +54,10 @@ class ParameterRow(QWidget):
         self._connect()
 
     def show_value(self, value: float | str, contrast: float) -> None:
-        """Show a value.
-
-        Parameters
-        ----------
-        value : float or str
-            Value, or ``"auto"``.
-        contrast : float
-            Contrast of the image, which the range of some sliders goes by.
-        """
+        """Show a value or ``"auto"``; the range of some sliders depends on the contrast of the image."""
         low, high = slider_range(self.control, contrast)
-        grain = self.control.step * (high - low) / (self.control.slider_high - self.control.slider_low)
-        self.slider.set_range(low, high, grain)
+        step = self.control.step * (high - low) / (self.control.slider_high - self.control.slider_low)
+        self.slider.set_range(low, high, step)
         by_hand = not isinstance(value, str)
         if self._automatic is not None:
             self._automatic.setChecked(not by_hand)
@@ -82,27 +74,27 @@ class ParameterRow(QWidget):
         self._restore.setEnabled(not same)
 
     def use_wording(self, wording: Wording) -> None:
-        """Be labelled in plain words, or by symbol and name."""
+        """Label it in plain words, or by symbol and name."""
         self._label.setText(self.control.label(wording))
         named = self.control.intuitive if wording == "intuitive" else self.control.title
         for field in (self.number, self.slider):
             field.setAccessibleName(named)
 
     def use_theme(self, theme: Theme) -> None:
-        """Tint the button."""
+        """Color the button."""
         self._restore.setIcon(icon("restore", theme.accent, faded=theme.line))
 
     def enterEvent(self, event: QEnterEvent) -> None:
-        """Explain what the pointer is over."""
+        """Explain the control under the pointer."""
         self.explained.emit(self.control)
         super().enterEvent(event)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Explain what has the focus."""
+        """Explain the control with the focus."""
         if event.type() == QEvent.Type.FocusIn:
             self.explained.emit(self.control)
         elif event.type() == QEvent.Type.FocusOut:
-            self.settled.emit()
+            self.released.emit()
         return super().eventFilter(watched, event)
 
     def _set_up(self) -> None:
@@ -116,10 +108,10 @@ class ParameterRow(QWidget):
         self.number.setFixedWidth(112)
         self._restore.setObjectName("restore")
         self._restore.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self._restore.setAccessibleName(tr("{parameter}: back to the default").format(parameter=control.title))
+        self._restore.setAccessibleName(tr("{parameter}: restore the default").format(parameter=control.title))
         default = control.default if isinstance(control.default, str) else f"{control.default:.4g}"
-        back = tr("Back to the default, {default} (also by a double click on the slider).")
-        self._restore.setToolTip(back.format(default=default))
+        restore = tr("Restore the default, {default} (or double-click the slider).")
+        self._restore.setToolTip(restore.format(default=default))
         self._label.setBuddy(self.number)
         for widget in (self._label, self.number, self.slider):
             widget.setToolTip(tip(control))
@@ -129,7 +121,7 @@ class ParameterRow(QWidget):
             field.installEventFilter(self)
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            self._automatic.setToolTip(tr("Choose the smoothing from the noise of the image."))
+            self._automatic.setToolTip(tr("Set the smoothing from the noise of the image."))
             self._automatic.installEventFilter(self)
 
     def _lay_out(self) -> None:
@@ -154,24 +146,24 @@ class ParameterRow(QWidget):
         grid.setColumnStretch(1, 1)
 
     def _connect(self) -> None:
-        self.slider.moved_to.connect(self._tell)
-        self.slider.sliderReleased.connect(self.settled)
-        self.slider.restored.connect(self._to_default)
-        self.number.valueChanged.connect(self._tell)
-        self.number.editingFinished.connect(self.settled)
-        self._restore.clicked.connect(self._to_default)
+        self.slider.moved_to.connect(self._report)
+        self.slider.sliderReleased.connect(self.released)
+        self.slider.restored.connect(self._reset)
+        self.number.valueChanged.connect(self._report)
+        self.number.editingFinished.connect(self.released)
+        self._restore.clicked.connect(self._reset)
         if self._automatic is not None:
-            self._automatic.clicked.connect(self._automate)
+            self._automatic.clicked.connect(self._set_automatic)
 
-    def _tell(self, value: float) -> None:
+    def _report(self, value: float) -> None:
         self.changed.emit(self.control.name, int(value) if self.control.whole else value)
 
-    def _to_default(self) -> None:
-        self.settled.emit()
+    def _reset(self) -> None:
+        self.released.emit()
         self.changed.emit(self.control.name, self.control.default)
-        self.settled.emit()
+        self.released.emit()
 
-    def _automate(self, automatic: bool) -> None:
-        self.settled.emit()
+    def _set_automatic(self, automatic: bool) -> None:
+        self.released.emit()
         self.changed.emit(self.control.name, "auto" if automatic else self.number.value())
-        self.settled.emit()
+        self.released.emit()

@@ -1,4 +1,4 @@
-"""The panel of parameters: presets, the three live ones, the others tucked away, and what the one looked at does."""
+"""The panel of parameters: presets, the main sliders, the advanced ones folded away, and an explanation."""
 
 from __future__ import annotations
 
@@ -19,19 +19,11 @@ from app.views.theme.theme import Theme
 from app.views.widgets.section import Section
 
 _ROOMY = 470
-"""Height from which everything is said of the parameter that is looked at [px]."""
+"""Height from which the explanation is shown in full [px]."""
 
 
 class ParametersPanel(QWidget):
-    """Shows the parameters of the document and edits them through the session.
-
-    Parameters
-    ----------
-    session : Session
-        Whose document it shows.
-    gallery : PresetGallery
-        The presets.
-    """
+    """Shows the parameters of the document and the presets, and edits them through the session."""
 
     def __init__(self, session: Session, gallery: PresetGallery) -> None:
         super().__init__()
@@ -42,7 +34,7 @@ class ParametersPanel(QWidget):
         self.advanced = self._lay_out()
         for row in self.rows.values():
             row.changed.connect(self._change)
-            row.settled.connect(session.seal)
+            row.released.connect(session.seal)
             row.explained.connect(self._explain)
         session.document_changed.connect(self.show_document)
         self._explain(next(iter(self.rows.values())).control)
@@ -63,12 +55,12 @@ class ParametersPanel(QWidget):
         self.explanation.use_wording(wording)
 
     def use_theme(self, theme: Theme) -> None:
-        """Tint the buttons."""
+        """Color the buttons."""
         for row in self.rows.values():
             row.use_theme(theme)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Say as much as there is room for."""
+        """Show the explanation in full where there is room."""
         super().resizeEvent(event)
         self.explanation.set_brief(self.height() < _ROOMY)
 
@@ -98,9 +90,9 @@ class ParametersPanel(QWidget):
         area.setFrameShape(QFrame.Shape.NoFrame)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        # What has been unfolded is brought into sight once it has got its place.
+        # The unfolded rows are scrolled into view after the layout has placed them.
         section.fold.toggled.connect(
-            lambda unfolded: QTimer.singleShot(0, area, lambda: self._bring_into_sight(area, section, unfolded))
+            lambda unfolded: QTimer.singleShot(0, area, lambda: self._scroll_to(area, section, unfolded))
         )
         head = QHBoxLayout()
         heading = QLabel(tr("Preset"))
@@ -117,14 +109,14 @@ class ParametersPanel(QWidget):
         return section
 
     @staticmethod
-    def _bring_into_sight(area: QScrollArea, section: Section, unfolded: bool) -> None:
+    def _scroll_to(area: QScrollArea, section: Section, unfolded: bool) -> None:
         area.verticalScrollBar().setValue(section.y() if unfolded else 0)
 
     def _change(self, name: str, value: float | str) -> None:
-        told = tr("change of {parameter}").format(parameter=self.rows[name].control.title.lower())
+        change = tr("change of {parameter}").format(parameter=self.rows[name].control.title.lower())
         before = self._session.document
-        self._session.edit(told, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
-        # A value that was refused must not stay on show; one that was taken is shown by the signal.
+        self._session.edit(change, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
+        # A rejected value must not stay visible; an accepted one is shown through the signal.
         if self._session.document is before:
             self.show_document(before)
 

@@ -1,4 +1,4 @@
-"""The chart of a run: plots above each other with the step as their common axis, and a line that reads them."""
+"""The chart of a run: stacked plots with the step as common axis, and a cursor that reads them."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from app.views.panels.run.chart_painter import ChartPainter, sides
 
 _PAGE = 10
 _LOWEST, _LOW = 96, 36
-"""Least heights of the chart, and of a plot with its gap [px]."""
+"""Minimum heights of the chart, and of a plot with its gap [px]."""
 
 
 class Chart(QWidget):
-    """Draws a trace; pointer or arrow keys choose the step whose figures are read."""
+    """Plots the metrics of a run; the pointer or the arrow keys choose the step whose values are read."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -37,14 +37,12 @@ class Chart(QWidget):
 
     @property
     def reading(self) -> str:
-        """The figures at the step that is read, empty when none is."""
+        """The values at the step that is read; empty if there is none."""
         metrics, index = self._metrics, self._read
         if metrics is None or index is None:
             return ""
-        figures = [
-            f"{one.title} {figure(float(one.of(metrics)[index]))}" for plot in self._plots for one in plot.series
-        ]
-        return ", ".join([tr("step {step}").format(step=f"{metrics.step[index]:,.0f}"), *figures])
+        values = [f"{one.title} {figure(float(one.of(metrics)[index]))}" for plot in self._plots for one in plot.series]
+        return ", ".join([tr("step {step}").format(step=f"{metrics.step[index]:,.0f}"), *values])
 
     def show_metrics(self, metrics: RunMetrics | None) -> None:
         """Show a run, or none."""
@@ -61,7 +59,7 @@ class Chart(QWidget):
         self.update()
 
     def read(self, index: int | None) -> None:
-        """Read the figures of an entry of the trace, or none."""
+        """Read the values of one entry of the metrics, or of none."""
         if index is not None and self._metrics is not None:
             index = min(max(index, 0), len(self._metrics.step) - 1)
         self._read = index if self._metrics is not None else None
@@ -69,12 +67,12 @@ class Chart(QWidget):
         self.update()
 
     def point(self, index: int) -> QPointF:
-        """Where an entry of the trace stands in the uppermost plot."""
+        """Position of an entry of the metrics in the uppermost plot."""
         left, width = sides(self)
         last = len(self._metrics.step) - 1 if self._metrics is not None else 0
         return QPointF(left + width * index / max(last, 1), _LOW / 2)
 
-    # What Qt calls
+    # Qt interface
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Read the step under the pointer."""
@@ -83,20 +81,20 @@ class Chart(QWidget):
             self.read(round((event.position().x() - left) / width * (len(self._metrics.step) - 1)))
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Read no more."""
+        """Stop reading."""
         self.read(None)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Read no more."""
+        """Stop reading."""
         self.read(None)
         super().focusOutEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Lead the line step by step."""
+        """Move the cursor by steps."""
         last = len(self._metrics.step) - 1 if self._metrics is not None else 0
         at = self._read if self._read is not None else last
         stride = _PAGE if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
-        ways = {
+        targets = {
             Qt.Key.Key_Left: at - stride,
             Qt.Key.Key_Right: at + stride,
             Qt.Key.Key_Home: 0,
@@ -104,8 +102,8 @@ class Chart(QWidget):
             Qt.Key.Key_Escape: None,
         }
         key = Qt.Key(event.key())
-        if key in ways:
-            self.read(ways[key])
+        if key in targets:
+            self.read(targets[key])
         else:
             super().keyPressEvent(event)
 

@@ -1,4 +1,4 @@
-"""How the chart of a run is drawn."""
+"""Painting of the chart of a run."""
 
 from __future__ import annotations
 
@@ -24,19 +24,7 @@ def sides(widget: QWidget) -> tuple[float, float]:
 
 
 class ChartPainter:
-    """Draws a chart once.
-
-    Parameters
-    ----------
-    widget : QWidget
-        On which it is drawn.
-    plots : sequence of Plot
-        What is plotted, from above.
-    metrics : RunMetrics, optional
-        The run, unless there is none.
-    read : int, optional
-        Entry whose figures are shown.
-    """
+    """Paints plots, from top to bottom, onto a widget, once; `read` is the entry whose values are shown."""
 
     def __init__(self, widget: QWidget, plots: Sequence[Plot], metrics: RunMetrics | None, read: int | None) -> None:
         self._widget = widget
@@ -73,7 +61,7 @@ class ChartPainter:
         if self._metrics is not None:
             self._draw_scales(box, self._metrics, first)
             for series in plot.series:
-                self._curve(box, axis.fractions(series.of(self._metrics)), self._own(series.colors))
+                self._curve(box, axis.fractions(series.of(self._metrics)), self._series_color(series.colors))
             if self._read is not None:
                 x = self._x(box, self._read)
                 self._painter.setPen(QPen(self._color(QPalette.ColorRole.Text), 1.0))
@@ -95,7 +83,7 @@ class ChartPainter:
             self._label(box, 0.0, low)
 
     def _draw_scales(self, box: QRectF, metrics: RunMetrics, named: bool) -> None:
-        """Mark where the run went on to a finer scale."""
+        """Mark the steps at which the run advanced to a finer scale."""
         changes = np.flatnonzero(np.diff(metrics.scale)) + 1
         pen = QPen(self._color(QPalette.ColorRole.PlaceholderText), 1, Qt.PenStyle.DotLine)
         font = self._painter.fontMetrics()
@@ -106,7 +94,7 @@ class ChartPainter:
             self._painter.drawLine(QPointF(x, box.top()), QPointF(x, box.bottom()))
             text = tr("scale {scale}").format(scale=f"{metrics.scale[index]:.0f}")
             room = font.horizontalAdvance(text) + 4.0
-            # names that would lie upon each other are left out but for the first
+            # of overlapping names only the first is drawn
             if named and box.height() > 3 * font.height() and x + room <= box.right() and x >= right:
                 right = x + room
                 place = QRectF(x + 3.0, box.bottom() - font.height() - 1.0, room, font.height())
@@ -114,16 +102,16 @@ class ChartPainter:
 
     def _draw_names(self, box: QRectF, plot: Plot) -> None:
         metrics = self._painter.fontMetrics()
-        ground = self._color(QPalette.ColorRole.Base)
-        ground.setAlpha(215)
+        background = self._color(QPalette.ColorRole.Base)
+        background.setAlpha(215)
         x = box.left() + 3.0
         for series in plot.series:
             text = series.title
             if self._metrics is not None and self._read is not None:
                 text += f" {figure(float(series.of(self._metrics)[self._read]))}"
             place = QRectF(x, box.top() + 2.0, metrics.horizontalAdvance(text) + 6.0, metrics.height())
-            self._painter.fillRect(place, ground)
-            self._painter.setPen(self._own(series.colors))
+            self._painter.fillRect(place, background)
+            self._painter.setPen(self._series_color(series.colors))
             self._painter.drawText(place, Qt.AlignmentFlag.AlignCenter, text)
             x = place.right() + 4.0
 
@@ -150,7 +138,7 @@ class ChartPainter:
     def _curve(self, box: QRectF, fractions: Array, color: QColor) -> None:
         if len(fractions) < 2:
             return
-        # No more points than pixels: the plot costs the same however long the run.
+        # No more points than pixels: the cost of the plot does not depend on the length of the run.
         stride = max(1, len(fractions) // int(max(box.width(), 1)))
         kept = fractions[::-stride][::-1]
         x = box.left() + np.linspace(0.0, box.width(), len(kept))
@@ -170,8 +158,8 @@ class ChartPainter:
         flags = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         self._painter.drawText(QRectF(0, y, box.left() - 4, height), flags, text)
 
-    def _own(self, colors: tuple[str, str]) -> QColor:
-        """The darker of two colors on a light ground, the brighter on a dark one."""
+    def _series_color(self, colors: tuple[str, str]) -> QColor:
+        """The darker of two colors on a light background, the brighter on a dark one."""
         return QColor(colors[self._color(QPalette.ColorRole.Base).lightness() < 128])
 
     def _color(self, role: QPalette.ColorRole) -> QColor:

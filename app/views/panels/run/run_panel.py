@@ -1,19 +1,23 @@
-"""The panel of the run: its state in words, figures and curves."""
+"""The panel of the run: its state in words, numbers and plots."""
 
 from __future__ import annotations
 
-from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
+from app.model.display.plots import PLOTS
 from app.model.state.resolve import Resolved
 from app.model.text.language import tr
-from app.views.panels.run.plot import PlotPanel
+from app.session.exchange.messages import RunMetrics
+from app.views.panels.run.chart import Chart
+from app.views.widgets.space_key import own_space
 
 _WIDE = (tr("Contours"), tr("Bridged"))
-"""Figures that take a line of their own."""
+"""Numbers that need a row of their own."""
 
 
 class StatusPanel(QWidget):
-    """State in words, and the figures of the run in two columns."""
+    """State in words, and the numbers of the run in two columns."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -35,12 +39,12 @@ class StatusPanel(QWidget):
         layout.addLayout(self._grid)
 
     def show_resolved(self, resolved: Resolved, frames_per_second: str) -> None:
-        """Show a state and its figures; what is the same as before is left alone."""
+        """Show a state and its numbers; only labels that differ are updated."""
         _set(self._state, resolved.state)
         frames = (
             tr("Frames/s"),
             frames_per_second,
-            tr("How often a second the window looks for newer particles and draws them."),
+            tr("How often per second the window draws the newest particles."),
         )
         narrow = [number for number in resolved.numbers if number[0] not in _WIDE]
         wide = [number for number in resolved.numbers if number[0] in _WIDE]
@@ -50,12 +54,12 @@ class StatusPanel(QWidget):
             _set(self._values[label], value)
 
     def value(self, label: str) -> str:
-        """The figure shown beside a label."""
+        """The number shown beside a label."""
         return self._values[label].text()
 
     @property
     def state(self) -> str:
-        """The state in words as shown."""
+        """The state in words."""
         return self._state.text()
 
     def _add(self, label: str, explanation: str) -> None:
@@ -90,3 +94,53 @@ class RunPanel(QWidget):
 def _set(label: QLabel, text: str) -> None:
     if label.text() != text:
         label.setText(text)
+
+
+class PlotPanel(QWidget):
+    """A button for each plot above the chart."""
+
+    chosen = Signal()
+    """The set of visible plots has changed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.chart = Chart()
+        self.buttons: dict[str, QToolButton] = {}
+        row = QHBoxLayout()
+        row.setSpacing(2)
+        for plot in PLOTS:
+            self.buttons[plot.name] = button = QToolButton()
+            button.setObjectName("chip")
+            button.setText(plot.title)
+            button.setCheckable(True)
+            button.setChecked(plot.first)
+            button.setToolTip(plot.tip)
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.setAccessibleName(tr("Plot: {title}").format(title=plot.title))
+            button.toggled.connect(self._choose)
+            own_space(button)
+            row.addWidget(button)
+        row.addStretch(1)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(4)
+        column.addLayout(row)
+        column.addWidget(self.chart, 1)
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """Names of the plots shown."""
+        return tuple(name for name, button in self.buttons.items() if button.isChecked())
+
+    def show_plots(self, names: list[str]) -> None:
+        """Show only the plots with these names."""
+        for name, button in self.buttons.items():
+            button.setChecked(name in names)
+
+    def show_metrics(self, metrics: RunMetrics | None) -> None:
+        """Show a run, or none."""
+        self.chart.show_metrics(metrics)
+
+    def _choose(self) -> None:
+        self.chart.show_plots([plot for plot in PLOTS if plot.name in self.shown])
+        self.chosen.emit()

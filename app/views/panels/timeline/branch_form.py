@@ -1,4 +1,4 @@
-"""The branch that is shown: its name, its end, and the branch that it is compared with."""
+"""The form of the shown branch: its name, its deletion, and the branch that it is compared with."""
 
 from __future__ import annotations
 
@@ -16,26 +16,20 @@ _WIDTH = 276
 
 
 class BranchForm(QWidget):
-    """Names, deletes and compares the branch that is shown.
-
-    Parameters
-    ----------
-    navigation : TimelineNavigation
-        Whose branch it is.
-    """
+    """Renames, deletes and compares the branch that is shown."""
 
     def __init__(self, navigation: TimelineNavigation) -> None:
         super().__init__()
         self._navigation = navigation
         self.name = QLineEdit()
         self.name.setAccessibleName(tr("Name of the branch"))
-        self.name.setToolTip(tr("Name of the branch; type another one and press Enter."))
+        self.name.setToolTip(tr("Name of the branch; type a new one and press Enter."))
         self.name.setMaxLength(40)
         self.name.editingFinished.connect(self._rename)
         self.delete = timeline_button("bin", tr("Delete the branch."), lambda: navigation.drop(navigation.place[0]))
         self.compare = QComboBox()
         self.compare.setAccessibleName(tr("Compare with"))
-        self.compare.setToolTip(tr("Another branch to show beside this one, at the same step."))
+        self.compare.setToolTip(tr("Show another branch together with this one, at the same step."))
         self.compare.activated.connect(lambda index: navigation.comparison.compare(self.compare.itemData(index)))
         self._difference = QLabel()
         self._difference.setWordWrap(True)
@@ -57,11 +51,11 @@ class BranchForm(QWidget):
 
     @property
     def difference(self) -> str:
-        """What is said about the branch compared with."""
+        """The sentence about the difference between the two branches."""
         return self._difference.text()
 
     def show_branch(self, branch: Branch | None) -> None:
-        """Show a branch, or that there is none."""
+        """Show a branch, or none."""
         self.name.setEnabled(branch is not None)
         self.delete.setEnabled(len(self._navigation.outline.branches) > 1)
         if not self.name.hasFocus() or not self.name.isModified():
@@ -73,14 +67,14 @@ class BranchForm(QWidget):
         others = [
             (known.name, known.identity) for known in self._navigation.outline.branches if known.identity != branch
         ]
-        wanted = [(tr("nothing"), None), *others]
+        choices = [(tr("none"), None), *others]
         shown = [(self.compare.itemText(index), self.compare.itemData(index)) for index in range(self.compare.count())]
-        if shown != wanted:
+        if shown != choices:
             self.compare.clear()
-            for name, identity in wanted:
+            for name, identity in choices:
                 self.compare.addItem(name, identity)
         self.compare.setEnabled(bool(others))
-        numbers = [identity for _, identity in wanted]
+        numbers = [identity for _, identity in choices]
         compared = self._navigation.comparison.branch
         self.compare.setCurrentIndex(numbers.index(compared) if compared in numbers else 0)
 
@@ -90,14 +84,18 @@ class BranchForm(QWidget):
             self._difference.setText("")
             return
         ended = compared.state.step < self._navigation.place[1]
-        there = tr("{there} particles at its end, {here} here") if ended else tr("{there} particles there, {here} here")
-        words = there.format(there=compared.state.count, here=self._navigation.count)
+        counts = (
+            tr("{there} particles at its last step, {here} here")
+            if ended
+            else tr("{there} particles there, {here} here")
+        )
+        sentence = counts.format(there=compared.state.count, here=self._navigation.count)
         apart = compared.apart
         if apart is not None and math.isfinite(apart.hausdorff):
-            told = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
+            template = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
             mean, largest = f"{apart.mean_boundary_distance:.2f}", f"{apart.hausdorff:.2f}"
-            words = told.format(particles=words, mean=mean, largest=largest)
-        self._difference.setText(words)
+            sentence = template.format(particles=sentence, mean=mean, largest=largest)
+        self._difference.setText(sentence)
         self._difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
 
     def _rename(self) -> None:
@@ -108,17 +106,7 @@ class BranchForm(QWidget):
 
 
 def timeline_button(name: str, tip: str, do: Callable[[], object]) -> QToolButton:
-    """A button of the timeline.
-
-    Parameters
-    ----------
-    name : str
-        Name of its icon.
-    tip : str
-        What it does; with its key in parentheses.
-    do : callable
-        Does it.
-    """
+    """A button of the timeline with the icon `name`; the tip has its key in parentheses."""
     button = QToolButton()
     button.setObjectName(f"timeline_{name}")
     button.setAutoRaise(True)

@@ -1,4 +1,4 @@
-"""How the timeline is drawn."""
+"""Painting of the timeline."""
 
 from __future__ import annotations
 
@@ -16,21 +16,11 @@ from app.views.panels.timeline.timeline_places import FOOT, HEAD, ROW, SIDE, Tim
 from app.views.theme import theme
 
 _FINE_PRINT = 10
-"""Height of the letters that tell scales [px]."""
+"""Height of the labels of scales [px]."""
 
 
 class TimelinePainter:
-    """Draws the timeline once.
-
-    Parameters
-    ----------
-    widget : QWidget
-        On which it is drawn.
-    navigation : TimelineNavigation
-        What is drawn.
-    places : TimelinePlaces
-        Where it stands.
-    """
+    """Paints the timeline of a navigation onto a widget, once."""
 
     def __init__(self, widget: QWidget, navigation: TimelineNavigation, places: TimelinePlaces) -> None:
         self._widget = widget
@@ -39,7 +29,7 @@ class TimelinePainter:
         self._painter = QPainter(widget)
 
     def draw(self) -> None:
-        """Draw axis, branches and the step that is shown."""
+        """Draw the axis, the branches and the shown step."""
         painter = self._painter
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         font = painter.font()
@@ -48,7 +38,7 @@ class TimelinePainter:
         branches = self._navigation.outline.branches
         if not branches:
             painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
-            words = tr("Every step of a run will be kept here, for going back to it.")
+            words = tr("The steps of a run are recorded here, so that you can go back to any of them.")
             painter.drawText(
                 QRectF(self._widget.rect()), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, words
             )
@@ -65,7 +55,7 @@ class TimelinePainter:
         painter.end()
 
     def _ticks(self) -> Iterator[int]:
-        """Steps that the axis names."""
+        """Steps with a label on the axis."""
         _, width = self._places.span()
         span = self._places.steps
         wide = 1.6 * self._painter.fontMetrics().horizontalAdvance("00000")
@@ -81,7 +71,7 @@ class TimelinePainter:
             )
 
     def _draw_axis(self) -> None:
-        """The axis stays at the foot of what is seen, however many branches there are."""
+        """Draw the axis at the bottom of the visible part."""
         base = self._places.base()
         metrics = self._painter.fontMetrics()
         left, width = self._places.span()
@@ -123,7 +113,7 @@ class TimelinePainter:
         self._draw_name(branch, y, color if compared or identity == here else None)
 
     def _draw_scale(self, step: int, scale: int, y: float, first: int) -> None:
-        """A tick where a scale begins, with how small the image is then; where the run begins nobody asks."""
+        """Draw a tick where a scale begins, labeled with its reduction; none for full size at the first step."""
         if step == first == self._navigation.first and scale == 0:
             return
         x = self._places.x(step)

@@ -1,4 +1,4 @@
-"""The panel of the timeline: buttons, the step, and the branches as they are drawn."""
+"""The panel of the timeline: buttons, the step, the branches and their form."""
 
 from __future__ import annotations
 
@@ -26,19 +26,11 @@ from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 
 _SLOWLY = 100
-"""Time between two looks while the run goes on [ms]."""
+"""Time between two updates during the run [ms]."""
 
 
 class TimelinePanel(QWidget):
-    """Shows the timeline of a run and lets a person go through it.
-
-    Parameters
-    ----------
-    navigation : TimelineNavigation
-        What it shows.
-    running : callable
-        Whether steps are being taken, so that a slower pace will do.
-    """
+    """Shows the timeline of a run and goes to any of its steps; updated less often while `running` is true."""
 
     def __init__(self, navigation: TimelineNavigation, running: Callable[[], bool]) -> None:
         super().__init__()
@@ -46,13 +38,13 @@ class TimelinePanel(QWidget):
         self._running = running
         self._theme: Theme | None = None
         self.view = TimelineView(navigation)
-        self.view.asked.connect(navigation.go)
+        self.view.step_requested.connect(navigation.go)
         self.buttons = {
             name: timeline_button(name, tip, do)
             for name, tip, do in (
-                ("first", tr("Go to the beginning of the run (Home)."), navigation.to_first),
+                ("first", tr("Go to the first step of the run (Home)."), navigation.to_first),
                 ("back", tr("Go one step back (,)."), lambda: navigation.by(-1)),
-                ("play", tr("Play the recorded steps, or hold."), navigation.toggle_play),
+                ("play", tr("Play or pause the recorded steps."), navigation.toggle_play),
                 ("forward", tr("Go one recorded step forward."), lambda: navigation.by(1)),
                 ("last", tr("Go to the last step of the branch (End)."), navigation.to_last),
             )
@@ -60,15 +52,13 @@ class TimelinePanel(QWidget):
         self.step = QSpinBox()
         self.step.setKeyboardTracking(False)
         self.step.setAccessibleName(tr("Step"))
-        self.step.setToolTip(tr("Step that is shown; type one to go there."))
+        self.step.setToolTip(tr("Shown step; type a number to go there."))
         self.step.valueChanged.connect(lambda step: navigation.go(navigation.place[0], step))
         self._of = QLabel()
         self._memory = QLabel()
         self.parameters = QToolButton()
-        self.parameters.setText(tr("Use its parameters"))
-        self.parameters.setToolTip(
-            tr("This step was taken with other parameters than are set now; set those, so that going on repeats it.")
-        )
+        self.parameters.setText(tr("Use these parameters"))
+        self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
         self.parameters.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.parameters.clicked.connect(lambda _=False: navigation.use_its_parameters())
         for label in (self._of, self._memory):
@@ -81,10 +71,10 @@ class TimelinePanel(QWidget):
         self._show()
 
     def use_theme(self, theme: Theme) -> None:
-        """Tint the icons."""
+        """Color the icons."""
         self._theme = theme
         for name, button in (*self.buttons.items(), ("bin", self.branch.delete)):
-            button.setIcon(icon(self._pictured(name), theme.text, faded=theme.line))
+            button.setIcon(icon(self._icon_name(name), theme.text, faded=theme.line))
 
     def _lay_out(self) -> None:
         transport = QHBoxLayout()
@@ -105,7 +95,7 @@ class TimelinePanel(QWidget):
         scroll.setFrameShape(QFrame.Shape.NoFrame)
         scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not move along
+        scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
         grid = QGridLayout(self)
         grid.setContentsMargins(8, 4, 8, 4)
         grid.setHorizontalSpacing(10)
@@ -119,7 +109,7 @@ class TimelinePanel(QWidget):
         grid.setColumnStretch(1, 1)
         self.setMinimumHeight(92)
 
-    def _pictured(self, name: str) -> str:
+    def _icon_name(self, name: str) -> str:
         return "pause" if name == "play" and self._navigation.playing else name
 
     def _follow(self) -> None:
@@ -138,37 +128,37 @@ class TimelinePanel(QWidget):
             self.step.setRange(navigation.first, max(last, step))
             self.step.setValue(step)
         self._of.setText(tr("of {last}").format(last=last) if there else "")
-        able = {
+        enabled = {
             "first": step > navigation.first,
             "back": step > navigation.first,
             "forward": step < last,
             "last": step < last,
         }
         for name, button in self.buttons.items():
-            button.setEnabled(there and able.get(name, True))
+            button.setEnabled(there and enabled.get(name, True))
         self.step.setEnabled(there)
         self.branch.show_branch(known)
         self._show_memory()
         self.show_parameters()
         if self._theme is not None:
             play = self.buttons["play"]
-            if play.property("pictured") != self._pictured("play"):
-                play.setProperty("pictured", self._pictured("play"))
-                play.setIcon(icon(self._pictured("play"), self._theme.text, faded=self._theme.line))
+            if play.property("icon_name") != self._icon_name("play"):
+                play.setProperty("icon_name", self._icon_name("play"))
+                play.setIcon(icon(self._icon_name("play"), self._theme.text, faded=self._theme.line))
         self.view.refresh()
         if there:
             self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, ROW)
 
     def show_parameters(self) -> None:
-        """Offer the parameters of the step where others are set, in the place of what memory there is."""
-        other = self._navigation.other_parameters is not None and not self._running()
-        self.parameters.setVisible(other)
-        self._memory.setVisible(not other)
+        """Offer the parameters of the step if they differ from the present ones, instead of the memory in use."""
+        differ = self._navigation.other_parameters is not None and not self._running()
+        self.parameters.setVisible(differ)
+        self._memory.setVisible(not differ)
 
     def _show_memory(self) -> None:
         outline = self._navigation.outline
         words = tr("{used} of {budget} MB used")
         used = f"{outline.used / MEGABYTE:.{0 if outline.used > 10 * MEGABYTE else 1}f}"
         self._memory.setText(words.format(used=used, budget=outline.budget // MEGABYTE) if outline.budget else "")
-        told = tr("{count} steps are kept whole, the others are worked out anew. The preferences say how much memory.")
-        self._memory.setToolTip(told.format(count=outline.kept))
+        tip = tr("{count} steps are stored, the others are recomputed. The preferences set the memory.")
+        self._memory.setToolTip(tip.format(count=outline.kept))

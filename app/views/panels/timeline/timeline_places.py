@@ -1,4 +1,4 @@
-"""Where what stands in the timeline: one row a branch, one axis of steps."""
+"""Positions in the timeline: one row per branch, one axis of steps."""
 
 from __future__ import annotations
 
@@ -11,24 +11,16 @@ ROW = 24
 """Height of a branch [px]."""
 
 FOOT, HEAD, SIDE = 16, 6, 10
-"""Room below the branches for the axis, above them and beside them [px]."""
+"""Space below the branches for the axis, above them and beside them [px]."""
 
 _END = 20
 _LONGEST_NAME = 130
-_SOONEST = 20
-"""Steps that the axis spans at least."""
+_SHORTEST = 20
+"""Minimum number of steps of the axis."""
 
 
 class TimelinePlaces:
-    """Places of branches and steps in the widget that shows them.
-
-    Parameters
-    ----------
-    widget : QWidget
-        Where they are shown.
-    navigation : TimelineNavigation
-        What is shown.
-    """
+    """Positions of branches and steps in the widget that shows them."""
 
     def __init__(self, widget: QWidget, navigation: TimelineNavigation) -> None:
         self._widget = widget
@@ -36,16 +28,16 @@ class TimelinePlaces:
 
     @property
     def steps(self) -> int:
-        """Steps that the axis spans."""
+        """Number of steps of the axis."""
         lasts = [self._navigation.last(branch.identity) for branch in self._navigation.outline.branches]
-        return max(max(lasts, default=0) - self._navigation.first, _SOONEST)
+        return max(max(lasts, default=0) - self._navigation.first, _SHORTEST)
 
     def height(self) -> int:
         """Height that all branches need [px]."""
         return HEAD + ROW * max(len(self._navigation.outline.branches), 2) + FOOT
 
     def left(self) -> float:
-        """Where the axis begins, right of the names [px]."""
+        """Left end of the axis, right of the names [px]."""
         metrics = self._widget.fontMetrics()
         names = [metrics.horizontalAdvance(branch.name) for branch in self._navigation.outline.branches]
         return SIDE + min(max(names, default=0), _LONGEST_NAME) + 14.0
@@ -55,12 +47,12 @@ class TimelinePlaces:
         return self.left(), max(self._widget.width() - _END - self.left(), 1.0)
 
     def x(self, step: float) -> float:
-        """Where a step stands [px]."""
+        """Position of a step [px]."""
         left, width = self.span()
         return left + width * (step - self._navigation.first) / self.steps
 
     def step(self, x: float) -> int:
-        """The step at a place [px]."""
+        """The step at a position [px]."""
         left, width = self.span()
         return round(self._navigation.first + (x - left) / width * self.steps)
 
@@ -70,16 +62,16 @@ class TimelinePlaces:
         return HEAD + ROW * (rows.index(branch) + 0.5)
 
     def seen(self) -> QRectF:
-        """The part of the widget that is in sight."""
+        """The visible part of the widget."""
         seen = self._widget.visibleRegion().boundingRect()
         return QRectF(self._widget.rect() if seen.isEmpty() else seen)
 
     def base(self) -> float:
-        """Height of the axis, which stays at the foot of what is in sight [px]."""
+        """Vertical position of the axis, at the bottom of the visible part [px]."""
         return self.seen().bottom() - FOOT
 
     def branch_at(self, y: float) -> int | None:
-        """The branch of a row; on the axis that where the run stands."""
+        """The branch of a row; on the axis, the branch that is shown."""
         branches = self._navigation.outline.branches
         if not branches:
             return None

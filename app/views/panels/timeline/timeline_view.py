@@ -1,4 +1,4 @@
-"""The timeline as it is drawn: one row a branch, with the step that is shown."""
+"""The widget of the timeline: one row per branch, with the shown step."""
 
 from __future__ import annotations
 
@@ -26,16 +26,10 @@ _KEYS = {
 
 
 class TimelineView(QWidget):
-    """Branches over steps; the pointer and the arrow keys go to any of them.
+    """Branches over steps; the pointer and the arrow keys go to any of them."""
 
-    Parameters
-    ----------
-    navigation : TimelineNavigation
-        What it shows and goes through.
-    """
-
-    asked = Signal(int, int)
-    """Branch and step that somebody wants to see."""
+    step_requested = Signal(int, int)
+    """Branch and step that the user asks to see."""
 
     def __init__(self, navigation: TimelineNavigation) -> None:
         super().__init__()
@@ -49,80 +43,82 @@ class TimelineView(QWidget):
         self.setMinimumWidth(180)
 
     def sizeHint(self) -> QSize:
-        """As high as its branches."""
+        """High enough for all branches."""
         return QSize(420, self._places.height())
 
     def refresh(self) -> None:
-        """Show how the timeline stands now."""
+        """Show the present branches and step."""
         if self.minimumHeight() != self._places.height():
             self.setMinimumHeight(self._places.height())
         branch, step = self._navigation.place
-        told = self._navigation.branch(branch)
-        if told is not None:
+        known = self._navigation.branch(branch)
+        if known is not None:
             words = tr("{branch}, step {step} of {last}")
             self.setAccessibleDescription(
-                words.format(branch=told.name, step=step, last=self._navigation.last(told.identity))
+                words.format(branch=known.name, step=step, last=self._navigation.last(known.identity))
             )
         self.update()
 
     def point(self, branch: int, step: int) -> QPointF:
-        """Where a step of a branch is drawn."""
+        """Position of a step of a branch."""
         return QPointF(self._places.x(step), self._places.y(branch))
 
-    # What Qt calls
+    # Qt interface
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw axis, branches and the step that is shown."""
+        """Draw the axis, the branches and the shown step."""
         TimelinePainter(self, self._navigation, self._places).draw()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take hold of a branch."""
+        """Start scrubbing along a branch."""
         branch = self._places.branch_at(event.position().y())
         if event.button() == Qt.MouseButton.LeftButton and branch is not None:
             self._dragged = branch
-            self._ask_for(event.position())
+            self._request(event.position())
         event.accept()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Scrub along it."""
+        """Scrub along the branch."""
         if self._dragged is not None:
-            self._ask_for(event.position())
+            self._request(event.position())
         event.accept()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let go."""
+        """End scrubbing."""
         self._dragged = None
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Arrows go along a branch and from one to the next."""
+        """Move along a branch or to the next one by arrow keys."""
         branch, step = self._navigation.place
         key, branches = Qt.Key(event.key()), [known.identity for known in self._navigation.outline.branches]
         if branch not in branches:
             event.ignore()
         elif key in _KEYS:
             fast = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
-            self.asked.emit(branch, step + fast * _KEYS[key])
+            self.step_requested.emit(branch, step + fast * _KEYS[key])
         elif key in (Qt.Key.Key_Home, Qt.Key.Key_End):
-            self.asked.emit(branch, self._navigation.first if key == Qt.Key.Key_Home else self._navigation.last(branch))
+            self.step_requested.emit(
+                branch, self._navigation.first if key == Qt.Key.Key_Home else self._navigation.last(branch)
+            )
         elif key in (Qt.Key.Key_Up, Qt.Key.Key_Down):
             row = branches.index(branch) + (1 if key == Qt.Key.Key_Down else -1)
-            self.asked.emit(branches[min(max(row, 0), len(branches) - 1)], step)
+            self.step_requested.emit(branches[min(max(row, 0), len(branches) - 1)], step)
         else:
             event.ignore()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Show the frame."""
+        """Show the focus outline."""
         self.update()
         super().focusInEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Hide the frame."""
+        """Hide the focus outline."""
         self.update()
         super().focusOutEvent(event)
 
     def event(self, event: QEvent) -> bool:
-        """Tell under the pointer which step that is."""
+        """Show the step under the pointer as a tooltip."""
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
             branch = self._navigation.branch(self._places.branch_at(event.pos().y()) or 0)
             if branch is not None and event.pos().x() >= self._places.left():
@@ -132,8 +128,8 @@ class TimelineView(QWidget):
             return True
         return super().event(event)
 
-    def _ask_for(self, point: QPointF) -> None:
+    def _request(self, point: QPointF) -> None:
         assert self._dragged is not None
         # a press on the name changes the branch and keeps the step
         step = self._places.step(point.x()) if point.x() >= self._places.left() - SIDE else self._navigation.place[1]
-        self.asked.emit(self._dragged, step)
+        self.step_requested.emit(self._dragged, step)

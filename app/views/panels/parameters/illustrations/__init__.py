@@ -1,7 +1,7 @@
-"""One small animated illustration a control: what it does, as simple as it can be drawn, at the value that it has.
+"""One small animated illustration per control: its effect at its value, drawn as simply as possible.
 
-Each is a function of a sketch, the value and the time from 0 to 1 of a loop. Some follow a law of motion, others only
-show a rule; none is the model itself.
+Each is a function of a sketch, the value and the time of the loop from 0 to 1. Some follow a law of motion, others
+only show a rule; none of them runs the model itself.
 """
 
 from __future__ import annotations
@@ -34,4 +34,4 @@ ILLUSTRATIONS: Mapping[str, Illustrate] = MappingProxyType(
         "min_length": contours.min_length,
     }
 )
-"""By the names of the controls."""
+"""Illustrations by the names of their controls."""

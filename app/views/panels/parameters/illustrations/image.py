@@ -1,17 +1,27 @@
-"""Illustrations of what is taken from the image: smoothing, scales, the floor of edges, the frame."""
+"""Illustrations of the parameters of the edge map: smoothing, scales, edge floor, image border."""
 
 from __future__ import annotations
 
 import math
 
-from app.views.panels.parameters.illustrations.sketch import CONTOUR, EDGE, LOST, MARK, PARTICLE, WIDTH, Sketch, ease
+from app.views.panels.parameters.illustrations.sketch import (
+    CONTOUR,
+    EDGE,
+    LOST,
+    MARK,
+    PARTICLE,
+    WIDTH,
+    Point,
+    Sketch,
+    ease,
+)
 
 _ROUGH = (3, -5, 4, 1, -6, 5, -2, 6, -4, 2, -3, 5, -6, 3, -1, 4, -5, 2, 6, -3, -4, 5, 1, -6, 4, -2, 3, -5, 6, -1)
-"""Noise of the profile that is smoothed."""
+"""Noise of the profile."""
 
 
 def smoothing(sketch: Sketch, value: float, t: float) -> None:
-    """A noisy profile across an object, and what a Gaussian of this width makes of it."""
+    """A noisy profile across an object, and the profile smoothed by a Gaussian of this width."""
     step = (WIDTH - 12.0) / (2 * len(_ROUGH) - 1)
     count = 2 * len(_ROUGH)
     heights = [(20.0 if 20 <= n < 40 else 52.0) + 1.3 * _ROUGH[(7 * n) % len(_ROUGH)] for n in range(count)]
@@ -29,12 +39,12 @@ def smoothing(sketch: Sketch, value: float, t: float) -> None:
 
 
 def scales(sketch: Sketch, value: float, t: float) -> None:
-    """The image at half, a quarter, an eighth of its size; the run goes from the smallest to the whole."""
+    """The image at half, a quarter, an eighth of its size; the run goes from the smallest to the full size."""
     count = max(1, round(value))
     size, x = 56.0, 5.0
     now = count - 1 - min(int(t * count), count - 1)
-    for level in range(count):
-        bright = level == now
+    for scale in range(count):
+        bright = scale == now
         sketch.block(x, 64.0 - size, size, size, 0.2 if bright else 0.11, CONTOUR if bright else LOST)
         ink = 1.0 if bright else 0.45
         middle_x, middle_y, radius = x + size / 2, 64.0 - size / 2, 0.32 * size
@@ -53,7 +63,7 @@ def scales(sketch: Sketch, value: float, t: float) -> None:
 
 
 def edge_floor(sketch: Sketch, value: float, t: float) -> None:
-    """Edge strength along a line: peaks under the floor give no charges."""
+    """Edge strength along a line: peaks below the floor give no charges."""
     peaks = ((20.0, 0.12), (40.0, 0.95), (60.0, 0.3), (80.0, 0.55), (100.0, 0.2), (114.0, 0.75))
     floor = value * ease(t, 0.1, 0.6)
 
@@ -65,26 +75,24 @@ def edge_floor(sketch: Sketch, value: float, t: float) -> None:
         if peak >= floor:
             sketch.curve(height, CONTOUR, 2.0, low=at - 6.0, high=at + 6.0)
             sketch.particle(at, 64.0 - 54.0 * peak - 4.0, PARTICLE, 2.4)
-    level = 64.0 - 54.0 * floor
-    sketch.line([(4, level), (WIDTH - 4, level)], MARK, 1.2, dashed=True)
+    y = 64.0 - 54.0 * floor
+    sketch.line([(4, y), (WIDTH - 4, y)], MARK, 1.2, dashed=True)
 
 
 def max_border(sketch: Sketch, value: float, t: float) -> None:
-    """An image with a bright rim: one no wider than this gives no edge."""
+    """An image with a bright border: a border up to this width gives no edge."""
     rim = 5.0
     sketch.block(30, 4, 68, 64, 0.75)
     sketch.block(30 + rim, 4 + rim, 68 - 2 * rim, 64 - 2 * rim, 0.16)
     sketch.ring(64, 36, 15, 14, CONTOUR)
     searched = 64.0 * value * ease(t, 0.1, 0.7)
     if searched < rim:
-        box = [
-            (30 + rim, 4 + rim),
-            (98 - rim, 4 + rim),
-            (98 - rim, 68 - rim),
-            (30 + rim, 68 - rim),
-            (30 + rim, 4 + rim),
-        ]
-        sketch.line(box, CONTOUR, 1.6)
+        sketch.line(_box(rim), CONTOUR, 1.6)
     if searched > 0.5:
-        inner = [(30 + searched, 4 + searched), (98 - searched, 4 + searched), (98 - searched, 68 - searched)]
-        sketch.line([*inner, (30 + searched, 68 - searched), inner[0]], MARK, 1.2, dashed=True)
+        sketch.line(_box(searched), MARK, 1.2, dashed=True)
+
+
+def _box(inset: float) -> list[Point]:
+    """Outline of the image, so far inside."""
+    left, top, right, bottom = 30 + inset, 4 + inset, 98 - inset, 68 - inset
+    return [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)]

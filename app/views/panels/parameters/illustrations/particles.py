@@ -1,4 +1,4 @@
-"""Illustrations of what the particles obey: damping, weights, annealing, time step, spacing."""
+"""Illustrations of the motion of particles: damping, weights, annealing, time step, spacing."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ _FRAMES = 160
 
 
 def damping(sketch: Sketch, value: float, t: float) -> None:
-    """A ball slides down to a shallow groove, where friction may hold it, or coasts on to the deep one."""
-    way = _slide(round(value, 3))
+    """A ball slides down to a shallow groove, where friction may stop it, or passes on to the deep one."""
+    path = _slide(round(value, 3))
     here = min(int(t * 1.15 * _FRAMES), _FRAMES)
-    sketch.curve(lambda x: _ground(x) + 3.6, EDGE, 1.8)
+    sketch.curve(lambda x: _height(x) + 3.6, EDGE, 1.8)
     for age in range(1, 9):
-        x = way[max(0, here - 3 * age)]
-        sketch.particle(x, _ground(x), PARTICLE, 2.0, 0.4 - 0.045 * age)
-    at_rest = abs(way[here] - way[max(0, here - 8)]) < 0.3 and here > 8
-    sketch.particle(way[here], _ground(way[here]), REST if at_rest else PARTICLE, 3.8)
+        x = path[max(0, here - 3 * age)]
+        sketch.particle(x, _height(x), PARTICLE, 2.0, 0.4 - 0.045 * age)
+    at_rest = abs(path[here] - path[max(0, here - 8)]) < 0.3 and here > 8
+    sketch.particle(path[here], _height(path[here]), REST if at_rest else PARTICLE, 3.8)
 
 
-def _ground(x: float) -> float:
+def _height(x: float) -> float:
     """Height of the hillside with two grooves."""
     first = 7.0 * math.exp(-(((x - 52.0) / 9.0) ** 2))
     second = 18.0 * math.exp(-(((x - 94.0) / 11.0) ** 2))
@@ -31,19 +31,19 @@ def _ground(x: float) -> float:
 
 @lru_cache(maxsize=8)
 def _slide(beta: float) -> tuple[float, ...]:
-    """Places of the ball in a slide of six seconds, from its equation of motion."""
+    """Positions of the ball during six seconds, from its equation of motion."""
     x, speed, dt, places = 10.0, 0.0, 0.0125, []
     for step in range(3 * _FRAMES + 1):
         if step % 3 == 0:
             places.append(x)
-        slope = (_ground(x + 0.5) - _ground(x - 0.5)) * 165.0
+        slope = (_height(x + 0.5) - _height(x - 0.5)) * 165.0
         speed = (speed + dt * slope) / (1.0 + dt * 2.6 * beta)
         x = min(max(x + dt * speed, 6.0), WIDTH - 6.0)
     return tuple(places)
 
 
 def ratio(sketch: Sketch, value: float, t: float) -> None:
-    """Particles on an edge push each other along it and into a bay, as far as the push reaches against the pull."""
+    """Particles on an edge push each other along it and into a bay, as far as repulsion reaches against attraction."""
     sketch.line([_along(s) for s in range(0, 197, 2)], EDGE, 1.8)
     reach = 150.0 * value * (1.0 - math.exp(-4.0 * t))
     count = 11
@@ -54,7 +54,7 @@ def ratio(sketch: Sketch, value: float, t: float) -> None:
 
 
 def _along(s: float) -> tuple[float, float]:
-    """Place at the length s of an edge with a deep bay."""
+    """Point at arc length s of an edge with a deep bay."""
     if s < 44:
         return 6.0 + s, 16.0
     if s < 80:
@@ -67,7 +67,7 @@ def _along(s: float) -> tuple[float, float]:
 
 
 def pull(sketch: Sketch, value: float, t: float) -> None:
-    """Particles on both sides of an edge are drawn to it, the faster the stronger the pull."""
+    """Particles on both sides of an edge are attracted by it, faster with a larger weight."""
     sketch.line([(64, 6), (64, 66)], EDGE, 2.4)
     left = math.exp(-1.9 * value * t)
     for index, y in enumerate((16.0, 36.0, 56.0)):
@@ -80,7 +80,7 @@ def pull(sketch: Sketch, value: float, t: float) -> None:
 
 
 def annealing(sketch: Sketch, value: float, t: float) -> None:
-    """Gaps are filled one after the other while the range in which that is done shrinks."""
+    """Gaps are filled one after the other while the insertion range shrinks."""
     gaps = (11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0)
     step = int(80 * t)
     x, starts = 12.0, []
@@ -100,7 +100,7 @@ def annealing(sketch: Sketch, value: float, t: float) -> None:
 
 
 def time_step(sketch: Sketch, value: float, t: float) -> None:
-    """A particle goes to the edge in strides; long ones come there sooner and overshoot."""
+    """A particle moves to the edge in steps; long ones reach it sooner and overshoot."""
     sketch.line([(88, 8), (88, 64)], EDGE, 2.4)
     stride, x, places = 34.0 * value, 12.0, [12.0]
     for _ in range(int(16 * t)):
@@ -114,7 +114,7 @@ def time_step(sketch: Sketch, value: float, t: float) -> None:
 
 
 def d_min(sketch: Sketch, value: float, t: float) -> None:
-    """Particles along a wavy edge at this distance; the contour through few of them is coarser."""
+    """Particles along a wavy edge at this distance; the contour through fewer of them is coarser."""
 
     def wave(x: float) -> float:
         return 34.0 + 13.0 * math.sin(x / 9.5) + 6.0 * math.cos(x / 4.9)
@@ -130,7 +130,7 @@ def d_min(sketch: Sketch, value: float, t: float) -> None:
 
 
 def d_max(sketch: Sketch, value: float, t: float) -> None:
-    """Two particles drift apart; while no further than the range, another one appears between them."""
+    """Two particles move apart; within the insertion range, a new one appears between them."""
     pixel = 8.0
     gap = 8.0 + 96.0 * math.sin(math.pi * t) ** 2
     most = pixel * (2.0 + value)

@@ -1,4 +1,4 @@
-"""The pen for the small illustrations of parameters: a sheet of 128 by 72 in the colors of the canvas."""
+"""Drawing operations for the illustrations of parameters, on a sheet of 128 × 72 in the colors of the canvas."""
 
 from __future__ import annotations
 
@@ -16,17 +16,11 @@ EDGE, PARTICLE, REST = "#8d97a5", theme.MOVING, theme.RESTING
 CONTOUR, LOST, MARK = theme.CLOSED, "#5b6470", theme.OPEN
 
 Point = tuple[float, float]
-"""(x, y) on the sheet, y downwards."""
+"""(x, y) on the sheet, y downward."""
 
 
 class Sketch:
-    """What illustrations are made of.
-
-    Parameters
-    ----------
-    painter : QPainter
-        Painter scaled so that the sheet has its size.
-    """
+    """Drawing operations of illustrations, on a painter scaled to the size of the sheet."""
 
     def __init__(self, painter: QPainter) -> None:
         self._painter = painter
@@ -40,7 +34,7 @@ class Sketch:
 
     def curve(self, law: Callable[[float], float], color: str, width: float = 1.4, *, low: float = 6.0,
               high: float = WIDTH - 6.0, ink: float = 1.0) -> None:  # fmt: skip
-        """The graph of a law y(x)."""
+        """The graph of a function y(x)."""
         count = 60
         places = (low + (high - low) * n / count for n in range(count + 1))
         self.line([(x, law(x)) for x in places], color, width, ink=ink)
@@ -61,21 +55,21 @@ class Sketch:
         self._painter.drawEllipse(QPointF(x, y), across, down)
 
     def block(self, x: float, y: float, across: float, down: float, gray: float, line: str = "") -> None:
-        """A rectangle from its upper left corner, of a gray from 0 to 1, with an outline if one is named."""
-        level = round(255 * max(0.0, min(1.0, gray)))
+        """A rectangle at its upper left corner, with a gray value from 0 to 1 and an outline if `line` is a color."""
+        value = round(255 * max(0.0, min(1.0, gray)))
         self._painter.setPen(_pen(line, 1.4, False, 1.0) if line else QPen(Qt.PenStyle.NoPen))
-        self._painter.setBrush(QColor(level, level, level))
+        self._painter.setBrush(QColor(value, value, value))
         self._painter.drawRect(QRectF(x, y, across, down))
 
     def arrow(self, x: float, y: float, length: float, color: str) -> None:
         """An arrow to the right, or to the left when its length is negative."""
         self._painter.setPen(_pen(color, 1.3, False, 1.0))
-        tip, way = x + length, math.copysign(3.0, length)
-        self._painter.drawLines([QLineF(x, y, tip, y), QLineF(tip, y, tip - way, y - 2.2),
-                                 QLineF(tip, y, tip - way, y + 2.2)])  # fmt: skip
+        tip, back = x + length, math.copysign(3.0, length)
+        self._painter.drawLines([QLineF(x, y, tip, y), QLineF(tip, y, tip - back, y - 2.2),
+                                 QLineF(tip, y, tip - back, y + 2.2)])  # fmt: skip
 
     def bracket(self, left: float, right: float, y: float, color: str = MARK) -> None:
-        """A span, marked from below."""
+        """A bracket below a span."""
         self.line([(left, y - 3), (left, y), (right, y), (right, y - 3)], color, 1.2)
 
 

@@ -1,13 +1,14 @@
-"""One layer in the panel: whether it is seen, how strongly, and what can be chosen about it, folded away."""
+"""The panel of the layers, which is also their legend."""
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtCore import QSize, Qt, QTimer, Signal
+from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
-from app.views.canvas.layers import form_of
+from app.views.canvas.layers import Layers, form_of
 from app.views.canvas.layers.layer import Layer
+from app.views.theme import theme
 from app.views.theme.icons import swatch
 from app.views.widgets.marked_slider import MarkedSlider
 from app.views.widgets.space_key import own_space
@@ -15,20 +16,63 @@ from app.views.widgets.space_key import own_space
 _FOLD, _OPACITY = 18, 84
 """Widths [px]."""
 
-_FAINTEST, _FINE = 0.05, 0.05
+_LOWEST_OPACITY, _OPACITY_STEP = 0.05, 0.05
+
+
+class LayersPanel(QWidget):
+    """One row per layer."""
+
+    def __init__(self, layers: Layers) -> None:
+        super().__init__()
+        self.rows = {layer.name: LayerRow(layer) for layer in layers}
+        self.boxes: dict[str, QCheckBox] = {name: row.box for name, row in self.rows.items()}
+        scrolled = QWidget()
+        scrolled.setObjectName("scrolled")
+        column = QVBoxLayout(scrolled)
+        column.setContentsMargins(0, 0, 8, 0)
+        column.setSpacing(3)
+        for row in self.rows.values():
+            column.addWidget(row)
+            row.unfolded.connect(self._bring_into_view)
+        column.addLayout(_legend())
+        column.addStretch(1)
+        self._area = area = QScrollArea()
+        area.setWidget(scrolled)
+        area.setWidgetResizable(True)
+        area.setFrameShape(QFrame.Shape.NoFrame)
+        outer = QVBoxLayout(self)
+        outer.setContentsMargins(6, 8, 4, 4)
+        outer.addWidget(area)
+
+    def _bring_into_view(self) -> None:
+        row = self.sender()
+        if isinstance(row, LayerRow):
+            # the position of the settings is known only after the layout has been updated
+            QTimer.singleShot(0, row, lambda: self._area.ensureWidgetVisible(row, 0, 4))
+
+
+def _legend() -> QHBoxLayout:
+    """Legend of the marks on contours that have no layer of their own."""
+    row = QHBoxLayout()
+    row.setContentsMargins(20, 4, 0, 0)
+    row.setSpacing(16)
+    junction = QLabel(tr("◆ Junctions"))
+    junction.setStyleSheet(f"color: {theme.JUNCTION}")
+    junction.setToolTip(tr("Points where contours meet."))
+    # It has the color of the text: on the canvas it is recognized by its dashes.
+    bridge = QLabel(tr("╍╍ Bridged gaps"))
+    bridge.setToolTip(tr("Parts of contours that bridge a gap in the edge."))
+    row.addWidget(junction)
+    row.addWidget(bridge)
+    row.addStretch(1)
+    return row
 
 
 class LayerRow(QWidget):
-    """Check box, opacity, and the settings below.
-
-    Parameters
-    ----------
-    layer : Layer
-        What it switches.
-    """
+    """Check box and opacity of a layer, with its settings below."""
 
     unfolded = Signal()
-    """The settings are seen now."""
+    """The settings have become visible."""
 
     def __init__(self, layer: Layer) -> None:
         super().__init__()
@@ -36,10 +80,10 @@ class LayerRow(QWidget):
         self.box = self._make_box()
         self.fold = self._make_fold()
         own_space(self.box, self.fold)
-        self.opacity = MarkedSlider(_FAINTEST, 1.0, _FINE, None)
+        self.opacity = MarkedSlider(_LOWEST_OPACITY, 1.0, _OPACITY_STEP, None)
         self.opacity.setFixedWidth(_OPACITY)
         self.opacity.setAccessibleName(tr("Opacity: {layer}").format(layer=layer.title))
-        self.opacity.setToolTip(tr("Opacity. A double click brings it back."))
+        self.opacity.setToolTip(tr("Opacity; double-click to restore."))
         self.settings: QWidget | None = None
         head = QHBoxLayout()
         head.setContentsMargins(0, 0, 0, 0)
@@ -76,7 +120,7 @@ class LayerRow(QWidget):
         fold.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         fold.setArrowType(Qt.ArrowType.RightArrow)
         fold.setAccessibleName(tr("Settings: {layer}").format(layer=self.layer.title))
-        fold.setToolTip(tr("What can be chosen about this layer."))
+        fold.setToolTip(tr("Settings of this layer."))
         kept = fold.sizePolicy()
         kept.setRetainSizeWhenHidden(True)
         fold.setSizePolicy(kept)
