@@ -18,7 +18,8 @@ from app.session.document.live_edits import Live
 from app.session.exchange.pacing import Pacer
 from app.session.tasks.tasks import Tasks
 from app.session.updates import Progress
-from app.session.worker.commands.run import Command, Discard, Go, Halt, SetOverlays, SetPace, Start
+from app.session.worker.commands.run import Command, RunCall, Start
+from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.segmentation.method import METHODS
 
@@ -101,12 +102,12 @@ class RunControl(Editing):
         if self.status.phase != "running":
             self._start_if_needed()
             self._progress.phase("running")
-            self.post(Go(self._generation))
+            self.post(RunCall(self._generation, Run.go))
 
     def pause(self) -> None:
         """Stop after the step that is being taken."""
         if self.status.phase == "running":
-            self.hold(Halt())
+            self.hold(RunCall(None, Run.halt))
 
     def toggle(self) -> None:
         """Pause when running, otherwise run."""
@@ -119,14 +120,14 @@ class RunControl(Editing):
         """Take one step, starting when nothing has been started."""
         if can_step(self.situation) and self._ready():
             self._start_if_needed()
-            self.hold(Go(self._generation, steps=1))
+            self.hold(RunCall(self._generation, Run.go, 1))
 
     def reset(self) -> None:
         """Forget the particles and go back to the drawing."""
         if self.status.started:
             self._generation = self._next_generation()
             self._progress.forget()
-            self.post(Discard(self._generation))
+            self.post(RunCall(None, Run.discard, self._generation))
 
     def hold(self, command: Command) -> None:
         """Hold a run that has been begun, by a command after which it stands at some step."""
@@ -135,7 +136,7 @@ class RunControl(Editing):
 
     def set_pace(self, steps_per_second: float | None) -> None:
         """Limit the speed; None for none."""
-        self.post(SetPace(steps_per_second))
+        self.post(RunCall(None, Run.set_pace, steps_per_second))
 
     def want_overlay(self, name: str, wanted: bool) -> None:
         """Say whether an overlay is to be kept up to date; see `app.session.worker.overlays`."""
@@ -145,7 +146,7 @@ class RunControl(Editing):
             shown = {kept: array for kept, array in self.scene.overlays.items() if kept in self._overlays}
             if len(shown) < len(self.scene.overlays):
                 self.show(replace(self.scene, overlays=shown))
-            self.post(SetOverlays(self._overlays))
+            self.post(RunCall(None, Run.set_overlays, self._overlays))
 
     def post(self, command: Command) -> None:
         """Send a command to the worker."""

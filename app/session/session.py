@@ -18,7 +18,8 @@ from app.session.exchange.messages import NotOpened, Opened
 from app.session.run_control import RunControl
 from app.session.scene import Scene
 from app.session.tasks.opening import Opener, Wanted
-from app.session.worker.commands.run import Adopt, Copy, Export, SetParameters, WarmUp
+from app.session.worker.commands.run import Copy, Export, RunCall, WarmUp
+from app.session.worker.run import Run
 
 
 class Session(RunControl):
@@ -82,12 +83,12 @@ class Session(RunControl):
     def _accept(self, opened: Opened) -> None:
         """Take over an image that has been opened."""
         self._generation = self._image_generation = self._next_generation()
-        self.post(Adopt(self._generation, opened))
+        self.post(RunCall(None, Run.use, self._generation, opened.method, opened.parameters))
         self.show(Scene(opened.image, opened.shades, document=self.document, selected=self.selected))
         self.image_changed.emit()
         self._progress.forget()
         self.begin_document(_document(opened, self.document.mode))
-        self.post(SetParameters(opened.parameters))
+        self.post(RunCall(None, Run.set_parameters, opened.parameters))
         if opened.notes:
             self.say(" ".join(opened.notes))
 

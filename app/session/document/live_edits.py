@@ -16,8 +16,8 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.document.editing import Editing
 from app.session.updates import Progress
-from app.session.worker.commands.run import Command, FindSeeds, SetParameters
-from app.session.worker.commands.steering import Erase, Join, Limit, PlaceCharges
+from app.session.worker.commands.run import Command, FindSeeds, RunCall
+from app.session.worker.run import Run
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import Points, Region, Shape, Start
 
@@ -67,16 +67,16 @@ class Live:
         """The document has changed; unless it is `settled`, the gesture goes on that changes it."""
         session = self._session
         if before.parameters != after.parameters:
-            self._post(SetParameters(after.parameters))
+            self._post(RunCall(None, Run.set_parameters, after.parameters))
         if after.sowable and before.sowing != after.sowing:
             self._progress.busy("sowing", tr("Looking for places to start from…"))
             self._post(FindSeeds(session.image_generation, after))
         if before.charges != after.charges:
-            self._post(PlaceCharges(session.image_generation, after.charges))
+            self._post(RunCall(None, Run.place, session.image_generation, after.charges))
         if not self._progress.status.started:
             return
         if before.regions != after.regions:
-            self._post(Limit(session.generation, after.regions))
+            self._post(RunCall(session.generation, Run.limit, after.regions))
         if settled:
             self.settle()
 
@@ -94,7 +94,7 @@ class Live:
         new = (drawn - self._executed) & gained
         if new:
             self._executed = self._executed + new
-            self._post(Join(self._session.generation, _only(document, new)))
+            self._post(RunCall(self._session.generation, Run.join, _only(document, new)))
 
     def erase(self, path: tuple[Position, ...], radius: float) -> Document:
         """Take away the particles near a path, and tell what the document is without the shapes near it.
@@ -105,7 +105,7 @@ class Live:
         rest = edits.erase(session.document, path, radius)
         self._executed = self._executed - (session.document.sources - rest.sources)
         if self._progress.status.started:
-            self._post(Erase(session.generation, path, radius))
+            self._post(RunCall(session.generation, Run.erase, path, radius))
         return rest
 
 

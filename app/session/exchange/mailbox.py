@@ -1,9 +1,16 @@
-"""A slot for the newest of something, handed from one thread to another."""
+"""The newest wins: a slot between two threads, and a thread that does only the newest work."""
 
 from __future__ import annotations
 
+import logging
+import threading
 from collections import deque
+from collections.abc import Callable
 from typing import Generic, TypeVar
+
+from PySide6.QtCore import QObject, Signal
+
+log = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
@@ -39,3 +46,65 @@ class Mailbox(Generic[T]):
 
     def __bool__(self) -> bool:
         return bool(self._content)
+
+
+class Latest(QObject):
+    """Does the newest piece of work that it is given, and tells what came of it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the thread.
+    parent : QObject, optional
+        Owner.
+    """
+
+    done = Signal(object)
+    """What a piece of work has come to."""
+
+    def __init__(self, name: str, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._name = name
+        self._lock = threading.Lock()
+        self._waiting: Mailbox[Callable[[], object]] = Mailbox()
+        self._thread: threading.Thread | None = None
+
+    @property
+    def idle(self) -> bool:
+        """Whether there is nothing to do."""
+        return self._thread is None
+
+    def ask(self, work: Callable[[], object]) -> None:
+        """Do this instead of whatever is still waiting."""
+        with self._lock:
+            self._waiting.put(work)
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._work, name=self._name, daemon=True)
+                self._thread.start()
+
+    def forget(self) -> None:
+        """Drop what is waiting."""
+        self._waiting.take()
+
+    def close(self) -> None:
+        """Drop what is waiting and wait for what is being done."""
+        self.forget()
+        thread = self._thread
+        if thread is not None:
+            thread.join()
+
+    def _work(self) -> None:
+        while (work := self._next()) is not None:
+            try:
+                came = work()
+            except Exception as error:  # the thread's outermost frame: whatever happens must not end it
+                log.error("unexpected trouble in %s", self._name, exc_info=error)
+            else:
+                self.done.emit(came)
+
+    def _next(self) -> Callable[[], object] | None:
+        with self._lock:
+            work = self._waiting.take()
+            if work is None:
+                self._thread = None
+            return work

@@ -12,8 +12,9 @@ from app.session.features.branch_comparison import BranchComparison
 from app.session.session import Session
 from app.session.timeline.branches import Branch
 from app.session.timeline.timeline import Outline
-from app.session.worker.commands.run import Halt
-from app.session.worker.commands.timeline import DropBranch, RenameBranch, Seek
+from app.session.worker.commands.run import RunCall
+from app.session.worker.commands.timeline import Seek
+from app.session.worker.run import Run
 from cpm_core.parameters import Parameters
 
 _PLAY_EVERY = 50
@@ -134,13 +135,13 @@ class TimelineNavigation(QObject):
 
     def rename(self, branch: int, name: str) -> None:
         """Give a branch another name."""
-        self._session.post(RenameBranch(self._session.generation, branch, name))
+        self._session.post(RunCall(self._session.generation, Run.rename_branch, branch, name))
 
     def drop(self, branch: int) -> None:
         """Forget a branch; where the run stands on it, the run is held."""
         if self.branch(branch) is None:
             return
-        command = DropBranch(self._session.generation, branch)
+        command = RunCall(self._session.generation, Run.drop_branch, branch)
         if branch == self.place[0]:
             self._asked = None
             self._session.hold(command)
@@ -210,7 +211,7 @@ class TimelineNavigation(QObject):
 
     def _look_closely(self) -> None:
         if self._session.status.started and self._session.status.phase != "running":
-            self._session.post(Halt())
+            self._session.post(RunCall(None, Run.halt))
 
     def _give_up_going(self, _: CommandFailed) -> None:
         """It may have been the way there that was barred."""

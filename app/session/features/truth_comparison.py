@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.display.differences import Difference, differences
 from app.model.text.language import tr
-from app.session.exchange.latest_only import Latest
+from app.session.exchange.mailbox import Latest
 from app.session.exchange.messages import Report
 from app.session.features.contour_review import ContourReview
 from app.session.session import Session

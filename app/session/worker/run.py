@@ -77,8 +77,10 @@ class Run(Stepper):
         if not self.stepping:
             self._reconstruct()
 
-    def place(self, charges: tuple[PlacedCharge, ...]) -> bool:
-        """Let the particles feel these from the next step on; whether a run goes on with them that had ended."""
+    def place(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
+        """Use these placed charges on this image from the next step on; whether a run that had ended goes on."""
+        if image_generation != self.image_generation:
+            return False
         self.charges = charges
         self._refresh_overlays()
         return self._go_on()

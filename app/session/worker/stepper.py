@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -11,10 +12,8 @@ from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.exchange.pacing import Pacer
 from app.session.timeline.run_actions import Stepped
-from app.session.worker.potential_energy import PotentialEnergySampler
 from app.session.worker.reconstruction import Reconstructor, Request
-from app.session.worker.recorded_run import RecordedRun
-from app.session.worker.run_record import RunRecord
+from app.session.worker.recorded_run import RecordedRun, RunRecord
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -23,6 +22,12 @@ from cpm_core.segmentation.method import Method, MethodState
 
 RESTING_SPEED = 0.1
 """Speed under which a particle is shown as resting [px per unit of time]."""
+
+_ENERGY_EVERY = 8
+"""Steps between two measurements of the potential energy; each takes about as long as a small part of a step."""
+
+_SMALL_IMAGE = 1 << 20
+"""Pixels up to which the potential, which is computed once for each field, is always ready at once."""
 
 
 class Stepper:
@@ -39,7 +44,7 @@ class Stepper:
     def __init__(self, snapshots: Mailbox[Snapshot], reconstructor: Reconstructor) -> None:
         self.pacer = Pacer()
         self.recorded = RecordedRun()
-        self.energy_sampler = PotentialEnergySampler()
+        self._energy_watched = False
         self.generation = 0
         self.method: Method[Any] | None = None
         self.state: MethodState | None = None
@@ -55,7 +60,7 @@ class Stepper:
         """Whether steps are to be taken."""
         return self._remaining > 0
 
-    def go(self, steps: int | None) -> None:
+    def go(self, steps: int | None = None) -> None:
         """Step from now on, `steps` times or until told otherwise; a run that has ended only with other parameters."""
         if self.method is None or self.state is None:
             return
@@ -88,7 +93,8 @@ class Stepper:
         state = self.state = method.step(self.state, parameters, self.charges)
         self._remaining = 0.0 if state.stop_reason else self._remaining - 1
         self.pacer.stepped()
-        thorough = self.energy_sampler.due(state.step, method.image.shape)
+        ready = self._energy_watched or math.prod(method.image.shape) <= _SMALL_IMAGE
+        thorough = ready and not state.step % _ENERGY_EVERY
         self._record.record(state.step, method.measures(state, parameters, thorough))
         self.recorded.record(Stepped(parameters, self.charges, method.regions), state, self._record)
         self._send()
@@ -109,9 +115,23 @@ class Stepper:
             self._remaining = 0.0
         self._send(looking_back=True)
 
-    def tell(self) -> None:
-        """Send up how things stand, where there is anything."""
+    def rename_branch(self, branch: int, name: str) -> None:
+        """Give a branch of the timeline another name."""
+        self.recorded.timeline.rename(branch, name)
         self._send()
+
+    def set_timeline_budget(self, budget: int) -> None:
+        """Let the states of the timeline take at most so many bytes."""
+        self.recorded.timeline.budget = budget
+        self._send()
+
+    def watch_energy(self, watched: bool) -> None:
+        """Measure the potential energy even where the potential takes long, or no more."""
+        self._energy_watched = watched
+
+    def set_pace(self, steps_per_second: float | None) -> None:
+        """Take at most so many steps a second; None for no limit."""
+        self.pacer.limit(steps_per_second)
 
     def reconstruction(self, shown: Reconstruction | None, wanted: Callable[[], bool]) -> Reconstruction | None:
         """The contours that a person sees: while a run goes on those `shown`, else those of its very last state.

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import queue
 import threading
-from collections import defaultdict, deque
+from collections import deque
 
 from app.session.core_functions import Core
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command, Quit
+from app.session.worker.commands.run import Command, CommandContext, Quit
 from app.session.worker.prepared_methods import PreparedMethods
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
@@ -40,7 +39,7 @@ class WorkerThread:
         self._executed = 0
         self._waiting = False
         self._closing = False
-        self._newest: defaultdict[type[Command], Mailbox[Command]] = defaultdict(Mailbox)
+        self._newest: dict[object, Command] = {}
         core = core or Core()
         self._run = Run(PreparedMethods(core.methods), self.snapshots, self.overlays, self.reconstructor)
         self._context = CommandContext(core, self._run, self.report, lambda: self._closing)
@@ -50,8 +49,8 @@ class WorkerThread:
     def post(self, command: Command) -> None:
         """Send a command; only ever from the window's thread."""
         self._posted += 1
-        if command.latest_only:
-            self._newest[type(command)].put(command)
+        if command.kind is not None:
+            self._newest[command.kind] = command
         self._commands.put(command)
 
     def report(self, report: Report) -> None:
@@ -112,7 +111,7 @@ class WorkerThread:
             self._reports.append(RunFailed(self._run.generation, sentence(error, "taking a step")))
 
     def _guarded_execute(self, command: Command) -> None:
-        if command.latest_only and command is not self._newest[type(command)].newest:
+        if command.kind is not None and command is not self._newest[command.kind]:
             return
         try:
             command.execute(self._context)

@@ -9,7 +9,8 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
-from app.session.worker.commands.timeline import SetTimelineBudget
+from app.session.worker.commands.run import RunCall
+from app.session.worker.run import Run
 from app.views.features.run.timeline import TimelineFeature
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
@@ -263,7 +264,7 @@ def test_steps_taken_with_charges_new_particles_and_the_eraser_are_found_again_a
         hand.key(KEY.Key_Period)
         hand.wait(lambda: session.idle)
 
-    session.post(SetTimelineBudget(0))
+    session.post(RunCall(None, Run.set_timeline_budget, 0))
     session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
     take_a_step()
     session.edit("points", lambda document: edits.add_shape(document, Points(((5.0, 5.0), (8.0, 8.0)))))

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, age, colored, convergence, speed
 from app.model.display.round_numbers import round_down, round_up
-from app.session.worker.run_record import RunRecord
+from app.session.worker.recorded_run import RunRecord
 from app.views.canvas.items.discs import Discs
 from app.views.theme import color_maps, theme
 from cpm_core import Engine, Parameters

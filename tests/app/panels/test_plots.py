@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 
 from app.model.display.plots import PLOTS, figure
 from app.session.exchange.messages import RunMetrics
-from app.session.worker.run_record import RunRecord
+from app.session.worker.recorded_run import RunRecord
 from app.views.panels.run.plot import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc

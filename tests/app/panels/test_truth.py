@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.differences import differences
-from app.session.exchange.latest_only import Latest
+from app.session.exchange.mailbox import Latest
 from app.views.features.contours.truth import TruthFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import compare

@@ -12,8 +12,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from app.session.timeline.run_actions import Stepped
 from app.session.timeline.timeline import Timeline
-from app.session.worker.recorded_run import RecordedRun
-from app.session.worker.run_record import RunRecord
+from app.session.worker.recorded_run import RecordedRun, RunRecord
 from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
@@ -266,7 +265,7 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
     )
     engines = {None: ENGINE, barrier: ENGINE.with_regions(barrier)}
     recorded, record, states = RecordedRun(), RunRecord(), [ENGINE.start(circle((32.0, 32.0), 10.0))]
-    recorded.set_budget(1)
+    recorded.timeline.budget = 1
     recorded.begin(ENGINE, states[0], record)
     for step in range(50):
         action = features[step // 10]
@@ -284,7 +283,7 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
 
 def test_records_for_plots_follow_their_branches() -> None:
     recorded, record, state = RecordedRun(), RunRecord(), toy()
-    recorded._timeline = Timeline(toy_step, AMPLE)
+    recorded.timeline = Timeline(toy_step, AMPLE)
     recorded.begin(ENGINE, state, record)
 
     def go_on(value: int, count: int) -> None:

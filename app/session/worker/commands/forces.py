@@ -10,8 +10,7 @@ import numpy as np
 
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Report
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command
+from app.session.worker.commands.run import Command, CommandContext
 from cpm_core.numerics.types import Array, Position
 from cpm_core.segmentation.method import Steerable
 

@@ -8,8 +8,7 @@ from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Reconstruction, Report, Snapshot
 from app.session.tasks.tasks import Task
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command
+from app.session.worker.commands.run import Command, CommandContext
 from app.session.worker.commands.timeline import Compared
 
 
@@ -51,7 +50,7 @@ class TakeFrame(Command):
             return not (self.task.over or context.closing())
 
         moment = run.moment(self.branch, self.step, wanted)
-        other = run.recorded.state(self.compared, self.step, wanted) if self.compared is not None else None
+        other = run.recorded.timeline.state(self.compared, self.step, wanted) if self.compared is not None else None
         if moment is None or not wanted():
             return
         contours, beside = None, Compared(self.generation)

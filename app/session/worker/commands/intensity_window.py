@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window, percentile_window
 from app.session.exchange.messages import Report
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command
+from app.session.worker.commands.run import Command, CommandContext
 from cpm_core.image.image import Image
 
 

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from app.session.exchange.messages import Report
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command
+from app.session.worker.commands.run import Command, CommandContext
 from cpm_core.contours.agreement import Agreement, agreement
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -35,52 +34,6 @@ class Seek(Command):
         """Go there."""
         if self.generation == context.run.generation:
             context.run.go_to(self.branch, self.step, lambda: self.wanted() and not context.closing())
-
-
-@dataclass(frozen=True, slots=True)
-class RenameBranch(Command):
-    """Give a branch another name."""
-
-    generation: int
-    branch: int
-    name: str
-
-    activity = "renaming a branch"
-
-    def execute(self, context: CommandContext) -> None:
-        """Rename it."""
-        if self.generation == context.run.generation:
-            context.run.recorded.rename(self.branch, self.name)
-            context.run.tell()
-
-
-@dataclass(frozen=True, slots=True)
-class DropBranch(Command):
-    """Forget a branch."""
-
-    generation: int
-    branch: int
-
-    activity = "deleting a branch"
-
-    def execute(self, context: CommandContext) -> None:
-        """Forget it."""
-        if self.generation == context.run.generation:
-            context.run.drop_branch(self.branch)
-
-
-@dataclass(frozen=True, slots=True)
-class SetTimelineBudget(Command):
-    """Let the states of the timeline take so many bytes at most."""
-
-    budget: int
-
-    activity = "making room"
-
-    def execute(self, context: CommandContext) -> None:
-        """Make room."""
-        context.run.recorded.set_budget(self.budget)
-        context.run.tell()
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +66,7 @@ class Compare(Command):
         if self.branch is None or self.generation != run.generation:
             context.report(Compared(self.generation))
             return
-        state = run.recorded.state(self.branch, self.step, lambda: not context.closing())
+        state = run.recorded.timeline.state(self.branch, self.step, lambda: not context.closing())
         if state is None:
             return
         result = run.result_of(state) if self.against is not None and state.step > 0 else None
