@@ -1,4 +1,4 @@
-"""The run of a document: started, held and steered by commands to the worker, and shown in every frame."""
+"""The run of a document: started, paused and changed by commands to the worker, and shown in every display frame."""
 
 from __future__ import annotations
 
@@ -24,26 +24,11 @@ from app.session.worker.worker_thread import WorkerThread
 from cpm_core.segmentation.method import METHODS
 
 FRAME = 16
-"""Time between looks at what the worker has sent up [ms]."""
+"""Time between two display frames, in each of which reports of the worker are taken [ms]."""
 
 
 class RunControl(Editing):
-    """Drives the run of the document on the worker thread.
-
-    Parameters
-    ----------
-    core : Core
-        The core's functions.
-    parent : QObject
-        Owner.
-
-    Attributes
-    ----------
-    tasks : Tasks
-        What goes on beside the run.
-    live : Live
-        What edits of the document do to the run.
-    """
+    """Controls the run of the document on the worker thread, and the tasks beside it."""
 
     def __init__(self, core: Core, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -61,11 +46,11 @@ class RunControl(Editing):
         self._timer.timeout.connect(self._frame)
         self.set_pace(PACES[FIRST_PACE])
 
-    # Looking
+    # State
 
     @property
     def status(self) -> RunStatus:
-        """How the run stands."""
+        """State of the run."""
         status = self._progress.status
         document, method = self.document, METHODS[status.method]
         other = status.method != MODES[document.mode].method
@@ -75,7 +60,7 @@ class RunControl(Editing):
 
     @property
     def situation(self) -> Situation:
-        """All that decides what the window shows and enables."""
+        """Everything that decides what the window shows and enables."""
         return Situation(self.document, self.status, self.undo_name, self.redo_name, self.selected)
 
     @property
@@ -85,18 +70,18 @@ class RunControl(Editing):
 
     @property
     def frames_per_second(self) -> float:
-        """How often, measured, the newest particles are looked for and drawn."""
+        """Measured rate of display frames."""
         return self._frames.per_second
 
     @property
     def idle(self) -> bool:
-        """Whether nothing is going on and everything that was sent up has been shown."""
+        """Whether no work is going on and every report has been shown."""
         return self._worker_thread.idle and self.tasks.idle
 
     # Running
 
     def run(self) -> None:
-        """Go on, or start anew when the drawing has changed or the run is over and no parameter has changed since."""
+        """Continue, or restart when the shapes have changed or the run is over and no parameter has changed since."""
         if not self._ready():
             return
         if self.status.phase != "running":
@@ -105,7 +90,7 @@ class RunControl(Editing):
             self.post(RunCall(self._generation, Run.go))
 
     def pause(self) -> None:
-        """Stop after the step that is being taken."""
+        """Stop after the current step."""
         if self.status.phase == "running":
             self.hold(RunCall(None, Run.halt))
 
@@ -117,29 +102,29 @@ class RunControl(Editing):
             self.run()
 
     def step(self) -> None:
-        """Take one step, starting when nothing has been started."""
+        """Take one step; start a run first if there is none."""
         if can_step(self.situation) and self._ready():
             self._start_if_needed()
             self.hold(RunCall(self._generation, Run.go, 1))
 
     def reset(self) -> None:
-        """Forget the particles and go back to the drawing."""
+        """Discard the particles and go back to the initialization."""
         if self.status.started:
             self._generation = self._next_generation()
             self._progress.forget()
             self.post(RunCall(None, Run.discard, self._generation))
 
     def hold(self, command: Command) -> None:
-        """Hold a run that has been begun, by a command after which it stands at some step."""
+        """Pause the run by a command after which it stays at some step."""
         self._progress.phase("paused")
         self.post(command)
 
     def set_pace(self, steps_per_second: float | None) -> None:
-        """Limit the speed; None for none."""
+        """Limit the steps per second; None for no limit."""
         self.post(RunCall(None, Run.set_pace, steps_per_second))
 
     def want_overlay(self, name: str, wanted: bool) -> None:
-        """Say whether an overlay is to be kept up to date; see `app.session.worker.overlays`."""
+        """Choose whether an overlay is kept up to date; see `app.session.worker.overlays`."""
         before = self._overlays
         self._overlays = before | {name} if wanted else before - {name}
         if self._overlays != before:
@@ -158,8 +143,6 @@ class RunControl(Editing):
         self._timer.stop()
         self.tasks.close()
         self._worker_thread.close()
-
-    # Inside
 
     def _ready(self) -> bool:
         if self.document.image is None:

@@ -1,4 +1,4 @@
-"""The document under the user's hands: what it is, what is selected, and the way back."""
+"""Editing of the document: its selection and its undo history."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Editing(SessionSignals):
 
     @property
     def document(self) -> Document:
-        """What the user means."""
+        """The document of the scene."""
         return self.scene.document
 
     @property
@@ -35,12 +35,12 @@ class Editing(SessionSignals):
 
     @property
     def undo_name(self) -> str:
-        """Name of what undo would take back, empty when there is nothing."""
+        """Name of the change that undo takes back, empty if there is none."""
         return self._history.undo_name
 
     @property
     def redo_name(self) -> str:
-        """Name of what redo would do again, empty when there is nothing."""
+        """Name of the change that redo repeats, empty if there is none."""
         return self._history.redo_name
 
     @property
@@ -49,16 +49,10 @@ class Editing(SessionSignals):
         return self._history.names, self._history.done
 
     def edit(self, name: str, edit: Callable[[Document], Document], gesture: str = "") -> None:
-        """Change the document so that it can be undone.
+        """Change the document in a way that can be undone.
 
-        Parameters
-        ----------
-        name : str
-            What is done, as it stands after "Undo".
-        edit : callable
-            Document to document; a `ValueError` is told to the user and changes nothing.
-        gesture : str
-            Edits in a row with the same gesture are undone together.
+        `name` is what follows "Undo" in the menu. Edits in a row with the same gesture are undone together. A
+        `ValueError` of `edit` is shown to the user and changes nothing.
         """
         before = self.document
         try:
@@ -71,7 +65,7 @@ class Editing(SessionSignals):
             self._use(after, settled=not gesture)
 
     def seal(self) -> None:
-        """End a gesture: the next edit is undone by itself."""
+        """End a gesture: the next edit is undone separately."""
         self._history.seal()
         self._settle()
 
@@ -80,11 +74,11 @@ class Editing(SessionSignals):
         self._use(self._history.undo())
 
     def redo(self) -> None:
-        """Do again what was undone last."""
+        """Repeat the edit that was undone last."""
         self._use(self._history.redo())
 
     def go_to(self, done: int) -> None:
-        """Take back or do again until so many of the changes in `changes` are done."""
+        """Undo or redo until so many of the `changes` are done."""
         self._use(self._history.go_to(done))
 
     def select(self, index: int | None) -> None:
@@ -108,13 +102,13 @@ class Editing(SessionSignals):
             self.edit(name, lambda document: edits.delete_shape(document, index))
 
     def begin_document(self, document: Document) -> None:
-        """Begin anew with a document, without a way back to the one before."""
+        """Use another document, with an empty undo history."""
         self._history.clear()
         self._scene = replace(self.scene, selected=None)
         self._use(document)
 
     def _follow(self, before: Document, after: Document, settled: bool) -> None:
-        """The document has changed; unless it is `settled`, the gesture goes on that changes it."""
+        """The document has changed; unless `settled`, the gesture that changes it continues."""
 
     def _settle(self) -> None:
         """A gesture has ended."""

@@ -16,21 +16,21 @@ T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """One slot in which the newest wins; what was not taken in time is replaced, never queued.
+    """One slot in which the newest wins; content that was not taken in time is replaced, never queued.
 
-    No thread waits for another: a deque of one place replaces and gives out its content in single strokes, where behind
-    a lock the window would have to wait for a worker that was interrupted while holding it.
+    No thread waits for another: a deque of length one replaces and returns its content in single atomic operations.
+    With a lock, the window would have to wait for a worker that was interrupted while holding it.
     """
 
     def __init__(self) -> None:
         self._content: deque[T] = deque(maxlen=1)
 
     def put(self, content: T) -> None:
-        """Leave `content`, in place of whatever was not taken yet."""
+        """Leave `content` in place of any that was not taken yet."""
         self._content.append(content)
 
     def take(self) -> T | None:
-        """Take what is there, or None; it is taken once."""
+        """Take the content once, or None."""
         try:
             return self._content.pop()
         except IndexError:
@@ -38,7 +38,7 @@ class Mailbox(Generic[T]):
 
     @property
     def newest(self) -> T | None:
-        """What is there, without taking it, or None."""
+        """The content without taking it, or None."""
         try:
             return self._content[-1]
         except IndexError:
@@ -49,18 +49,10 @@ class Mailbox(Generic[T]):
 
 
 class Latest(QObject):
-    """Does the newest piece of work that it is given, and tells what came of it.
-
-    Parameters
-    ----------
-    name : str
-        Name of the thread.
-    parent : QObject, optional
-        Owner.
-    """
+    """Does the newest work on a thread of this name, which lasts as long as there is any."""
 
     done = Signal(object)
-    """What a piece of work has come to."""
+    """Result of a piece of work."""
 
     def __init__(self, name: str, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -71,11 +63,11 @@ class Latest(QObject):
 
     @property
     def idle(self) -> bool:
-        """Whether there is nothing to do."""
+        """Whether there is no work."""
         return self._thread is None
 
     def ask(self, work: Callable[[], object]) -> None:
-        """Do this instead of whatever is still waiting."""
+        """Do this in place of work that is still waiting."""
         with self._lock:
             self._waiting.put(work)
             if self._thread is None:
@@ -83,11 +75,11 @@ class Latest(QObject):
                 self._thread.start()
 
     def forget(self) -> None:
-        """Drop what is waiting."""
+        """Drop waiting work."""
         self._waiting.take()
 
     def close(self) -> None:
-        """Drop what is waiting and wait for what is being done."""
+        """Drop waiting work and wait for the current one."""
         self.forget()
         thread = self._thread
         if thread is not None:
@@ -96,11 +88,11 @@ class Latest(QObject):
     def _work(self) -> None:
         while (work := self._next()) is not None:
             try:
-                came = work()
-            except Exception as error:  # the thread's outermost frame: whatever happens must not end it
-                log.error("unexpected trouble in %s", self._name, exc_info=error)
+                result = work()
+            except Exception as error:  # no error may end the thread
+                log.error("unexpected error in %s", self._name, exc_info=error)
             else:
-                self.done.emit(came)
+                self.done.emit(result)
 
     def _next(self) -> Callable[[], object] | None:
         with self._lock:

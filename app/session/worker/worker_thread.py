@@ -1,4 +1,4 @@
-"""The worker thread: steps a method, obeying commands in order between steps."""
+"""The worker thread: steps a method and executes commands in order between steps."""
 
 from __future__ import annotations
 
@@ -19,14 +19,9 @@ from app.session.worker.run import Run
 class WorkerThread:
     """One thread that owns the run.
 
-    Commands go down through `post`, in order and never lost; snapshots, contours and overlays come up through mailboxes
-    in which the newest wins; the few things that must not be missed come up through `reports`. Nothing here calls back
-    into the window, which looks for news itself.
-
-    Parameters
-    ----------
-    core : Core
-        The core's functions.
+    Commands are sent by `post`, in order and never lost. Snapshots, contours and overlays are left in mailboxes in
+    which the newest wins; what must not be missed is in `reports`. The thread never calls the window, which takes these
+    messages itself.
     """
 
     def __init__(self, core: Core | None = None) -> None:
@@ -47,14 +42,14 @@ class WorkerThread:
         self._thread.start()
 
     def post(self, command: Command) -> None:
-        """Send a command; only ever from the window's thread."""
+        """Send a command; only from the window's thread."""
         self._posted += 1
         if command.kind is not None:
             self._newest[command.kind] = command
         self._commands.put(command)
 
     def report(self, report: Report) -> None:
-        """Send a report up, from any thread."""
+        """Send a report to the window, from any thread."""
         self._reports.append(report)
 
     def reports(self) -> list[Report]:
@@ -66,7 +61,7 @@ class WorkerThread:
 
     @property
     def idle(self) -> bool:
-        """Whether every command has been obeyed, nothing steps and everything that was sent up has been taken."""
+        """Whether every command has been executed, no step remains and every message has been taken."""
         return (
             self._executed == self._posted
             and self._waiting
@@ -91,7 +86,7 @@ class WorkerThread:
                 self._executed += 1
 
     def _next(self) -> Command | None:
-        """The next command; None when a step is due before one comes."""
+        """The next command; None when a step is due before one arrives."""
         if not self._run.stepping:
             self._waiting = True
             command = self._commands.get()
@@ -106,7 +101,7 @@ class WorkerThread:
     def _guarded_step(self) -> None:
         try:
             self._run.step()
-        except Exception as error:  # the thread's outermost frame: whatever happens must not end it
+        except Exception as error:  # no error may end the thread
             self._run.halt()
             self._reports.append(RunFailed(self._run.generation, sentence(error, "taking a step")))
 
@@ -115,5 +110,5 @@ class WorkerThread:
             return
         try:
             command.execute(self._context)
-        except Exception as error:  # the thread's outermost frame: whatever happens must not end it
+        except Exception as error:  # no error may end the thread
             self._reports.append(command.failure_report(error))

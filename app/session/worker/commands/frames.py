@@ -1,4 +1,4 @@
-"""Moments of the run for a film, one after the other."""
+"""Steps of the run as animation frames."""
 
 from __future__ import annotations
 
@@ -14,20 +14,9 @@ from app.session.worker.commands.timeline import Compared
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TakeFrame(Command):
-    """Find all that is to be seen of one step of a branch; the run itself goes on.
+    """Report all that is shown of one step of a branch, and of a `compared` one; the run itself goes on.
 
-    Attributes
-    ----------
-    task : Task
-        The film that it is for; nothing is done once that is over.
-    generation : int
-        The run.
-    branch, step : int
-        Which step.
-    contours : bool
-        Whether contours are to be seen.
-    compared : int or None
-        A branch to be seen beside it.
+    Nothing is done once the task is over.
     """
 
     task: Task
@@ -38,7 +27,7 @@ class TakeFrame(Command):
     compared: int | None = None
 
     def execute(self, context: CommandContext) -> None:
-        """Find it."""
+        """Recover the step and report it."""
         run = context.run
         if self.task.over:
             return
@@ -63,27 +52,13 @@ class TakeFrame(Command):
         context.report(FrameTaken(self.task, moment, contours, beside))
 
     def failure_report(self, error: Exception) -> Report:
-        """The film cannot be made."""
+        """The animation cannot be made."""
         return FrameTaken(self.task, sentence=sentence(error, "taking a picture of a step"))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FrameTaken(Report):
-    """What is to be seen in one frame, or why nothing is.
-
-    Attributes
-    ----------
-    task : Task
-        The film that it is for.
-    moment : Snapshot or None
-        The particles; None when the run is another one by now, or when there has been trouble.
-    contours : Reconstruction or None
-        The contours.
-    compared : Compared or None
-        The branch beside it.
-    sentence : str
-        The trouble.
-    """
+    """All that is shown in one frame, or an error message; `moment` is None when the run has been replaced."""
 
     task: Task
     moment: Snapshot | None = None

@@ -142,14 +142,14 @@ class RunCall(Command):
 
 @dataclass(frozen=True, slots=True)
 class Start(Command):
-    """Begin a run from the drawing of a document, if the image it was drawn on is still the one in use."""
+    """Start a run from a document, if its image is still the current one."""
 
     generation: int
     image_generation: int
     document: Document
 
     def execute(self, context: CommandContext) -> None:
-        """Begin it; nothing moves yet."""
+        """Start the run, without a step."""
         if self.image_generation == context.run.image_generation:
             context.run.start(self.generation, self.document)
 
@@ -160,7 +160,7 @@ class Start(Command):
 
 @dataclass(frozen=True, slots=True)
 class FindSeeds(Command):
-    """Find the positions of a document's starts that depend on the image, for showing them."""
+    """Find the seeds of a document that depend on the image, for showing them."""
 
     image_generation: int
     document: Document
@@ -168,7 +168,7 @@ class FindSeeds(Command):
     latest_only = True
 
     def execute(self, context: CommandContext) -> None:
-        """Find them."""
+        """Find the seeds."""
         if self.image_generation == context.run.image_generation:
             context.report(SeedsFound(self.image_generation, context.run.seeds_for(self.document)))
 
@@ -179,17 +179,10 @@ class FindSeeds(Command):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Deliver(Command):
-    """Give the contours that are seen, without those that have been rejected, to a file or to the clipboard.
+    """Write the contours that are seen, without the rejected ones, to a file or to the clipboard.
 
-    Attributes
-    ----------
-    task : Task
-        By which it can be given up.
-    shown : Reconstruction or None
-        The contours that the window shows, which count while the run goes on; of a run that is held those of its very
-        last state count, which the window shows as soon as they are made.
-    marks : tuple of Mark
-        What has been said about them.
+    During a run these are the contours `shown` in the window; of a paused run they are those of its last state, which
+    the window shows as soon as they are made.
     """
 
     task: Task
@@ -197,7 +190,7 @@ class Deliver(Command):
     marks: tuple[Mark, ...] = ()
 
     def execute(self, context: CommandContext) -> None:
-        """Deliver them, unless it has been given up."""
+        """Write the contours, unless the task has been cancelled."""
 
         def wanted() -> bool:
             return not (self.task.over or context.closing())
@@ -211,18 +204,18 @@ class Deliver(Command):
             self.task.end()
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
-        """Write them."""
+        """Write the contours."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Export(Deliver):
-    """Write the contours to a file whose suffix tells the format."""
+    """Write the contours to a file; the suffix gives the format."""
 
     path: Path = Path()
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
-        """Write them."""
+        """Write the contours."""
         context.core.export(result, self.path)
         context.report(Exported(self.path))
 
@@ -233,7 +226,7 @@ class Export(Deliver):
 
 @dataclass(frozen=True, slots=True)
 class Copied(Report):
-    """What is to be put on the clipboard, as a file of this suffix would hold it."""
+    """Content for the clipboard, as a file with this suffix would hold it."""
 
     suffix: str
     content: bytes
@@ -241,14 +234,14 @@ class Copied(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Copy(Deliver):
-    """Make the contours ready for the clipboard, as a file of this suffix would hold them."""
+    """Prepare the contours for the clipboard, as a file with this suffix would hold them."""
 
     suffix: str = ""
 
     activity = "copying contours"
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
-        """Make them ready."""
+        """Prepare the contours."""
         context.report(Copied(self.suffix, encoded(result, self.suffix)))
 
 
@@ -261,8 +254,7 @@ class WarmUp(Command):
     def execute(self, context: CommandContext) -> None:
         """Compile or load them."""
         context.core.warm_up(context.closing)
-        # All that is loaded by now stays; looking through it for garbage would hold up the window for frames, even a
-        # single time.
+        # What is loaded by now stays; a search through it for garbage would delay the window by several frames.
         gc.freeze()
         context.report(WarmedUp())
 

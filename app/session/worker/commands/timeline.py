@@ -1,4 +1,4 @@
-"""Commands and reports of the timeline: going to other steps, branches, and what they are compared by."""
+"""Commands and reports of the timeline: moves to other steps, and comparison of branches."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _always() -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Seek(Command):
-    """Hold the run and go to a step of a branch, unless by then another step is wanted."""
+    """Pause the run and go to a step of a branch, unless by then another step is wanted."""
 
     generation: int
     branch: int
@@ -31,25 +31,16 @@ class Seek(Command):
     activity = "going to another step"
 
     def execute(self, context: CommandContext) -> None:
-        """Go there."""
+        """Go to the step."""
         if self.generation == context.run.generation:
             context.run.go_to(self.branch, self.step, lambda: self.wanted() and not context.closing())
 
 
 @dataclass(frozen=True, slots=True)
 class Compare(Command):
-    """Find what a branch is at a step, for showing it beside another one.
+    """Report the state of a branch at a step, or at its last one; `branch` is None to end the comparison.
 
-    Attributes
-    ----------
-    generation : int
-        The run.
-    branch : int or None
-        The branch; None for nothing to compare with any more.
-    step : int
-        The step, or the last one of a branch that is shorter.
-    against : Result or None
-        Contours of what is shown, to tell the difference from; None to leave contours alone, which take longer.
+    Contours, which take longer, are compared only where `against` gives those that are shown.
     """
 
     generation: int
@@ -61,7 +52,7 @@ class Compare(Command):
     activity = "comparing branches"
 
     def execute(self, context: CommandContext) -> None:
-        """Find it."""
+        """Recover the state and compare it."""
         run = context.run
         if self.branch is None or self.generation != run.generation:
             context.report(Compared(self.generation))
@@ -78,22 +69,10 @@ class Compare(Command):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Compared(Report):
-    """Another branch at the step that is shown, or nothing.
+    """Another branch at the step that is shown; `branch` is None for no comparison.
 
-    Attributes
-    ----------
-    generation : int
-        The run.
-    branch : int or None
-        The branch; None for nothing.
-    state : MethodState or None
-        Its state.
-    position : ndarray, shape (N, 2), or None
-        Its particles (row, col) [px of the image].
-    result : Result or Skeleton or None
-        Its contours, where they were asked for.
-    apart : Agreement or None
-        How far they lie from those that are shown.
+    `position`, shape (N, 2), holds its particles (row, col) [px of the image]; `apart` is the distance of its contours
+    from those that are shown.
     """
 
     generation: int
