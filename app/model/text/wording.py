@@ -1,4 +1,4 @@
-"""Two wordings for the parameters: plain words for what a slider does, or the names and symbols of the formulas."""
+"""Two wordings of the parameters: plain words for the effect of a slider, or names and symbols of the formulas."""
 
 from __future__ import annotations
 
@@ -15,21 +15,13 @@ FIRST_WORDING: Wording = "intuitive"
 
 
 def wording_called(name: str) -> Wording:
-    """The wording of this name; the first one when there is none."""
+    """The wording of this name; the first one if there is none."""
     return cast("Wording", name) if name in get_args(Wording) else FIRST_WORDING
 
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """What is said of a control beside what the core says of its parameter.
-
-    Attributes
-    ----------
-    plain : str
-        What it does, in a few words for a label.
-    formula : str
-        Where it stands, as rich text.
-    """
+    """Label of a control in plain words, and its formula as rich text."""
 
     plain: str
     formula: str
@@ -77,6 +69,6 @@ WORDS: Mapping[str, Words] = MappingProxyType(
 
 
 def rich(symbol: str) -> str:
-    """A symbol as rich text: what follows its first ``_`` stands lower."""
+    """A symbol as rich text: what follows its first ``_`` is a subscript."""
     head, _, foot = symbol.partition("_")
     return f"<i>{head}</i><sub>{foot}</sub>" if foot else f"<i>{head}</i>"

@@ -58,7 +58,7 @@ class Live:
         session = self._session
         if before.parameters != after.parameters:
             self._post(RunCall(None, Run.set_parameters, after.parameters))
-        if after.sowable and before.sowing != after.sowing:
+        if after.image_starts and before.seeding_inputs != after.seeding_inputs:
             self._progress.busy("seeding", tr("Looking for places to start from…"))
             self._post(FindSeeds(session.image_generation, after))
         if before.charges != after.charges:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.display.display_image import DisplayImage
+from app.model.display.plots import RunMetrics
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.timeline import Outline
 from cpm_core.contours.result import Result
@@ -23,38 +24,6 @@ from cpm_core.segmentation.method import Method, MethodState
 from cpm_core.shapes.image_starts import ImageSeeds
 
 # Snapshots: the newest wins.
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class RunMetrics:
-    """The run so far, for plots: arrays of equal length, one entry a step, NaN for what a method does not measure.
-
-    Attributes
-    ----------
-    step : ndarray, shape (K,)
-        Number of the step.
-    epsilon : ndarray, shape (K,)
-        Eq. (23) [px of the scale]; NaN while it is not known.
-    count, born, deleted : ndarray, shape (K,)
-        Particles, and how many of them came and went in the step.
-    kinetic, potential : ndarray, shape (K,)
-        Energies of all particles [px^2 / unit of time^2]; the latter is worked out every few steps, in between that of
-        the last time stands for it; NaN before.
-    scale : ndarray, shape (K,)
-        Level of the image pyramid.
-    numbered : ndarray, shape (K,)
-        Identity that the next particle was to have.
-    """
-
-    step: Array
-    epsilon: Array
-    count: Array
-    born: Array
-    deleted: Array
-    kinetic: Array
-    potential: Array
-    scale: Array
-    numbered: Array
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -58,4 +58,4 @@ class PreparedMethods:
         """Seeds of the starts of a document that depend on the image."""
         if self._seed_cache is None:
             return NO_SEEDS
-        return self._seed_cache.seeds_for(document.sowable, document.parameters.smoothing, document.regions)
+        return self._seed_cache.seeds_for(document.image_starts, document.parameters.smoothing, document.regions)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from app.session.exchange.messages import RunMetrics
+from app.model.display.plots import RunMetrics
 from app.session.timeline.run_actions import RunAction, Stepped
 from app.session.timeline.timeline import Outline, Timeline
 from cpm_core.image.regions import Regions

@@ -217,7 +217,7 @@ def test_a_start_everywhere_joins_a_run_with_places_that_are_worked_out_for_it(b
     before = begun.session.status.count
     hand.key(KEY.Key_G, CONTROL)
     hand.wait(lambda: begun.session.status.count > before + 20)
-    assert begun.session.document.sowable == (Everywhere("grid"),)
+    assert begun.session.document.image_starts == (Everywhere("grid"),)
     assert not begun.session.status.stale
 
 

@@ -69,7 +69,7 @@ def test_limits_alone_are_nothing_to_start_from() -> None:
 def test_starting_everywhere_twice_over_is_starting_nowhere(drawn: list[Shape], kind) -> None:
     before = Document(shapes=tuple(drawn))
     once = edits.toggle_everywhere(before, kind)
-    assert once.sowable == (Everywhere(kind),)
+    assert once.image_starts == (Everywhere(kind),)
     assert edits.toggle_everywhere(once, kind) == before
 
 

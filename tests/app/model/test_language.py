@@ -32,7 +32,7 @@ NAMING = {"edit"}
 WORDS = {"text", "tip", "title", "short", "about", "hint", "label", "note"}
 """Arguments that a person reads, of whatever is called."""
 
-NOT_READ = {"opening", "preparing", "sowing"}
+NOT_READ = {"opening", "preparing", "seeding"}
 """Literals that are names in code."""
 
 

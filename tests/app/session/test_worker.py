@@ -344,9 +344,9 @@ def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(ben
         bench.worker_thread.post(FindSeeds(1, document))
     engine_is_busy.set()
     bench.settle()
-    (sowing,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
-    assert sowing.generation == 1
-    np.testing.assert_array_equal(sowing.image_seeds[Everywhere("grid")], uniform_grid((64, 64)))
+    (found,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
+    assert found.generation == 1
+    np.testing.assert_array_equal(found.image_seeds[Everywhere("grid")], uniform_grid((64, 64)))
 
 
 def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_run_starts(bench: Bench) -> None:
@@ -356,10 +356,10 @@ def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_r
     bench.worker_thread.post(FindSeeds(1, document))
     bench.worker_thread.post(Start(2, 1, document))
     bench.settle()
-    (sowing,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
+    (found,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
     grid = uniform_grid((64, 64))
     inside = (grid[:, 0] > 10) & (grid[:, 0] < 30) & (grid[:, 1] > 10) & (grid[:, 1] < 40)
-    np.testing.assert_array_equal(sowing.image_seeds[Everywhere("grid")], grid[inside])
+    np.testing.assert_array_equal(found.image_seeds[Everywhere("grid")], grid[inside])
     np.testing.assert_array_equal(bench.engines[-1].seeds, grid[inside])
 
 
