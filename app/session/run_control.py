@@ -166,11 +166,11 @@ class RunControl(Editing):
         self._numbered += 1
         return self._numbered
 
-    def _follow(self, before: Document, after: Document, settled: bool) -> None:
-        self.live.follow(before, after, settled)
+    def _follow(self, before: Document, after: Document, complete: bool) -> None:
+        self.live.follow(before, after, complete)
 
-    def _settle(self) -> None:
-        self.live.settle()
+    def _end_gesture(self) -> None:
+        self.live.end_gesture()
 
     def _wake(self) -> None:
         if not self._timer.isActive():

@@ -53,15 +53,15 @@ def force(state: MethodState, _: InsertionTimes) -> Array:
 
 def age(state: MethodState, inserted: InsertionTimes) -> Array:
     """Steps since insertion, or since the start of the scale for its first particles; NaN where it is not recorded."""
-    born = np.searchsorted(inserted.numbered, state.particles.identity, side="right")
-    known = born < len(inserted.step)
+    first = np.searchsorted(inserted.numbered, state.particles.identity, side="right")
+    known = first < len(inserted.step)
     steps = np.full(state.count, np.nan)
-    steps[known] = state.step - inserted.step[born[known]]
+    steps[known] = state.step - inserted.step[first[known]]
     return steps
 
 
 def convergence(state: MethodState, _: InsertionTimes) -> Array:
-    """Contribution of each particle to ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
+    """Share of each particle in ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
     distance = state.particles.distance
     signs = np.where(np.arange(distance.shape[1]) % 2, 1.0, -1.0)
     return np.asarray(np.abs(distance @ signs))
@@ -91,7 +91,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
     {
         "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
         "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
-        "age": Quantity(tr("Age"), tr("Steps since each particle was born, or since its scale began."), age),
+        "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),
         "convergence": Quantity(
             tr("Convergence"),
             tr("What each particle adds to ε of eq. (23); the run rests when their mean is small."),

@@ -107,7 +107,7 @@ def read_values(control: Control, text: str) -> tuple[float, ...]:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            message = tr("{title}: “{word}” is no number; write numbers such as 0.4, 0.6, 0.8.")
+            message = tr("{title}: “{word}” is not a number; write numbers such as 0.4, 0.6, 0.8.")
             raise ValueError(message.format(title=control.title, word=word)) from None
         values.add(value)
     if not FEWEST <= len(values) <= MOST:

@@ -108,7 +108,7 @@ class Control:
 _ACTS = {
     "contours": tr("Acts at once, on particles at rest too."),
     "nothing": tr("Acts at the next step."),
-    "field": tr("Acts at the next step, with edge map and field built anew."),
+    "field": tr("Acts at the next step, with a new edge map and field."),
     "run": tr("Acts from the next start on."),
 }
 

@@ -88,13 +88,13 @@ def read(content: bytes, source: str) -> Preset:
     kept = _opened(content, source)
     version = kept.get("version")
     if not isinstance(version, int) or version < 1:
-        raise ValueError(tr("{file} does not say its version: it is damaged.").format(file=source))
+        raise ValueError(tr("{file} does not give its version: it is damaged.").format(file=source))
     if version > _VERSION:
         message = tr("{file} has version {version} but this program reads up to {most}: a newer CPM opens it.")
         raise ValueError(message.format(file=source, version=version, most=_VERSION))
     name, about, picture = (kept.get(field, "") for field in ("name", "about", "picture"))
     if not (isinstance(name, str) and isinstance(about, str) and isinstance(picture, str)):
-        raise ValueError(tr("{file} is damaged: its name or picture is no text.").format(file=source))
+        raise ValueError(tr("{file} is damaged: its name or picture is not text.").format(file=source))
     try:
         drawn = base64.b64decode(picture, validate=True)
     except (binascii.Error, ValueError):
@@ -111,7 +111,9 @@ def _opened(content: bytes, source: str) -> Mapping[str, Any]:
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError):
         kept = None
     if not isinstance(kept, dict) or kept.get("format") != _FORMAT:
-        raise ValueError(tr("{file} is no preset of CPM: choose a file that was exported as one.").format(file=source))
+        raise ValueError(
+            tr("{file} is not a preset of CPM: choose a file that was exported as one.").format(file=source)
+        )
     return kept
 
 

@@ -69,7 +69,7 @@ def _run_text(document: Document, status: RunStatus) -> str:
         return tr("Pause")
     if (status.phase == "paused" or status.steered) and not status.stale:
         return tr("Resume")
-    return tr("Run anew") if status.started else tr("Run")
+    return tr("Run again") if status.started else tr("Run")
 
 
 def _state(situation: Situation) -> str:
@@ -115,7 +115,7 @@ def _hint_on_run(status: RunStatus) -> str:
     if status.stale:
         if status.phase == "running":
             return tr("A start or the scales have changed: Reset (R) to begin from them.")
-        return tr("A start or the scales have changed: Run starts anew from them.")
+        return tr("A start or the scales have changed: Run starts again from them.")
     if status.steered:
         return tr("The parameters have changed: Resume (Space) goes on with them, Reset (R) starts over.")
     return ""

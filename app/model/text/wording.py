@@ -47,11 +47,11 @@ WORDS: Mapping[str, Words] = MappingProxyType(
         "d_max": Words(tr("Gaps that are filled"), tr("a new one where {law}").format(
             law="<i>d</i><sub>min</sub> &lt; <i>d</i> ≤ <i>d</i><sub>min</sub> + <i>d</i><sub>max</sub>")),
         "smoothing": Words(tr("Blur beforehand"), "<i>f</i> = |∇(<i>G</i><sub>σ</sub> ∗ <i>I</i>)|"),
-        "scales": Words(tr("Coarse looks first"), "<i>I</i><sub>s+1</sub> = <i>I</i><sub>s</sub> ↓ 2, &nbsp;"
+        "scales": Words(tr("Coarse scales first"), "<i>I</i><sub>s+1</sub> = <i>I</i><sub>s</sub> ↓ 2, &nbsp;"
                         "<i>s</i> = <i>S</i> − 1, …, 0"),
         "edge_floor": Words(tr("Ignore faint edges"), tr("charge {charge} only where {law}").format(
             charge="−<i>f</i>", law="<i>f</i> ≥ <i>f</i><sub>min</sub> · max <i>f</i>")),
-        "max_border": Words(tr("Ignore a frame"), tr("a rim no wider than {law}").format(
+        "max_border": Words(tr("Ignore a border"), tr("a border no wider than {law}").format(
             law="<i>m</i><sub>max</sub> · min(<i>H</i>, <i>W</i>)")),
         "max_gap": Words(tr("Bridge gaps"), tr("loose ends joined where {law}").format(
             law="|<i>r</i>₁ − <i>r</i>₂| ≤ <i>g</i><sub>max</sub>")),

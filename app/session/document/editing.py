@@ -62,12 +62,12 @@ class Editing(SessionSignals):
             return
         if after != before:
             self._history.push(Change(name, before, after, gesture))
-            self._use(after, settled=not gesture)
+            self._use(after, complete=not gesture)
 
     def seal(self) -> None:
         """End a gesture: the next edit is undone separately."""
         self._history.seal()
-        self._settle()
+        self._end_gesture()
 
     def undo(self) -> None:
         """Take back the last edit."""
@@ -107,13 +107,13 @@ class Editing(SessionSignals):
         self._scene = replace(self.scene, selected=None)
         self._use(document)
 
-    def _follow(self, before: Document, after: Document, settled: bool) -> None:
-        """The document has changed; unless `settled`, the gesture that changes it continues."""
+    def _follow(self, before: Document, after: Document, complete: bool) -> None:
+        """The document has changed; unless `complete`, the gesture that changes it continues."""
 
-    def _settle(self) -> None:
+    def _end_gesture(self) -> None:
         """A gesture has ended."""
 
-    def _use(self, document: Document | None, settled: bool = True) -> None:
+    def _use(self, document: Document | None, complete: bool = True) -> None:
         before, scene = self.document, self.scene
         if document is None or document == before:
             return
@@ -124,7 +124,7 @@ class Editing(SessionSignals):
         if document.marks != before.marks:
             contours = ReviewedContours.of(contours.tracked, document.marks)
         self._scene = replace(scene, document=document, selected=selected, contours=contours)
-        self._follow(before, document, settled)
+        self._follow(before, document, complete)
         self.scene_changed.emit()
         self.document_changed.emit(document)
         self.show_status()

@@ -31,14 +31,14 @@ class Live:
         self._post = post
         self._late: tuple[object, ...] = ()
         self._executed: Counter[Hashable] = Counter()
-        self._settled: Counter[Hashable] = Counter()
+        self._drawn: Counter[Hashable] = Counter()
         self._last_shapes: tuple[Shape, ...] | None = None
         self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable], bool] = (None, self._executed, False)
 
     def begin(self, document: Document) -> None:
         """A run starts from a document."""
         self._late = document.late
-        self._executed = self._settled = document.sources
+        self._executed = self._drawn = document.sources
         self._last_shapes = document.shapes
 
     def outdated(self, document: Document) -> bool:
@@ -53,8 +53,8 @@ class Live:
             self._outdated = (document.shapes, self._executed, lost)
         return lost or document.late != self._late
 
-    def follow(self, before: Document, after: Document, settled: bool) -> None:
-        """The document has changed; unless `settled`, the gesture that changes it continues."""
+    def follow(self, before: Document, after: Document, complete: bool) -> None:
+        """The document has changed; unless `complete`, the gesture that changes it continues."""
         session = self._session
         if before.parameters != after.parameters:
             self._post(RunCall(None, Run.set_parameters, after.parameters))
@@ -67,18 +67,18 @@ class Live:
             return
         if before.regions != after.regions:
             self._post(RunCall(session.generation, Run.limit, after.regions))
-        if settled:
-            self.settle()
+        if complete:
+            self.end_gesture()
 
-    def settle(self) -> None:
+    def end_gesture(self) -> None:
         """A gesture has ended: the starts that it has added join the run."""
         document = self._session.document
         if document.shapes is self._last_shapes:
             return  # most often only parameters changed, and many points take a while to compare
         self._last_shapes = document.shapes
         drawn = document.sources
-        lost, gained = self._settled - drawn, drawn - self._settled
-        self._settled = drawn
+        lost, gained = self._drawn - drawn, drawn - self._drawn
+        self._drawn = drawn
         if not self._progress.status.started or lost.total() == gained.total():
             return  # no change, or a start that was moved or reshaped
         new = (drawn - self._executed) & gained

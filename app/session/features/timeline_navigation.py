@@ -38,7 +38,7 @@ class TimelineNavigation(QObject):
         self._outline = NOTHING
         self._here = (0, 0)
         self._count = 0
-        self._asked: tuple[int, int] | None = None
+        self._target: tuple[int, int] | None = None
         self._snapshot: Snapshot | None = None
         self.comparison = BranchComparison(session)
         self.comparison.changed.connect(self.changed)
@@ -61,7 +61,7 @@ class TimelineNavigation(QObject):
     @property
     def place(self) -> tuple[int, int]:
         """Branch and step of the run, or those that it has been sent to."""
-        return self._asked or self._here
+        return self._target or self._here
 
     @property
     def first(self) -> int:
@@ -132,7 +132,7 @@ class TimelineNavigation(QObject):
             return
         command = RunCall(self._session.generation, Run.drop_branch, branch)
         if branch == self.place[0]:
-            self._asked = None
+            self._target = None
             self._session.hold(command)
             self._stay.start()
         else:
@@ -163,8 +163,8 @@ class TimelineNavigation(QObject):
         step = min(max(step, self.first), self.last(branch))
         if (branch, step) == self.place and self._session.status.phase != "running":
             return
-        asked = self._asked = (branch, step)
-        seek = Seek(self._session.generation, branch, step, wanted=lambda: self._asked in (None, asked))
+        target = self._target = (branch, step)
+        seek = Seek(self._session.generation, branch, step, wanted=lambda: self._target in (None, target))
         self._session.hold(seek)
         self._stay.start()
         self.changed.emit()
@@ -174,7 +174,7 @@ class TimelineNavigation(QObject):
         if step >= self.last(branch) or self._session.status.phase == "running":
             self._play.stop()
             self.changed.emit()
-        elif self._asked is None:  # one step after the other, as fast as they are recovered
+        elif self._target is None:  # one step after the other, as fast as they are recovered
             self._go(branch, step + 1)
 
     def _follow(self) -> None:
@@ -184,17 +184,17 @@ class TimelineNavigation(QObject):
         self._snapshot = snapshot
         if snapshot is None:
             self._play.stop()
-            self._outline, self._here, self._asked = NOTHING, (0, 0), None
+            self._outline, self._here, self._target = NOTHING, (0, 0), None
         else:
             self._outline, self._here = snapshot.timeline, (snapshot.timeline.branch, snapshot.state.step)
             self._count = snapshot.state.count
-            if self._here == self._asked:
-                self._asked = None
+            if self._here == self._target:
+                self._target = None
         self.changed.emit()
 
     def _follow_phase(self) -> None:
-        if self._session.status.phase == "running" and (self._asked is not None or self.playing):
-            self._asked = None
+        if self._session.status.phase == "running" and (self._target is not None or self.playing):
+            self._target = None
             self._play.stop()
             self.changed.emit()
 
@@ -204,4 +204,4 @@ class TimelineNavigation(QObject):
 
     def _give_up_going(self, _: CommandFailed) -> None:
         """The failed command may have been the one that goes to another step."""
-        self._asked = None
+        self._target = None

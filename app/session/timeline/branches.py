@@ -179,7 +179,7 @@ class Lineage(Generic[RunAction]):
 
     def _scale(self, node: BranchNode[RunAction], step: int) -> int:
         """Scale of a step of a branch, as far as it is recorded."""
-        for begun, scale in reversed(node.scales):
-            if begun <= step:
+        for first, scale in reversed(node.scales):
+            if first <= step:
                 return scale
         return self._scale(self.parent(node), min(step, node.first))

@@ -194,7 +194,7 @@ def test_what_is_taken_back_after_it_has_joined_makes_the_run_out_of_date_until_
     hand.wait(lambda: session.idle)
     assert session.status.stale
     assert session.status.count == count
-    assert "Run starts anew" in begun.canvas_area.hint.text()
+    assert "Run starts again" in begun.canvas_area.hint.text()
     hand.key(KEY.Key_Y, CONTROL)
     hand.wait(lambda: session.idle)
     assert not session.status.stale

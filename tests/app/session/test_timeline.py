@@ -50,7 +50,7 @@ def same(one: State, other: State) -> bool:
 
 
 class TimelineMachine(RuleBasedStateMachine):
-    """Anything may be done in any order; a plain book of all states tells what must come of it."""
+    """Operations in any order give the states of a simple model that keeps all states."""
 
     @initialize(budget=st.sampled_from([1, 3_000, 12_000, AMPLE]))
     def begin(self, budget: int) -> None:
@@ -170,7 +170,7 @@ def test_going_on_by_the_same_actions_repeats_the_branch_and_by_others_begins_on
     assert timeline.here == (kept.identity, 6)
 
 
-def test_a_seek_that_nobody_wants_any_more_changes_nothing() -> None:
+def test_a_seek_that_is_no_longer_wanted_changes_nothing() -> None:
     timeline, _ = recorded(30, budget=1)
     here = timeline.here
     assert timeline.go(here[0], 20, wanted=lambda: False) is None
@@ -214,7 +214,7 @@ def test_scales_are_marked_where_they_begin_and_once() -> None:
     assert timeline.branches[0].scales == ((0, 1), (7, 0))
 
 
-def test_the_only_branch_cannot_be_dropped_and_unknown_ones_are_told_of() -> None:
+def test_the_only_branch_cannot_be_dropped_and_unknown_ones_are_reported() -> None:
     timeline, _ = recorded(3)
     with pytest.raises(ValueError, match="only branch"):
         timeline.drop(1)

@@ -1,4 +1,4 @@
-"""The worker obeys commands in order and loses none; of snapshots the newest wins; no window is needed for it."""
+"""The worker executes all commands in order; of snapshots the newest wins; no window is needed."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class FakeEngine:
         return following
 
     steering = staticmethod(lambda parameters: parameters.steering)
-    edge_map = field = potential = joined = erased = forces = lambda *_: None  # nothing here asks for them
+    edge_map = field = potential = joined = erased = forces = lambda *_: None  # not used here
 
     def suits(self, parameters: Parameters) -> bool:
         return parameters.scales == self.scales
@@ -181,7 +181,7 @@ class Bench:
         self.take()
 
     def run_to_the_end(self, last_step: int) -> tuple[FakeEngine, Snapshot | None]:
-        """Open, start as run 2 and let it go until it stops by itself; return the newest snapshot too."""
+        """Open, start as run 2 and run to the end; return the newest snapshot too."""
         engine = self.open()
         engine.last_step = last_step
         self.worker_thread.post(Start(2, 1, DOCUMENT))
@@ -223,7 +223,7 @@ def test_commands_are_obeyed_in_order_and_none_is_lost(bench: Bench) -> None:
         bench.worker_thread.post(RunCall(None, Run.halt))
         bench.worker_thread.post(RunCall(2, Run.go, 1))
     snapshot = bench.settle()
-    # Halt may come before or after the step that was asked for, but later parameters never act on earlier steps.
+    # Halt may be executed before or after the step, but later parameters never act on earlier steps.
     assert snapshot is not None
     seen = engine.states[-1].betas
     assert list(seen) == sorted(seen)
@@ -513,7 +513,7 @@ def test_the_export_of_a_held_run_waits_for_the_contours_of_its_last_state(bench
     assert bench.written == [bench.shown.result]
 
 
-def test_the_export_of_a_run_under_way_writes_what_was_shown_when_it_was_asked_for(bench: Bench) -> None:
+def test_the_export_during_a_run_writes_the_contours_shown_at_its_request(bench: Bench) -> None:
     engine = bench.open()
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
     bench.worker_thread.post(RunCall(2, Run.go))
@@ -538,7 +538,7 @@ def test_before_there_are_contours_an_export_is_refused_in_words(bench: Bench) -
     assert bench.written == []
 
 
-def test_no_forces_are_told_of_a_particle_that_a_new_region_takes_away(bench: Bench) -> None:
+def test_no_forces_are_reported_of_a_particle_that_a_new_region_deletes(bench: Bench) -> None:
     image = Image(disc())
     engine = Engine(image, Parameters(scales=1))
     bench.worker_thread.post(RunCall(None, Run.use, 1, engine, Parameters(scales=1)))
