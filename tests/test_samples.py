@@ -60,7 +60,9 @@ def run(file):
     sample = sample_called(file)
     image = cpm.load_image(sample.path)
     document = Document(shapes=sample.shapes, parameters=sample.parameters)
-    seeds = document.seeds(SeedCache(image).seeds_for(document.sowable, sample.parameters.smoothing, document.regions))
+    seeds = document.seeds(
+        SeedCache(image).seeds_for(document.image_starts, sample.parameters.smoothing, document.regions)
+    )
     assert np.all((seeds >= 0) & (seeds <= np.array(image.shape) - 1))
     return cpm.segment(image, seeds, sample.parameters)
 

@@ -1,1 +1,1 @@
-"""What happens: the one door for edits and runs, undo, and the worker thread; no widgets."""
+"""The session: editing, undo, the run, and the worker thread; no widgets."""

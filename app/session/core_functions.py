@@ -1,4 +1,4 @@
-"""What the session needs of the core, gathered in one place."""
+"""The functions of the core that the worker thread calls, in one place."""
 
 from __future__ import annotations
 
@@ -21,16 +21,8 @@ from cpm_core.segmentation.warm_up import warm_up
 class Core:
     """The core's functions that run on the worker thread.
 
-    Attributes
-    ----------
-    load_image : callable
-        Path to image.
-    methods : mapping
-        For every name what makes a method of image, parameters and regions.
-    export : callable
-        Writes a result to a path.
-    warm_up : callable
-        Compiles or loads the kernels, unless what it is given says that nobody wants them any more.
+    `methods` makes a method of an image, parameters and regions; `export` writes a result to a path; `warm_up` compiles
+    or loads the kernels until its argument returns True.
     """
 
     load_image: Callable[[Path], Image] = load_image

@@ -1,4 +1,4 @@
-"""The run of a document: started, held and steered by commands to the worker, and shown in every frame."""
+"""The run of a document: started, paused and changed by commands to the worker, and shown in every display frame."""
 
 from __future__ import annotations
 
@@ -18,31 +18,17 @@ from app.session.document.live_edits import Live
 from app.session.exchange.pacing import Pacer
 from app.session.tasks.tasks import Tasks
 from app.session.updates import Progress
-from app.session.worker.commands.run import Command, Discard, Go, Halt, SetOverlays, SetPace, Start
+from app.session.worker.commands.run import Command, RunCall, Start
+from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.segmentation.method import METHODS
 
 FRAME = 16
-"""Time between looks at what the worker has sent up [ms]."""
+"""Time between two display frames, in each of which reports of the worker are taken [ms]."""
 
 
 class RunControl(Editing):
-    """Drives the run of the document on the worker thread.
-
-    Parameters
-    ----------
-    core : Core
-        The core's functions.
-    parent : QObject
-        Owner.
-
-    Attributes
-    ----------
-    tasks : Tasks
-        What goes on beside the run.
-    live : Live
-        What edits of the document do to the run.
-    """
+    """Controls the run of the document on the worker thread, and the tasks beside it."""
 
     def __init__(self, core: Core, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -60,11 +46,11 @@ class RunControl(Editing):
         self._timer.timeout.connect(self._frame)
         self.set_pace(PACES[FIRST_PACE])
 
-    # Looking
+    # State
 
     @property
     def status(self) -> RunStatus:
-        """How the run stands."""
+        """State of the run."""
         status = self._progress.status
         document, method = self.document, METHODS[status.method]
         other = status.method != MODES[document.mode].method
@@ -74,7 +60,7 @@ class RunControl(Editing):
 
     @property
     def situation(self) -> Situation:
-        """All that decides what the window shows and enables."""
+        """Everything that decides what the window shows and enables."""
         return Situation(self.document, self.status, self.undo_name, self.redo_name, self.selected)
 
     @property
@@ -84,29 +70,29 @@ class RunControl(Editing):
 
     @property
     def frames_per_second(self) -> float:
-        """How often, measured, the newest particles are looked for and drawn."""
+        """Measured rate of display frames."""
         return self._frames.per_second
 
     @property
     def idle(self) -> bool:
-        """Whether nothing is going on and everything that was sent up has been shown."""
+        """Whether no work is going on and every report has been shown."""
         return self._worker_thread.idle and self.tasks.idle
 
     # Running
 
     def run(self) -> None:
-        """Go on, or start anew when the drawing has changed or the run is over and no parameter has changed since."""
+        """Continue, or restart when the shapes have changed or the run is over and no parameter has changed since."""
         if not self._ready():
             return
         if self.status.phase != "running":
             self._start_if_needed()
             self._progress.phase("running")
-            self.post(Go(self._generation))
+            self.post(RunCall(self._generation, Run.go))
 
     def pause(self) -> None:
-        """Stop after the step that is being taken."""
+        """Stop after the current step."""
         if self.status.phase == "running":
-            self.hold(Halt())
+            self.hold(RunCall(None, Run.halt))
 
     def toggle(self) -> None:
         """Pause when running, otherwise run."""
@@ -116,36 +102,36 @@ class RunControl(Editing):
             self.run()
 
     def step(self) -> None:
-        """Take one step, starting when nothing has been started."""
+        """Take one step; start a run first if there is none."""
         if can_step(self.situation) and self._ready():
             self._start_if_needed()
-            self.hold(Go(self._generation, steps=1))
+            self.hold(RunCall(self._generation, Run.go, 1))
 
     def reset(self) -> None:
-        """Forget the particles and go back to the drawing."""
+        """Discard the particles and go back to the initialization."""
         if self.status.started:
             self._generation = self._next_generation()
             self._progress.forget()
-            self.post(Discard(self._generation))
+            self.post(RunCall(None, Run.discard, self._generation))
 
     def hold(self, command: Command) -> None:
-        """Hold a run that has been begun, by a command after which it stands at some step."""
+        """Pause the run by a command after which it stays at some step."""
         self._progress.phase("paused")
         self.post(command)
 
     def set_pace(self, steps_per_second: float | None) -> None:
-        """Limit the speed; None for none."""
-        self.post(SetPace(steps_per_second))
+        """Limit the steps per second; None for no limit."""
+        self.post(RunCall(None, Run.set_pace, steps_per_second))
 
     def want_overlay(self, name: str, wanted: bool) -> None:
-        """Say whether an overlay is to be kept up to date; see `app.session.worker.overlays`."""
+        """Choose whether an overlay is kept up to date; see `app.session.worker.overlays`."""
         before = self._overlays
         self._overlays = before | {name} if wanted else before - {name}
         if self._overlays != before:
             shown = {kept: array for kept, array in self.scene.overlays.items() if kept in self._overlays}
             if len(shown) < len(self.scene.overlays):
                 self.show(replace(self.scene, overlays=shown))
-            self.post(SetOverlays(self._overlays))
+            self.post(RunCall(None, Run.set_overlays, self._overlays))
 
     def post(self, command: Command) -> None:
         """Send a command to the worker."""
@@ -157,8 +143,6 @@ class RunControl(Editing):
         self._timer.stop()
         self.tasks.close()
         self._worker_thread.close()
-
-    # Inside
 
     def _ready(self) -> bool:
         if self.document.image is None:
@@ -182,11 +166,11 @@ class RunControl(Editing):
         self._numbered += 1
         return self._numbered
 
-    def _follow(self, before: Document, after: Document, settled: bool) -> None:
-        self.live.follow(before, after, settled)
+    def _follow(self, before: Document, after: Document, complete: bool) -> None:
+        self.live.follow(before, after, complete)
 
-    def _settle(self) -> None:
-        self.live.settle()
+    def _end_gesture(self) -> None:
+        self.live.end_gesture()
 
     def _wake(self) -> None:
         if not self._timer.isActive():

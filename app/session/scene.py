@@ -1,7 +1,7 @@
-"""The scene: all that the canvas shows, one frozen value that the session replaces as a whole.
+"""The scene: everything that the canvas shows, one frozen value that the session replaces as a whole.
 
 A view keeps the scene that it has drawn last and draws what is another object in the next one. Another canvas, such as
-that of a film, draws another scene: ``dataclasses.replace(session.scene, snapshot=...)``.
+that of an animation, draws another scene: ``dataclasses.replace(session.scene, snapshot=...)``.
 """
 
 from __future__ import annotations
@@ -33,17 +33,7 @@ from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Item:
-    """A contour as table and canvas show it.
-
-    Attributes
-    ----------
-    key : int
-        Its own number through all reconstructions.
-    reviewed : ReviewedContour
-        The contour and what has been said about it.
-    measures : Measures
-        What is known about it.
-    """
+    """A contour as table and canvas show it; its key stays the same through all reconstructions."""
 
     key: int
     reviewed: ReviewedContour
@@ -62,15 +52,7 @@ class Item:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ReviewedContours:
-    """The contours of a reconstruction with what has been said about them.
-
-    Attributes
-    ----------
-    items : tuple of Item
-        The contours, longest first.
-    tracked : TrackedContours or None
-        The reconstruction; None while there is none.
-    """
+    """The contours of a reconstruction, longest first, with their marks; `tracked` is None while there is none."""
 
     items: tuple[Item, ...] = ()
     tracked: TrackedContours | None = None
@@ -85,7 +67,7 @@ class ReviewedContours:
 
     @property
     def result(self) -> Result | None:
-        """The reconstruction, with all that has been found."""
+        """The reconstruction, with rejected contours too."""
         return self.tracked.result if self.tracked is not None else None
 
 
@@ -101,37 +83,37 @@ class Scene:
     image : Image or None
         The image; None while none is open.
     display : ndarray or None
-        How it looks with all its gray values.
+        The image with its full range of gray values.
     window_found : WindowFound or None
-        The range of gray values that was asked for last.
+        The last requested range of gray values.
     shaded : Shaded or None
-        How the image looks in the window of gray values that was asked for last.
+        The image in the last requested intensity window.
     document : Document
-        What has been drawn, and the parameters.
+        Shapes, parameters and marks.
     selected : int or None
         Index of the selected shape.
     image_seeds : mapping of start to ndarray
-        Positions from which particles start all over the image.
+        Seeds of the starts that depend on the image.
     snapshot : Snapshot or None
         The particles; None while there is no run.
     reconstruction : Reconstruction or None
-        What the run has found, by whatever method; what an export holds.
+        Result of the run, by any method; this is what is exported.
     contours : ReviewedContours
-        The contours that particles have found, and what has been said about them.
+        The contours with their marks.
     selected_contours : frozenset of int
-        Keys of those selected.
+        Keys of the selected contours.
     hovered_contour : int or None
-        Key of the one under the pointer.
+        Key of the contour under the pointer.
     overlays : mapping of str to ndarray
-        What was asked for of what lies over the image, by name; see `app.session.worker.overlays`.
+        The requested overlays by name; see `app.session.worker.overlays`.
     probed : Probed or None
         Forces on a particle.
     compared : Compared or None
         Another branch of the timeline at the same step.
     truth : Truth or None
-        What the contours are compared with.
+        Ground truth.
     differences : tuple of Difference
-        Where they differ from it.
+        Where the contours differ from it.
     """
 
     image: Image | None = None
@@ -154,7 +136,7 @@ class Scene:
 
     @property
     def skeleton(self) -> Skeleton | None:
-        """The skeleton that the run has found, as long as the mode is that."""
+        """The skeleton that the run has found, in the mode of skeletons."""
         if self.reconstruction is None or self.document.mode != "skeleton":
             return None
         found = self.reconstruction.result
@@ -162,5 +144,5 @@ class Scene:
 
     @property
     def moved(self) -> bool:
-        """Whether particles have been seen: those of the very first run may have to wait for loops to be compiled."""
+        """Whether particles are shown; before the very first run the kernels may have to be compiled."""
         return self.snapshot is not None and (self.snapshot.state.step > 0 or len(self.snapshot.position) > 0)

@@ -18,19 +18,12 @@ from app.session.exchange.messages import NotOpened, Opened
 from app.session.run_control import RunControl
 from app.session.scene import Scene
 from app.session.tasks.opening import Opener, Wanted
-from app.session.worker.commands.run import Adopt, Copy, Export, SetParameters, WarmUp
+from app.session.worker.commands.run import Copy, Export, RunCall, WarmUp
+from app.session.worker.run import Run
 
 
 class Session(RunControl):
-    """Document, history and run, and the files that they come from and go to.
-
-    Parameters
-    ----------
-    core : Core
-        The core's functions; the real ones unless given.
-    parent : QObject
-        Owner.
-    """
+    """Document, history and run, and the files that they are read from and written to."""
 
     def __init__(self, core: Core | None = None, parent: QObject | None = None) -> None:
         core = core or Core()
@@ -41,19 +34,14 @@ class Session(RunControl):
 
     @property
     def status(self) -> RunStatus:
-        """How the run stands."""
+        """State of the run."""
         status = super().status
         return replace(status, busy=self._opener.opening or status.busy)
 
     def open(self, path: str | Path, otherwise: Path | None = None) -> None:
-        """Open an image or a session; what is open stays until the other one is known to be usable.
+        """Open an image or a session file, and `otherwise` when that file cannot be used.
 
-        Parameters
-        ----------
-        path : str or Path
-            File of the image, or of a session.
-        otherwise : Path, optional
-            File to open when that one turns out to be unusable.
+        What is open stays until the new image is known to be usable.
         """
         path = Path(path)
         sample = sample_at(path)
@@ -64,13 +52,13 @@ class Session(RunControl):
         self._opener.open(wanted)
 
     def export(self, path: str | Path) -> None:
-        """Write the contours that are shown; the suffix tells the format."""
+        """Write the contours that are shown; the suffix gives the format."""
         path = Path(path)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
         self.post(Export(task, self.scene.reconstruction, self.document.marks, path))
 
     def copy_contours(self, suffix: str) -> None:
-        """Make the contours that are shown ready for the clipboard, as a file of this suffix would hold them."""
+        """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""
         task = self.tasks.begin(tr("Copying contours…"))
         self.post(Copy(task, self.scene.reconstruction, self.document.marks, suffix))
 
@@ -80,19 +68,19 @@ class Session(RunControl):
         self._opener.afterwards(lambda: self.post(WarmUp()))
 
     def _accept(self, opened: Opened) -> None:
-        """Take over an image that has been opened."""
+        """Use an image that has been opened."""
         self._generation = self._image_generation = self._next_generation()
-        self.post(Adopt(self._generation, opened))
+        self.post(RunCall(None, Run.use, self._generation, opened.method, opened.parameters))
         self.show(Scene(opened.image, opened.shades, document=self.document, selected=self.selected))
         self.image_changed.emit()
         self._progress.forget()
         self.begin_document(_document(opened, self.document.mode))
-        self.post(SetParameters(opened.parameters))
+        self.post(RunCall(None, Run.set_parameters, opened.parameters))
         if opened.notes:
             self.say(" ".join(opened.notes))
 
     def _keep_or_open_otherwise(self, refused: NotOpened) -> None:
-        """Everything is as before, unless there is another file to open."""
+        """Keep what is open, unless there is another file to open."""
         self.say(refused.sentence, True)
         if refused.otherwise is not None:
             self.open(refused.otherwise)

@@ -1,4 +1,4 @@
-"""What a session says to those who follow it: signals that something has changed, and reports by their kind."""
+"""Signals and reports by which views follow a session."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ R = TypeVar("R", bound=Report)
 
 
 class SessionSignals(QObject):
-    """The scene, the signals that views follow, and the reports that concern single features."""
+    """The scene, the signals that views follow, and the reports for single features."""
 
     scene_changed = Signal()
-    """`scene` is another one."""
+    """The scene has been replaced."""
     image_changed = Signal()
-    """`image` is another one."""
+    """Another image has been opened."""
     document_changed = Signal(object)
-    """The document is another one: Document."""
+    """The document has been replaced: Document."""
     status_changed = Signal()
-    """What `resolved` says may have changed."""
+    """`resolved` may have changed."""
     said = Signal(str, bool)
-    """A sentence for the user, and whether it tells of trouble."""
+    """A sentence for the user, and whether it is an error message."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -37,12 +37,12 @@ class SessionSignals(QObject):
 
     @property
     def scene(self) -> Scene:
-        """What is shown."""
+        """The scene that is shown."""
         return self._scene
 
     @property
     def generation(self) -> int:
-        """Number of the current run; what belongs to another is not shown."""
+        """Number of the current run; snapshots and reports of other runs are not shown."""
         return self._generation
 
     @property
@@ -61,22 +61,22 @@ class SessionSignals(QObject):
         self.scene_changed.emit()
 
     def show_status(self) -> None:
-        """Say that what is resolved may have changed."""
+        """Announce that `resolved` may have changed."""
         self.status_changed.emit()
 
     def listen(self, kind: type[R], take: Callable[[R], None]) -> None:
-        """Pass all reports of one kind to `take` from now on."""
+        """Call `take` with all reports of one kind from now on."""
         self._listeners.setdefault(kind, []).append(take)
 
     def stop_listening(self, kind: type[R], take: Callable[[R], None]) -> None:
-        """Pass them on no longer."""
+        """Call `take` no longer."""
         self._listeners[kind].remove(take)
 
     def pass_on(self, report: Report) -> None:
-        """Pass a report to those who listen to its kind."""
+        """Pass a report to the listeners of its kind."""
         for take in tuple(self._listeners.get(type(report), ())):
             take(report)
 
     def say(self, sentence: str, trouble: bool = False) -> None:
-        """Tell the user one sentence."""
+        """Show one sentence to the user."""
         self.said.emit(sentence, trouble)

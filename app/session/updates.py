@@ -1,4 +1,4 @@
-"""What the worker has sent up: looked at once a frame, checked, and passed on to the views."""
+"""Snapshots and reports of the worker: taken once in each display frame, checked, and passed on to the views."""
 
 from __future__ import annotations
 
@@ -30,21 +30,11 @@ from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
 
 _FIGURES_EVERY = 0.1
-"""Time between two updates of figures that a person reads [s]."""
+"""Time between two updates of the numbers in the window [s]."""
 
 
 class Progress:
-    """How the run stands, as far as it is known on the window's side.
-
-    Parameters
-    ----------
-    session : SessionSignals
-        Whose scene shows it.
-    worker_thread : WorkerThread
-        Where it comes from.
-    clock : callable
-        Seconds that only go forward.
-    """
+    """State of the run as far as the window knows it; `clock` gives seconds."""
 
     def __init__(
         self, session: SessionSignals, worker_thread: WorkerThread, clock: Callable[[], float] = time.perf_counter
@@ -53,32 +43,32 @@ class Progress:
         self._worker_thread = worker_thread
         self._clock = clock
         self._busy: dict[str, str] = {}
-        self._told_at = 0.0
+        self._shown_at = 0.0
         self._known = RunStatus()
 
     @property
     def status(self) -> RunStatus:
-        """How the run stands."""
+        """State of the run."""
         return replace(self._known, busy=next(iter(self._busy.values()), ""))
 
     def busy(self, what: str, text: str) -> None:
-        """Say that something is being prepared; `text` is shown meanwhile."""
+        """Show `text` while something is being prepared."""
         self._busy = {what: text} | {key: value for key, value in self._busy.items() if key != what}
         self._session.show_status()
 
     def phase(self, phase: Phase) -> None:
-        """The user has set the run going or stopped it."""
+        """The user has started or stopped the run."""
         self._known = replace(self._known, phase=phase)
         self._session.show_status()
 
     def forget(self, method: str = "cpm") -> None:
-        """The run before is over and nothing of it is to be seen; the next one is of a method of this name."""
+        """Clear what is shown of the previous run; `method` is the name of the next one's method."""
         self._known = RunStatus(phase="ready", method=method)
         self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None, compared=None)
         self._session.show_status()
 
     def look(self) -> None:
-        """Take what has arrived; what belongs to another run or image is dropped."""
+        """Take what has arrived; drop what belongs to another run or image."""
         for report in self._worker_thread.reports():
             self._take_report(report)
         snapshot = self._worker_thread.snapshots.take()
@@ -104,12 +94,12 @@ class Progress:
             self._show(overlays=overlays.arrays)
 
     def _show(self, **parts: Any) -> None:
-        """Show the scene with other parts."""
+        """Replace parts of the scene."""
         self._session.show(replace(self._session.scene, **parts))
 
     def _take_snapshot(self, snapshot: Snapshot) -> None:
         before, state, metrics = self._known.phase, snapshot.state, snapshot.metrics
-        held: Phase = "paused" if before == "finished" else before  # gone back from the end of a run
+        held: Phase = "paused" if before == "finished" else before  # the run has gone back from its end
         self._known = replace(
             self._known,
             method=snapshot.method,
@@ -125,14 +115,14 @@ class Progress:
         )
         self._show(snapshot=snapshot)
         now = self._clock()
-        if self._known.phase != "running" or before != "running" or now - self._told_at >= _FIGURES_EVERY:
-            self._told_at = now
+        if self._known.phase != "running" or before != "running" or now - self._shown_at >= _FIGURES_EVERY:
+            self._shown_at = now
             self._session.show_status()
 
     def _take_report(self, report: Report) -> None:
         match report:
             case Opened():
-                self._busy.pop("sowing", None)
+                self._busy.pop("seeding", None)
             case RunFailed(generation, sentence):
                 if generation == self._session.generation:
                     self._known = replace(self._known, phase="paused" if self._known.count else "ready")
@@ -141,7 +131,7 @@ class Progress:
                 if generation == self._session.generation:
                     self._known = replace(self._known, phase="running")
             case SeedsFound(generation, image_seeds, sentence):
-                self._busy.pop("sowing", None)
+                self._busy.pop("seeding", None)
                 if sentence:
                     self._session.say(sentence, True)
                 if generation == self._session.image_generation:
@@ -157,7 +147,7 @@ class Progress:
         self._session.show_status()
 
     def _show_answer(self, report: Report) -> None:
-        """Show what a layer has asked for."""
+        """Show the answer to a request of a layer."""
         match report:
             case Probed():
                 self._show(probed=report)

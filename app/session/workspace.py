@@ -1,4 +1,4 @@
-"""The workspace: a session and all that it offers beside a run, built in one place."""
+"""The workspace: a session and its features, built in one place."""
 
 from __future__ import annotations
 
@@ -12,28 +12,7 @@ from app.session.session import Session
 
 
 class Workspace:
-    """A session with its features; the session knows none of them.
-
-    Parameters
-    ----------
-    core : Core
-        The core's functions; the real ones unless given.
-
-    Attributes
-    ----------
-    session : Session
-        Document, history and run.
-    review : ContourReview
-        What is said about contours.
-    truth : GroundTruth
-        What contours are compared with.
-    skeletons : Skeletons
-        What keeps the skeleton up to date.
-    navigation : TimelineNavigation
-        The way through the steps of a run.
-    sweep : Sweep
-        The runs of a mosaic.
-    """
+    """A session with its features; the session knows none of them."""
 
     def __init__(self, core: Core | None = None) -> None:
         self.session = Session(core)

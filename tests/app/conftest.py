@@ -1,4 +1,4 @@
-"""Windows for the tests, on small images, and a watch over threads and windows left behind."""
+"""Windows for the tests, on small images, and checks for threads and windows that a test has not closed."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ SIDE = 64
 
 _sessions = itertools.count(1)
 _COLLECTED_EVERY = 10
-"""Sessions after which what is left of them is collected, which takes as long as to make one."""
+"""Number of sessions after which garbage is collected, which takes as long as to make one session."""
 ASK = dialogs.ask_about_unsaved
 
 
 class Hand:
-    """A user's hand: real mouse and key events on a window, and the patience to wait for what they lead to."""
+    """Real mouse and key events on a window, and waiting for their effects."""
 
     patience = 20_000
-    """Longest that anything may take [ms]; no test rests on how long it really takes."""
+    """Longest time that any effect may take [ms]; no test depends on the real time."""
 
     def __init__(self, qtbot: QtBot, window: MainWindow) -> None:
         self.qtbot = qtbot
@@ -51,7 +51,7 @@ class Hand:
         self.qtbot.mousePress(self.canvas.viewport(), Qt.MouseButton.LeftButton, pos=self.at(row, col))
 
     def move(self, row: float, col: float) -> None:
-        """Pointer to a position, the button as it is."""
+        """Move the pointer, with the button unchanged."""
         self.qtbot.mouseMove(self.canvas.viewport(), self.at(row, col))
 
     def release(self, row: float, col: float) -> None:
@@ -64,7 +64,7 @@ class Hand:
         self.release(row, col)
 
     def double_click(self, row: float, col: float) -> None:
-        """Two clicks at once, as Qt tells them: press, release, double click, release."""
+        """A double click, as Qt sends it: press, release, double click, release."""
         self.click(row, col)
         self.qtbot.mouseDClick(self.canvas.viewport(), Qt.MouseButton.LeftButton, pos=self.at(row, col))
 
@@ -76,7 +76,7 @@ class Hand:
         self.release(*positions[-1])
 
     def key(self, key: Qt.Key, modifier: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
-        """Press a key where the focus is, the window's shortcuts included."""
+        """Press a key on the focused widget, with the window's shortcuts."""
         self.window.activateWindow()
         self.qtbot.keyClick(self.window.focusWidget() or self.window, key, modifier)
 
@@ -85,7 +85,7 @@ class Hand:
         self.qtbot.waitUntil(condition, timeout=self.patience)
 
     def wait_for_phase(self, phase: str) -> None:
-        """Wait until the run stands so."""
+        """Wait until the run is in this phase."""
         self.wait(lambda: self.window.session.status.phase == phase)
 
 
@@ -102,7 +102,7 @@ def qapp_cls() -> type[QApplication]:
 
 @pytest.fixture(scope="package", autouse=True)
 def garbage_is_collected_by_hand() -> Iterator[None]:
-    """What is left of a window is not to be destroyed by a thread of a later test; see `app.views.window.garbage`."""
+    """Objects of a window must not be destroyed on a thread of a later test; see `app.views.window.garbage`."""
     gc.disable()
     yield
     gc.enable()
@@ -123,19 +123,19 @@ def nothing_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
 
 @pytest.fixture(autouse=True)
 def own_preferences(tmp_path: Path) -> None:
-    """No test reads or writes what the person at this computer prefers."""
+    """No test reads or writes the preferences of the user."""
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "preferences"))
 
 
 @pytest.fixture(autouse=True)
 def nobody_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Windows close without asking about unsaved work; who tests the question asks for `asked`."""
+    """Windows close without the question about unsaved work; tests of the question use `asked`."""
     monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda parent, name: "discard")
 
 
 @pytest.fixture
 def asked(nobody_is_asked: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Unsaved work is asked about, as it is outside of tests."""
+    """The question about unsaved work is shown, as outside of tests."""
     monkeypatch.setattr(dialogs, "ask_about_unsaved", ASK)
 
 
@@ -154,7 +154,7 @@ def workspace(qapp: QApplication, compiled_loops: None) -> Iterator[Workspace]:
     made.session.set_pace(None)
     yield made
     made.close()
-    # Its signals hold on to the window, to the layers and to all that they have shown.
+    # Its signals keep the window and the layers alive.
     made.session.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
     if next(_sessions) % _COLLECTED_EVERY == 0:
@@ -180,20 +180,20 @@ def window(qtbot: QtBot, workspace: Workspace, image_file: Path) -> Iterator[Mai
     yield made
     made.close()
     made.deleteLater()
-    # Now, and not when some later test comes round to it: every widget that lives makes all the others slower.
+    # Now, and not in a later test: every widget that exists slows down all others.
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
 @pytest.fixture
 def ready(window: MainWindow) -> MainWindow:
-    """A window with a circle drawn over the rim of the disc."""
+    """A window with a circle across the boundary of the disc."""
     window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
     return window
 
 
 @pytest.fixture
 def record(window: MainWindow) -> Callable[[str], list[Any]]:
-    """Records each value that a part of the scene takes on from now on, by the name of the part."""
+    """Records each new value of the parts of the scene, by name."""
     session = window.session
 
     def recorded(part: str) -> list[Any]:
@@ -213,5 +213,5 @@ def record(window: MainWindow) -> Callable[[str], list[Any]]:
 
 @pytest.fixture
 def hand(qtbot: QtBot, window: MainWindow) -> Hand:
-    """The hand on the window."""
+    """Mouse and key events on the window."""
     return Hand(qtbot, window)

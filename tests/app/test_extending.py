@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from app.views.canvas.tools.dragged import Dragged
 from PySide6.QtCore import Qt
 from skimage.measure import find_contours
 
@@ -21,7 +22,6 @@ from app.views.canvas import layers as canvas_layers
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.tools import START, TOOLS, ToolEntry
-from app.views.canvas.tools.dragged import Dragged
 from app.views.features.edit import draw
 from app.views.window import tool_palette
 from cpm_core.cli import main

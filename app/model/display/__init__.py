@@ -1,1 +1,1 @@
-"""What is drawn, as numbers: colors, lines, scales and plots, without Qt."""
+"""Colors, lines, scale bars and plots as numbers, without Qt."""

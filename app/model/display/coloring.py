@@ -1,4 +1,4 @@
-"""What particles can be colored by: one number for each, and the range in which it is shown."""
+"""Coloring of particles: one number for each particle, and the range in which it is shown."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from cpm_core.segmentation.method import MethodState
 Marks = NDArray[np.uint8]
 
 SHADES = 32
-"""Colors of a palette; one more stands for what is not known yet."""
+"""Colors of a palette; one more stands for values that are not known yet."""
 
-_USUAL = 99.0
-"""Per cent of the particles that the range is made for: a single fast one must not make all others look alike."""
+_IN_RANGE = 99.0
+"""Percentage of the particles inside the range: a single fast one must not make all others look alike."""
 
 
 @dataclass(frozen=True, slots=True)
 class InsertionTimes:
-    """When which particles of a run were born.
+    """Steps at which the particles of a run were inserted.
 
     Attributes
     ----------
     step : ndarray, shape (K,)
         Steps.
     numbered : ndarray, shape (K,)
-        Identity that the next particle was to have after each of them.
+        Identity of the next particle after each step.
     """
 
     step: Array
@@ -47,21 +47,21 @@ def speed(state: MethodState, _: InsertionTimes) -> Array:
 
 
 def force(state: MethodState, _: InsertionTimes) -> Array:
-    """Force without damping at the last step, whatever the scale: the Lorentz force is at most 1."""
+    """Force without damping at the last step, in the unit of its scale: the Lorentz force is at most 1."""
     return np.asarray(np.linalg.norm(state.particles.force[:, 0], axis=1))
 
 
 def age(state: MethodState, inserted: InsertionTimes) -> Array:
-    """Steps since birth or, for those that a scale began with, since it began; NaN when the record does not say."""
-    born = np.searchsorted(inserted.numbered, state.particles.identity, side="right")
-    known = born < len(inserted.step)
+    """Steps since insertion, or since the start of the scale for its first particles; NaN where it is not recorded."""
+    first = np.searchsorted(inserted.numbered, state.particles.identity, side="right")
+    known = first < len(inserted.step)
     steps = np.full(state.count, np.nan)
-    steps[known] = state.step - inserted.step[born[known]]
+    steps[known] = state.step - inserted.step[first[known]]
     return steps
 
 
 def convergence(state: MethodState, _: InsertionTimes) -> Array:
-    """What each particle adds to ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
+    """Share of each particle in ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
     distance = state.particles.distance
     signs = np.where(np.arange(distance.shape[1]) % 2, 1.0, -1.0)
     return np.asarray(np.abs(distance @ signs))
@@ -69,12 +69,12 @@ def convergence(state: MethodState, _: InsertionTimes) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """Something that particles can be colored by.
+    """A quantity by which particles can be colored.
 
     Attributes
     ----------
     title, tip : str
-        What it is called, and a sentence on it.
+        Its name, and a sentence on it.
     of : callable
         Its value for every particle of a state.
     range : tuple of float, optional
@@ -91,7 +91,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
     {
         "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
         "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
-        "age": Quantity(tr("Age"), tr("Steps since each particle was born, or since its scale began."), age),
+        "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),
         "convergence": Quantity(
             tr("Convergence"),
             tr("What each particle adds to ε of eq. (23); the run rests when their mean is small."),
@@ -104,14 +104,14 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Colored:
-    """Particles by color.
+    """Colors of particles.
 
     Attributes
     ----------
     marks : ndarray of uint8, shape (N,)
-        Shade of each, from 0 to `SHADES` - 1; `SHADES` where the value is not known.
+        Color of each particle, from 0 to `SHADES` - 1; `SHADES` where the value is not known.
     low, high : float
-        Values of the first and the last shade.
+        Values of the first and the last color.
     """
 
     marks: Marks
@@ -120,7 +120,7 @@ class Colored:
 
 
 def colored(quantity: Quantity, state: MethodState, inserted: InsertionTimes) -> Colored:
-    """Shades of all particles of a state; more of the quantity never gives a lower one."""
+    """Colors of all particles of a state; a larger quantity never has a lower color."""
     values = quantity.of(state, inserted)
     unknown = np.isnan(values)
     if quantity.range is not None:
@@ -137,6 +137,6 @@ def colored(quantity: Quantity, state: MethodState, inserted: InsertionTimes) ->
 
 
 def _end(values: Array) -> float:
-    """Round number that next to all values lie below."""
-    usual = float(np.percentile(values, _USUAL)) if len(values) else 0.0
-    return round_up(usual) if usual > 0.0 else 1.0
+    """A round number above nearly all values."""
+    end = float(np.percentile(values, _IN_RANGE)) if len(values) else 0.0
+    return round_up(end) if end > 0.0 else 1.0

@@ -1,4 +1,4 @@
-"""Differences: the pieces of contours and of the ground truth that are far from each other, the worst first."""
+"""Differences: parts of contours and of the ground truth that are far from each other, the worst first."""
 
 from __future__ import annotations
 
@@ -15,24 +15,23 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.numerics.types import Array, Position
 
 _APART = 0.6
-"""Distance of neighboring points beyond which a new piece begins: along a boundary they are a quarter of a pixel apart
-[px]."""
+"""Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Difference:
-    """A piece of boundary that has nothing beside it.
+    """A part of a boundary without a counterpart.
 
     Attributes
     ----------
     kind : {"missing", "wrong"}
-        A piece of the true boundary without a contour, or a piece of a contour without a true boundary.
+        A part of the true boundary without a contour, or a part of a contour without a true boundary.
     points : ndarray, shape (K, 2)
-        The piece [px].
+        The part [px].
     farthest : float
-        How far off it is at most [px].
+        Its largest distance [px].
     place : tuple of float
-        Where that is (row, col) [px].
+        Position of that distance (row, col) [px].
     """
 
     kind: Literal["missing", "wrong"]
@@ -42,17 +41,7 @@ class Difference:
 
 
 def differences(contours: Sequence[Contour], truth: Truth, comparison: Comparison) -> tuple[Difference, ...]:
-    """The pieces farther off than the tolerance, the farthest first.
-
-    Parameters
-    ----------
-    contours : sequence of Contour
-        What was compared.
-    truth : Truth
-        With what.
-    comparison : Comparison
-        What came of it.
-    """
+    """The parts of contours and ground truth farther apart than the tolerance, the farthest first."""
     found = [
         _difference("wrong", contour.points[piece], away[piece])
         for contour, away in zip(contours, comparison.distances, strict=True)
@@ -74,13 +63,13 @@ def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -
 
 
 def _stretches(far: NDArray[np.bool_], closed: bool) -> list[NDArray[np.intp]]:
-    """Indices of vertices in a row that are far off, around the end of a closed contour too; neighbors included."""
+    """Indices of consecutive far vertices, also around the end of a closed contour, with their near neighbors."""
     if not far.any():
         return []
     count = len(far)
     if far.all():
         return [np.r_[np.arange(count), 0] if closed else np.arange(count)]
-    first = int(np.argmin(far)) if closed else 0  # a vertex that is near, so that no stretch goes around the end
+    first = int(np.argmin(far)) if closed else 0  # a near vertex, so that no part goes around the end
     order = (first + np.arange(count)) % count
     runs = np.split(order, np.flatnonzero(np.diff(far[order])) + 1)
     wide = []

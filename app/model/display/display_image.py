@@ -1,4 +1,4 @@
-"""Shades: what is shown of an image or of what lies over it, one byte a pixel."""
+"""Display images: an image or an overlay with one byte a pixel."""
 
 from __future__ import annotations
 
@@ -12,22 +12,17 @@ from cpm_core.numerics.types import Array
 DisplayImage = NDArray[np.uint8]
 
 _ROWS = 64
-"""Rows that are worked on at once: few enough for the processor's cache, which makes it several times faster."""
+"""Rows that are processed at once: few enough for the processor's cache, which is several times faster."""
 
 _CODES = 1 << 12
-"""Entries of the table by which shades are bent."""
+"""Entries of the table of the gamma curve."""
 
 
 @dataclass(frozen=True, slots=True)
 class IntensityWindow:
-    """Gray values that are told apart: all below are black, all above white.
+    """Range of gray values: those up to `low` are black, those from `high` on white.
 
-    Attributes
-    ----------
-    low, high : float
-        Gray values shown black and white.
-    gamma : float
-        Exponent of what lies between; more than 1 darkens it.
+    `gamma` is the exponent in between; more than 1 darkens it.
     """
 
     low: float
@@ -36,29 +31,20 @@ class IntensityWindow:
 
 
 def display_of_image(values: Array) -> DisplayImage:
-    """Gray values from the least, 0, to the largest, 255."""
+    """Gray values from the smallest, 0, to the largest, 255."""
     return apply_window(values, IntensityWindow(float(values.min()), float(values.max())))
 
 
 def apply_window(values: Array, window: IntensityWindow) -> DisplayImage:
-    """Gray values in a window, made from the values themselves: however narrow it is, it holds 256 shades.
+    """Display image of an intensity window, ``255 ((v - low) / (high - low))^gamma``, rounded and clipped.
 
-    Parameters
-    ----------
-    values : ndarray, shape (H, W)
-        Gray values.
-    window : IntensityWindow
-        What is black and white, in the unit of the values.
-
-    Returns
-    -------
-    ndarray of uint8, shape (H, W)
-        ``255 ((v - low) / (high - low))^gamma``, rounded and clipped.
+    It has the shape of the gray values, (H, W), and is made from them directly, so that the narrowest window has 256
+    shades.
     """
     shown = np.empty(values.shape, np.uint8)
     top = 255.0 if window.gamma == 1.0 else _CODES - 1.0
     factor = top / max(window.high - window.low, 1e-300)
-    bent = np.rint(255.0 * np.linspace(0.0, 1.0, _CODES) ** window.gamma).astype(np.uint8)
+    curve = np.rint(255.0 * np.linspace(0.0, 1.0, _CODES) ** window.gamma).astype(np.uint8)
     work = np.empty((min(_ROWS, len(values)), values.shape[1]))
     for begin in range(0, len(values), _ROWS):
         part = values[begin : begin + _ROWS]
@@ -67,24 +53,14 @@ def apply_window(values: Array, window: IntensityWindow) -> DisplayImage:
         np.multiply(codes, factor, out=codes)
         np.clip(codes, 0.0, top, out=codes)
         np.rint(codes, out=codes)
-        shown[begin : begin + _ROWS] = codes if window.gamma == 1.0 else bent[codes.astype(np.intp)]
+        shown[begin : begin + _ROWS] = codes if window.gamma == 1.0 else curve[codes.astype(np.intp)]
     return shown
 
 
 def percentile_window(values: Array, percent: float) -> tuple[float, float]:
-    """Ends of the range that leaves out so many per cent of the pixels below, and as many above.
+    """Ends of the range of gray values without `percent` per cent of the pixels at either end.
 
-    Parameters
-    ----------
-    values : ndarray
-        Gray values.
-    percent : float
-        From 0, which leaves out nothing, to less than 50.
-
-    Returns
-    -------
-    low, high : float
-        Percentiles of the gray values; the whole range where they are the same.
+    `percent` is from 0 to less than 50; the result is the whole range where both ends are the same.
     """
     low, high = np.percentile(values, [percent, 100.0 - percent]) if percent > 0 else (values.min(), values.max())
     if low == high:
@@ -93,7 +69,7 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
 
 
 def display_of_edge_map(edge_map: Array) -> DisplayImage:
-    """Edge strengths from none, 0, to the largest, 255; the square root brings out weak edges, which a user judges."""
+    """Edge strengths from zero, 0, to the largest, 255; the square root makes weak edges visible."""
     return _bytes(255.0 * np.sqrt(np.clip(edge_map / max(float(edge_map.max()), 1e-300), 0.0, 1.0)))
 
 
@@ -102,9 +78,9 @@ def _bytes(values: Array) -> DisplayImage:
 
 
 _OUTLIERS = 0.5
-"""Per cent of the pixels at either end that the shades of a potential leave out."""
+"""Percentage of the pixels at either end that the display image of a potential leaves out."""
 
 
 def display_of_potential(potential: Array) -> DisplayImage:
-    """Potentials from the lowest, 0, to the highest, 255, but for a few pixels at either end."""
+    """Potentials from the lowest, 0, to the highest, 255, without a few pixels at either end."""
     return apply_window(potential, IntensityWindow(*percentile_window(potential, _OUTLIERS)))

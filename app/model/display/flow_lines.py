@@ -1,7 +1,7 @@
-"""Flow lines: the ways that a particle without inertia would take along a field, evenly spread over what is seen.
+"""Flow lines: paths of a particle without inertia along a field, evenly spaced over the visible part of the image.
 
-Seeds lie on a grid; all lines grow at once, by Euler steps of half a spacing's fraction along the direction of the
-field, and end where the field vanishes or another line has been before (after Jobard and Lefer 1997,
+Seeds lie on a grid. All lines grow at once, by Euler steps of a fraction of the spacing along the direction of the
+field, and end where the field vanishes or at another line (after Jobard and Lefer 1997,
 doi:10.1007/978-3-7091-6876-9_5).
 """
 
@@ -14,26 +14,26 @@ import numpy as np
 from cpm_core.numerics.types import Array, Index
 
 _STEPS = 24
-"""Points of a line, at most, ahead of its seed and behind it."""
+"""Maximum number of points of a line on either side of its seed."""
 
 _STRIDE = 0.16
 """Length of a step, in spacings of the seeds."""
 
 _CELL = 0.34
-"""Side of a cell that only one line may pass through, in spacings."""
+"""Side of a cell that only one line may cross, in spacings."""
 
 _WEAK = 1e-3
-"""Strength, compared with the strongest that is seen, under which a field has no direction."""
+"""Strength, as a fraction of the largest visible one, below which a field has no direction."""
 
 _SHORT = 4
-"""Points under which a line is not worth drawing."""
+"""Number of points below which a line is not drawn."""
 
 _CURLED = 0.4
-"""Distance from its beginning to its end, in spacings, under which a line only turns round in a trough."""
+"""Distance of its ends, in spacings, below which a line only turns around in a minimum, and is not drawn."""
 
 
 class Seen(NamedTuple):
-    """The part of the image that is seen (row, col) [px]."""
+    """The visible part of the image (row, col) [px]."""
 
     top: float
     left: float
@@ -49,9 +49,9 @@ def flow_lines(field: Array, seen: Seen, spacing: float) -> list[Array]:
     field : ndarray, shape (2, H, W)
         Vectors (row, col).
     seen : Seen
-        Where lines are wanted.
+        The visible part of the image.
     spacing : float
-        Distance between two seeds [px].
+        Distance of two seeds [px].
 
     Returns
     -------
@@ -63,21 +63,21 @@ def flow_lines(field: Array, seen: Seen, spacing: float) -> list[Array]:
     left, right = max(seen.left, 0.0), min(seen.right, width - 1.0)
     if top >= bottom or left >= right:
         return []
-    # On a grid that does not depend on what is seen, lines stay where they are while the image is moved.
+    # The grid does not depend on the visible part, so that lines stay in place while the image is moved.
     rows = np.arange(np.ceil(top / spacing - 0.5), np.floor(bottom / spacing - 0.5) + 1)
     cols = np.arange(np.ceil(left / spacing - 0.5), np.floor(right / spacing - 0.5) + 1)
     seeds = (np.stack(np.meshgrid(rows, cols, indexing="ij"), axis=-1).reshape(-1, 2) + 0.5) * spacing
     if not len(seeds):
         return []
     points, first, last = _grow(field, seeds, Seen(top, left, bottom, right), spacing)
-    everyone = np.arange(len(points))
-    way = points[everyone, last] - points[everyone, first]
-    worth = (last - first + 1 >= _SHORT) & (np.hypot(way[:, 0], way[:, 1]) >= _CURLED * spacing)
-    return [points[i, first[i] : last[i] + 1] for i in np.flatnonzero(worth)]
+    every = np.arange(len(points))
+    way = points[every, last] - points[every, first]
+    long_enough = (last - first + 1 >= _SHORT) & (np.hypot(way[:, 0], way[:, 1]) >= _CURLED * spacing)
+    return [points[i, first[i] : last[i] + 1] for i in np.flatnonzero(long_enough)]
 
 
 def _grow(field: Array, seeds: Array, seen: Seen, spacing: float) -> tuple[Array, Index, Index]:
-    """Points of all lines, shape (N, 2 K + 1, 2), and which of them are the first and the last of each."""
+    """Points of all lines, shape (N, 2 K + 1, 2), and the indices of the first and the last point of each."""
     count = len(seeds)
     points = np.zeros((count, 2 * _STEPS + 1, 2))
     points[:, _STEPS] = seeds
@@ -85,31 +85,31 @@ def _grow(field: Array, seeds: Array, seen: Seen, spacing: float) -> tuple[Array
     side = _CELL * spacing
     shape = (int((seen.bottom - seen.top) / side) + 1, int((seen.right - seen.left) / side) + 1)
     owner = np.full(shape, -1)
-    everyone = np.arange(count)
+    every = np.arange(count)
     least = _WEAK * float(np.abs(field[:, ::4, ::4]).max(initial=1e-300))
 
-    def claim(who: Index, at: Array) -> Index:
-        """Those of them in whose cell nobody else has been."""
+    def claim(lines: Index, at: Array) -> Index:
+        """Those lines whose cell is free or their own."""
         row, col = ((at - (seen.top, seen.left)) / side).astype(int).T
-        free = (owner[row, col] == -1) | (owner[row, col] == who)
-        row, col, who = row[free], col[free], who[free]
-        owner[row, col] = who
-        return np.asarray(who[owner[row, col] == who])
+        free = (owner[row, col] == -1) | (owner[row, col] == lines)
+        row, col, lines = row[free], col[free], lines[free]
+        owner[row, col] = lines
+        return np.asarray(lines[owner[row, col] == lines])
 
-    going = {way: claim(everyone, seeds) for way in (1, -1)}
+    going = {way: claim(every, seeds) for way in (1, -1)}
     for step in range(_STEPS):
         for way in (1, -1):
-            who = going[way]
-            at = points[who, _STEPS + way * step]
+            lines = going[way]
+            at = points[lines, _STEPS + way * step]
             direction, strength = _direction(field, at)
             to = at + way * _STRIDE * spacing * direction
             inside = (to >= (seen.top, seen.left)).all(axis=1) & (to <= (seen.bottom, seen.right)).all(axis=1)
             inside &= strength > least
-            who, to = who[inside], to[inside]
-            points[who, _STEPS + way * (step + 1)] = to
-            who = claim(who, to)
-            ends[way][who] = _STEPS + way * (step + 1)
-            going[way] = who
+            lines, to = lines[inside], to[inside]
+            points[lines, _STEPS + way * (step + 1)] = to
+            lines = claim(lines, to)
+            ends[way][lines] = _STEPS + way * (step + 1)
+            going[way] = lines
     return points, ends[-1], ends[1]
 
 

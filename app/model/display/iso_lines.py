@@ -12,21 +12,13 @@ LINES = 12
 """Lines between the extremes."""
 
 _LONGEST = 512
-"""Longest side of the grid on which they are sought: they are smooth, and on a finer one they would take long."""
+"""Longest side of the grid on which lines are found: they are smooth, and a finer grid would take long."""
 
 
 def iso_lines(values: Array) -> Array:
-    """Lines at evenly spaced values.
+    """Lines at evenly spaced quantiles of values, shape (H, W).
 
-    Parameters
-    ----------
-    values : ndarray, shape (H, W)
-        What is constant along each line.
-
-    Returns
-    -------
-    ndarray, shape (M, 2)
-        Corners (row, col) of all lines, with a row of NaN behind each.
+    The result, shape (M, 2), holds the vertices (row, col) of all lines, with a row of NaN after each line.
     """
     from skimage.measure import find_contours
 

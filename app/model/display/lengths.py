@@ -1,4 +1,4 @@
-"""Lengths in the unit that makes their figures easy to read, and the bar that shows one of them."""
+"""Lengths in readable units, and the scale bar."""
 
 from __future__ import annotations
 
@@ -13,31 +13,16 @@ _PIXEL = "px"
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A bar of round length.
-
-    Attributes
-    ----------
-    pixels : float
-        Its length [px of the image].
-    label : str
-        Its length in words.
-    """
+    """A scale bar of round length, `pixels` of the image long."""
 
     pixels: float
     label: str
 
 
 def bar(most: float, spacing: float, unit: str | None) -> Bar:
-    """The longest bar of round length, 1, 2 or 5 times a power of ten, in the unit in which it reads best.
+    """The longest scale bar of round length, 1, 2 or 5 times a power of ten, in a readable unit.
 
-    Parameters
-    ----------
-    most : float
-        Most that it may measure [px of the image].
-    spacing : float
-        Size of a pixel [unit].
-    unit : str or None
-        Unit of the spacing; px where there is none.
+    `most` is its maximum length [px of the image], `spacing` the size of a pixel [unit], px without a unit.
     """
     size, name = (most * spacing, unit) if unit else (most, _PIXEL)
     size, name = _readable(size, name)
@@ -46,15 +31,15 @@ def bar(most: float, spacing: float, unit: str | None) -> Bar:
 
 
 def length_text(pixels: float, spacing: float, unit: str | None) -> str:
-    """A length in its unit, with as many figures as a tenth of a pixel is worth."""
+    """A length in its unit, with four digits, or in whole pixels."""
     return f"{pixels * spacing:.4g} {unit}" if unit else f"{pixels:.0f} {_PIXEL}"
 
 
 def _readable(size: float, unit: str) -> tuple[float, str]:
-    """The size in the metric unit in which it has one to three figures; in its own when that is not a metric one."""
+    """The size in the metric unit in which it has one to three digits; unchanged in any other unit."""
     if unit not in _KNOWN:
         return size, unit
-    metres = size * _KNOWN[unit]
-    fitting = [name for name, worth in _METRIC.items() if metres >= 0.999999 * worth]
+    meters = size * _KNOWN[unit]
+    fitting = [name for name, worth in _METRIC.items() if meters >= 0.999999 * worth]
     name = fitting[-1] if fitting else "nm"
-    return metres / _METRIC[name], name
+    return meters / _METRIC[name], name

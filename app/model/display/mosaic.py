@@ -1,4 +1,4 @@
-"""The plan of a mosaic: two parameters, some values of each, and the tiles that they give."""
+"""The plan of a mosaic: two parameters, some values of each, and the tiles of all combinations."""
 
 from __future__ import annotations
 
@@ -11,26 +11,18 @@ from app.model.text.language import tr
 from cpm_core.parameters import Parameters
 
 FEWEST, MOST = 2, 6
-"""Values that a parameter may have in a mosaic."""
+"""Limits of the number of values of a parameter."""
 
 COUNTS = (3, 4, 5)
-"""Numbers of values that are offered."""
+"""Numbers of values that are proposed."""
 
 _SPREAD = 0.5
-"""Part of the slider's range that the values offered span."""
+"""Fraction of the slider's range that the proposed values span."""
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """One of the two parameters.
-
-    Attributes
-    ----------
-    control : Control
-        The parameter.
-    values : tuple of float
-        Its values, ascending.
-    """
+    """One of the two parameters, with its values in ascending order."""
 
     control: Control
     values: tuple[float, ...]
@@ -38,17 +30,7 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Tile:
-    """One run of a mosaic.
-
-    Attributes
-    ----------
-    row, col : int
-        Its place.
-    down, across : float
-        Values of the two parameters.
-    parameters : Parameters
-        What it is run with.
-    """
+    """One run of a mosaic: its place, its values of the two parameters, and all its parameters."""
 
     row: int
     col: int
@@ -59,40 +41,22 @@ class Tile:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A mosaic before it is run.
-
-    Attributes
-    ----------
-    down, across : Axis
-        The parameter that changes from row to row, and the one that changes from column to column.
-    tiles : tuple of Tile
-        Row by row.
-    """
+    """A mosaic before it is run: the parameter of its rows, that of its columns, and its tiles row by row."""
 
     down: Axis
     across: Axis
     tiles: tuple[Tile, ...]
 
     def caption(self, tile: Tile) -> str:
-        """The values of a tile in words."""
+        """The values of a tile as text."""
         down, across = self.down.control.symbol, self.across.control.symbol
         return f"{down} = {tile.down:.4g}, {across} = {tile.across:.4g}"
 
 
 def plan(parameters: Parameters, down: Axis, across: Axis) -> Plan:
-    """Lay out a mosaic.
+    """The plan of a mosaic whose tiles differ in two parameters.
 
-    Parameters
-    ----------
-    parameters : Parameters
-        What all tiles have in common.
-    down, across : Axis
-        What they differ in.
-
-    Raises
-    ------
-    ValueError
-        When both are the same parameter, or a value is out of its range.
+    ValueError when both are the same parameter, or a value is out of its range.
     """
     if down.control.name == across.control.name:
         raise ValueError(tr("Both parameters are the same: choose two different ones."))
@@ -105,24 +69,16 @@ def plan(parameters: Parameters, down: Axis, across: Axis) -> Plan:
 
 
 def pick(document: Document, chosen: Plan, tile: Tile) -> Document:
-    """The document with the two parameters of a tile; all others stay as they are now."""
+    """The document with the two parameters of a tile; all others stay unchanged."""
     first, second = chosen.down.control, chosen.across.control
     return replace(document, parameters=_with(document.parameters, first, tile.down, second, tile.across))
 
 
 def sensible_values(control: Control, parameters: Parameters, contrast: float, count: int) -> tuple[float, ...]:
-    """Values around the present one, which is among them, evenly over part of the slider's range.
+    """Evenly spaced values around the current one, which is among them, over part of the slider's range.
 
-    Parameters
-    ----------
-    control : Control
-        The parameter.
-    parameters : Parameters
-        The present ones.
-    contrast : float
-        Contrast of the image, which goes with everything in gray levels.
-    count : int
-        How many values; fewer when there are not as many whole numbers.
+    There are `count` values, fewer if there are not as many whole numbers; parameters in gray levels are scaled by the
+    contrast of the image.
     """
     low, high = slider_range(control, contrast)
     step = 1.0 if control.whole else control.step
@@ -139,19 +95,9 @@ def sensible_values(control: Control, parameters: Parameters, contrast: float, c
 
 
 def read_values(control: Control, text: str) -> tuple[float, ...]:
-    """The values in a line of text.
+    """The numbers in a text, with spaces, semicolons or commas between them.
 
-    Parameters
-    ----------
-    control : Control
-        The parameter.
-    text : str
-        Numbers with spaces, semicolons or commas between them.
-
-    Raises
-    ------
-    ValueError
-        When there are too few, too many, or one is none.
+    ValueError when there are too few or too many, or one is not a number.
     """
     words = text.replace(";", " ").replace(",", " ").split()
     values = set()
@@ -161,17 +107,17 @@ def read_values(control: Control, text: str) -> tuple[float, ...]:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            told = tr("{title}: “{word}” is no number; write numbers such as 0.4, 0.6, 0.8.")
-            raise ValueError(told.format(title=control.title, word=word)) from None
+            message = tr("{title}: “{word}” is not a number; write numbers such as 0.4, 0.6, 0.8.")
+            raise ValueError(message.format(title=control.title, word=word)) from None
         values.add(value)
     if not FEWEST <= len(values) <= MOST:
-        told = tr("{title} has {count} different values but must have from {fewest} to {most}.")
-        raise ValueError(told.format(title=control.title, count=len(values), fewest=FEWEST, most=MOST))
+        message = tr("{title} has {count} different values but must have from {fewest} to {most}.")
+        raise ValueError(message.format(title=control.title, count=len(values), fewest=FEWEST, most=MOST))
     return tuple(sorted(values))
 
 
 def in_text(values: tuple[float, ...]) -> str:
-    """Values as `read_values` reads them."""
+    """Values as text that `read_values` reads."""
     return ", ".join(f"{value:g}" for value in values)
 
 

@@ -1,11 +1,11 @@
-"""What of a run is plotted over its steps, and on which axis."""
+"""Plots of a run over its steps, and their axes."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
@@ -15,55 +15,51 @@ from cpm_core.dynamics.equilibrium import EPSILON
 from cpm_core.numerics.types import Array
 
 _DECADES = 8
-"""Powers of ten that a logarithmic axis shows at most."""
+"""Maximum number of powers of ten of a logarithmic axis."""
 
 
-class Record(Protocol):
-    """What a run has recorded, one entry a step."""
+@dataclass(frozen=True, eq=False, slots=True)
+class RunMetrics:
+    """The run so far, for plots: arrays of equal length, one entry a step, NaN for what a method does not measure.
 
-    @property
-    def epsilon(self) -> Array:
-        """Eq. (23)."""
+    Attributes
+    ----------
+    step : ndarray, shape (K,)
+        Step.
+    epsilon : ndarray, shape (K,)
+        Eq. (23) [px of the scale]; NaN while it is not known.
+    count, born, deleted : ndarray, shape (K,)
+        Particles, and numbers of particles inserted and deleted in the step.
+    kinetic, potential : ndarray, shape (K,)
+        Energies of all particles [px^2 / unit of time^2]; the latter is measured every few steps and repeated in
+        between; NaN before.
+    scale : ndarray, shape (K,)
+        Scale; 0 is the image itself.
+    numbered : ndarray, shape (K,)
+        Identity of the next particle.
+    """
 
-    @property
-    def count(self) -> Array:
-        """Particles."""
-
-    @property
-    def born(self) -> Array:
-        """Particles inserted."""
-
-    @property
-    def deleted(self) -> Array:
-        """Particles deleted."""
-
-    @property
-    def kinetic(self) -> Array:
-        """Kinetic energy."""
-
-    @property
-    def potential(self) -> Array:
-        """Potential energy."""
+    step: Array
+    epsilon: Array
+    count: Array
+    born: Array
+    deleted: Array
+    kinetic: Array
+    potential: Array
+    scale: Array
+    numbered: Array
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """How values become heights.
-
-    Attributes
-    ----------
-    low, high : float
-        Values at its ends, or their decimal logarithms.
-    logarithmic : bool
-        Which of the two.
-    """
+    """Scale of the values of a plot; if it is logarithmic, its ends are decimal logarithms."""
 
     low: float
     high: float
     logarithmic: bool = False
 
     def fractions(self, values: Array) -> Array:
-        """Heights from 0 to 1 of values; outside of that what the axis does not show, not finite what is not known."""
+        """Heights of values, from 0 to 1 inside the axis; not finite where a value is not known."""
         if self.logarithmic:
             with np.errstate(divide="ignore", invalid="ignore"):
                 values = np.log10(values)
@@ -71,7 +67,7 @@ class Axis:
 
     @property
     def labels(self) -> tuple[str, str]:
-        """Its ends in figures."""
+        """Its ends as text."""
         if self.logarithmic:
             return tuple("1" if end == 0 else f"1e{end:.0f}" for end in (self.low, self.high))  # type: ignore[return-value]
         return _figure(self.low), _figure(self.high)
@@ -79,42 +75,16 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Series:
-    """One curve.
-
-    Attributes
-    ----------
-    title : str
-        What it is called.
-    of : callable
-        Its values in a record.
-    colors : tuple of str
-        Its color on a light ground and on a dark one.
-    """
+    """One curve: its title, its values, and its colors on a light background and on a dark one."""
 
     title: str
-    of: Callable[[Record], Array]
+    of: Callable[[RunMetrics], Array]
     colors: tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
 class Plot:
-    """Curves on one axis.
-
-    Attributes
-    ----------
-    name : str
-        What it is called in code.
-    title, tip : str
-        What it is called, and what it shows, in a sentence.
-    series : tuple of Series
-        Curves.
-    kind : {"logarithmic", "from zero", "free"}
-        Kind of its axis.
-    line : float, optional
-        Value at which a line is drawn.
-    first : bool
-        Whether it is shown at first.
-    """
+    """Curves on one axis; `line` is a value at which a line is drawn, `first` whether it is shown by default."""
 
     name: str
     title: str
@@ -124,9 +94,9 @@ class Plot:
     line: float | None = None
     first: bool = False
 
-    def axis(self, record: Record | None) -> Axis:
+    def axis(self, metrics: RunMetrics | None) -> Axis:
         """Axis that shows all curves."""
-        pieces = [series.of(record) for series in self.series] if record is not None else []
+        pieces = [series.of(metrics) for series in self.series] if metrics is not None else []
         values = np.concatenate([np.empty(0), *pieces])
         values = values[np.isfinite(values)]
         if self.kind == "logarithmic":
@@ -151,7 +121,7 @@ class Plot:
         return Axis(float(min(bottom, top - 1)), float(top), True)
 
 
-# Hues after Okabe and Ito, each darkened for a light ground and lightened for a dark one.
+# Hues after Okabe and Ito, each darkened for a light background and lightened for a dark one.
 _BLUE, _ORANGE, _GREEN = ("#0072b2", "#56b4e9"), ("#c2410c", "#ff9d1e"), ("#00785a", "#2bd4a4")
 _PURPLE, _PINK = ("#7c4fd6", "#b48cff"), ("#b5307f", "#ff7ac6")
 
@@ -160,7 +130,7 @@ PLOTS: tuple[Plot, ...] = (
         "epsilon",
         tr("ε"),
         tr("ε of eq. (23), with the line under which a run may come to rest."),
-        (Series(tr("ε"), lambda record: record.epsilon, _ORANGE),),
+        (Series(tr("ε"), lambda metrics: metrics.epsilon, _ORANGE),),
         "logarithmic",
         EPSILON,
         True,
@@ -169,7 +139,7 @@ PLOTS: tuple[Plot, ...] = (
         "kinetic",
         tr("Kinetic"),
         tr("Kinetic energy of all particles."),
-        (Series(tr("kinetic energy"), lambda record: record.kinetic, _GREEN),),
+        (Series(tr("kinetic energy"), lambda metrics: metrics.kinetic, _GREEN),),
         "logarithmic",
     ),
     Plot(
@@ -179,14 +149,14 @@ PLOTS: tuple[Plot, ...] = (
             "Potential energy of all particles: in the field of the edges and of placed charges, and of near pairs. "
             "Worked out every 8 steps, on large images only while this is shown."
         ),
-        (Series(tr("potential energy"), lambda record: record.potential, _PURPLE),),
+        (Series(tr("potential energy"), lambda metrics: metrics.potential, _PURPLE),),
         "free",
     ),
     Plot(
         "count",
         tr("Particles"),
         tr("Number of particles."),
-        (Series(tr("particles"), lambda record: record.count, _BLUE),),
+        (Series(tr("particles"), lambda metrics: metrics.count, _BLUE),),
         first=True,
     ),
     Plot(
@@ -194,16 +164,16 @@ PLOTS: tuple[Plot, ...] = (
         tr("In and out"),
         tr("Particles inserted and deleted in each step."),
         (
-            Series(tr("inserted"), lambda record: record.born, _BLUE),
-            Series(tr("deleted"), lambda record: record.deleted, _PINK),
+            Series(tr("inserted"), lambda metrics: metrics.born, _BLUE),
+            Series(tr("deleted"), lambda metrics: metrics.deleted, _PINK),
         ),
     ),
 )
-"""All there is to be plotted, from above."""
+"""All plots, from top to bottom."""
 
 
 def figure(value: float) -> str:
-    """A value for people; a dash where it is not known."""
+    """A value as text; a dash where it is not known."""
     if not math.isfinite(value):
         return "–"
     if value == round(value) and abs(value) < 1e6:

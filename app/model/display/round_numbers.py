@@ -1,4 +1,4 @@
-"""Round numbers: 1, 2 and 5 times a power of ten, which people read at a glance."""
+"""Round numbers: 1, 2 and 5 times a power of ten."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 
 def round_up(value: float) -> float:
-    """The least round number that is not below a positive value."""
+    """The smallest round number that is not below a positive value."""
     power = 10.0 ** math.floor(math.log10(value))
     return next((factor * power for factor in (1.0, 2.0, 5.0) if factor * power >= value), 10.0 * power)
 

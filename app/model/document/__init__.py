@@ -1,1 +1,1 @@
-"""The document: what a person has opened, drawn, set and said; frozen, edited by pure functions."""
+"""The document: image, shapes, parameters and marks; frozen, edited by pure functions."""

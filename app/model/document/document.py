@@ -1,4 +1,4 @@
-"""The document: what the user means. Small, frozen, undoable."""
+"""The document: everything that the user has set; small, frozen, undoable."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, st
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart
 
 Mode = Literal["shape", "automatic", "skeleton"]
-"""What a person is after; see `app.model.document.modes`."""
+"""Purpose of a run; see `app.model.document.modes`."""
 
 NOTHING_TO_START_FROM = tr(
     "There is nothing to start from: draw a circle, a stroke or points on the image first, or start everywhere."
@@ -29,20 +29,9 @@ NOTHING_TO_START_FROM = tr(
 
 @dataclass(frozen=True, slots=True)
 class ImageReference:
-    """Which image is meant, without its gray values.
+    """The image of a document without its gray values: name, file, (rows, cols), contrast and SHA-256 of the file.
 
-    Attributes
-    ----------
-    name : str
-        Name for people.
-    path : str
-        File that it was read from.
-    shape : tuple of int
-        (rows, cols).
-    contrast : float
-        Largest minus smallest gray value.
-    sha256 : str
-        Hash of the file, empty where it is not known.
+    The contrast is the largest minus the smallest gray value; the hash is empty where it is not known.
     """
 
     name: str
@@ -61,13 +50,13 @@ class Document:
     image : ImageReference or None
         None until the first image is open.
     shapes : tuple of Shape
-        The initialization, the regions of interest and barriers that limit it, and placed charges, in the order drawn.
+        The initialization, regions of interest, barriers and placed charges, in the order drawn.
     parameters : Parameters
         Parameters of the model.
     marks : tuple of Mark
-        What has been said about contours.
+        Review of contours.
     mode : {"shape", "automatic", "skeleton"}
-        What the person is after.
+        Purpose of the run.
     """
 
     image: ImageReference | None = None
@@ -78,40 +67,32 @@ class Document:
 
     @property
     def starts(self) -> tuple[Start, ...]:
-        """The shapes that give particles; without one there is nothing to run."""
+        """The shapes that give particles; a run needs at least one."""
         return starts_of(self.shapes)
 
     @property
-    def sowable(self) -> tuple[ImageStart, ...]:
-        """The starts whose positions depend on the image."""
+    def image_starts(self) -> tuple[ImageStart, ...]:
+        """The starts whose seeds depend on the image."""
         return tuple(shape for shape in self.shapes if isinstance(shape, ImageStart))
 
     @property
-    def sowing(self) -> tuple[object, ...]:
-        """Everything that the positions for `sowable` depend on; empty when there is none."""
-        if not self.sowable:
+    def seeding_inputs(self) -> tuple[object, ...]:
+        """Everything that the seeds of `image_starts` depend on; empty if there are none."""
+        if not self.image_starts:
             return ()
         limits = tuple(shape for shape in self.shapes if isinstance(shape, Region))
-        followed = any(start.follows_smoothing for start in self.sowable)
-        return (self.image, self.sowable, limits, self.parameters.smoothing if followed else None)
+        followed = any(start.follows_smoothing for start in self.image_starts)
+        return (self.image, self.image_starts, limits, self.parameters.smoothing if followed else None)
 
     @property
     def regions(self) -> Regions | None:
-        """What holds particles back; None when nothing of the kind is drawn."""
+        """Regions of interest and barriers; None if there are none."""
         return regions_of(self.shapes)
 
     def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> NDArray[np.float64]:
-        """Positions of the particles that the drawing gives, shape (N, 2), in px of the image.
+        """Seeds of the starts, shape (N, 2) [px of the image], given those of each of `image_starts`.
 
-        Parameters
-        ----------
-        image_seeds : mapping of start to ndarray
-            For each of `sowable` its positions on the image, which the document does not hold.
-
-        Raises
-        ------
-        ValueError
-            When nothing is drawn to start from.
+        ValueError when there is no start.
         """
         if not self.starts:
             raise ValueError(NOTHING_TO_START_FROM)
@@ -119,12 +100,12 @@ class Document:
 
     @property
     def charges(self) -> tuple[PlacedCharge, ...]:
-        """The charges placed, as the engine takes them."""
+        """The placed charges, as the engine takes them."""
         return charges_of(self.shapes)
 
     @property
     def sources(self) -> Counter[Hashable]:
-        """What gives particles, and how often: each point by itself, every other start as a whole."""
+        """Sources of particles with their numbers: each point separately, every other start as a whole."""
         found: Counter[Hashable] = Counter()
         for start in self.starts:
             found.update(start.positions if isinstance(start, Points) else (start,))
@@ -132,6 +113,6 @@ class Document:
 
     @property
     def late(self) -> tuple[object, ...]:
-        """Image and parameters that act only when a run starts."""
+        """Image and the parameters that act only when a run starts."""
         acting = (getattr(self.parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "run")
         return (self.image, *acting)

@@ -40,7 +40,7 @@ def delete_shape(document: Document, index: int) -> Document:
 
 
 def toggle_everywhere(document: Document, kind: Kind) -> Document:
-    """The document that starts all over the image in this way if it did not before, else without."""
+    """The document with or without this start all over the image, whichever it is not now."""
     start = Everywhere(kind)
     if start in document.shapes:
         return delete_shape(document, document.shapes.index(start))
@@ -48,23 +48,16 @@ def toggle_everywhere(document: Document, kind: Kind) -> Document:
 
 
 def erase(document: Document, path: Sequence[Position], radius: float) -> Document:
-    """The document without what lies within a distance of a path: single points, and other shapes as a whole.
+    """The document without what lies within `radius` of an eraser's path (row, col) [px].
 
-    Parameters
-    ----------
-    document : Document
-        What is drawn.
-    path : sequence of tuple of float
-        Where the eraser went, (row, col) [px].
-    radius : float
-        How far it reaches [px].
+    Points are erased one by one, and other shapes as a whole.
     """
-    left = [_rubbed(shape, path, radius) for shape in document.shapes]
+    left = [_erased(shape, path, radius) for shape in document.shapes]
     return replace(document, shapes=tuple(shape for shape in left if shape is not None))
 
 
-def _rubbed(shape: Shape, path: Sequence[Position], radius: float) -> Shape | None:
-    """What an eraser leaves of a shape."""
+def _erased(shape: Shape, path: Sequence[Position], radius: float) -> Shape | None:
+    """The rest of a shape after erasing."""
     if isinstance(shape, Points):
         near = polyline.distances(path, shape.seeds()) <= radius
         if not near.any():
@@ -75,7 +68,7 @@ def _rubbed(shape: Shape, path: Sequence[Position], radius: float) -> Shape | No
 
 
 def _stops(path: Sequence[Position], apart: float) -> list[Position]:
-    """Places on a path no further apart than that."""
+    """Positions on a path no farther apart than `apart`."""
     stops = [path[0]]
     for begin, end in pairwise(path):
         count = max(1, math.ceil(math.dist(begin, end) / apart))
@@ -90,7 +83,7 @@ def set_shapes(document: Document, shapes: tuple[Shape, ...]) -> Document:
 
 
 def clear_shapes(document: Document) -> Document:
-    """The document with nothing drawn."""
+    """The document without shapes."""
     return set_shapes(document, ())
 
 

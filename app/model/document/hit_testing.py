@@ -1,4 +1,4 @@
-"""Hit testing: which shape, and which part of it, lies under a position."""
+"""Hit testing: the shape, and its part, under a position."""
 
 from __future__ import annotations
 
@@ -14,33 +14,17 @@ Part = Literal["handle", "body"]
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """What was hit.
-
-    Attributes
-    ----------
-    index : int
-        Index of the shape in the document.
-    part : {"handle", "body"}
-        A handle resizes or reshapes, the body moves.
-    """
+    """Index of the shape that was hit, and its part: a handle reshapes, the body moves."""
 
     index: int
     part: Part
 
 
 def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selected: int | None = None) -> Hit | None:
-    """The shape under a position; what is selected comes first, then what was drawn last.
+    """The shape under a position (row, col) [px of the image]; the selected one first, then the last drawn.
 
-    Parameters
-    ----------
-    shapes : tuple of Shape
-        Shapes in the order drawn.
-    position : tuple of float
-        (row, col) in px of the image.
-    tolerance : float
-        How far off a line, handle or point still counts [px of the image].
-    selected : int or None
-        Shape whose handles are shown.
+    `tolerance` is the distance up to which a line, handle or point is hit [px of the image]. Only the selected shape
+    shows handles.
     """
     handles = shapes[selected].handles() if selected is not None and selected < len(shapes) else ()
     if selected is not None and any(math.dist(handle, position) <= tolerance for handle in handles):

@@ -1,4 +1,4 @@
-"""Marking: pure edits of what is said about contours."""
+"""Marking: pure edits of the review of contours."""
 
 from __future__ import annotations
 
@@ -12,15 +12,7 @@ from cpm_core.numerics.types import Position
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A contour that something is said about.
-
-    Attributes
-    ----------
-    mark : Mark or None
-        What has been said about it so far.
-    anchor : tuple of float
-        Place (row, col) [px] that a first mark is put on.
-    """
+    """A contour to mark: its mark so far, and the place (row, col) [px] of its first mark."""
 
     mark: Mark | None
     anchor: Position
@@ -32,22 +24,22 @@ def judge(document: Document, targets: Iterable[Target], verdict: Verdict) -> Do
 
 
 def rename(document: Document, targets: Iterable[Target], name: str) -> Document:
-    """The document in which contours are called by a name; by none when it is empty."""
+    """The document in which contours have a name; none when it is empty."""
     return _amended(document, targets, lambda mark: replace(mark, name=name.strip()))
 
 
 def paint(document: Document, targets: Iterable[Target], color: str) -> Document:
-    """The document in which contours have a color; that of their kind when it is empty."""
+    """The document in which contours have a color; the default one when it is empty."""
     return _amended(document, targets, lambda mark: replace(mark, colour=color))
 
 
 def clear_marks(document: Document) -> Document:
-    """The document in which nothing has been said about any contour."""
+    """The document without marks."""
     return replace(document, marks=())
 
 
 def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mark], Mark]) -> Document:
-    """The document with some marks changed, new ones last, and without those that say nothing any more."""
+    """The document with some marks changed, new ones last, and without empty ones."""
     marks = list(document.marks)
     for target in targets:
         if target.mark is not None and target.mark in marks:

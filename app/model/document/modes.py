@@ -1,4 +1,4 @@
-"""Modes: what a person is after, each with the preset and the start that serve it."""
+"""Modes: purposes of a run, each with its preset and its initialization."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from cpm_core.shapes import Everywhere, Limit, Shape
 
 @dataclass(frozen=True, slots=True)
 class ModeInfo:
-    """What is said of a mode.
+    """Texts and settings of a mode.
 
     Attributes
     ----------
     title, short : str
         Name in the menu, and on a button.
     about : str
-        What it is for, in a sentence.
+        Its purpose, in a sentence.
     preset : str
         Name among the core's `PRESETS`.
     method : str
         Name among the core's `METHODS`.
     hint : str
-        What to do next when everything is ready for a run; empty for what is said anyway.
+        What to do next when everything is ready for a run; empty for the usual hint.
     """
 
     title: str
@@ -70,32 +70,27 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
 
 
 def needs_start(mode: Mode) -> bool:
-    """Whether a run in a mode begins from what is drawn."""
+    """Whether a run in a mode needs an initialization."""
     return METHODS[MODES[mode].method].seeded
 
 
 def mode_called(name: object) -> Mode:
-    """The mode of this name; the first one when there is none."""
+    """The mode of this name; the first one if there is none."""
     return cast("Mode", name) if name in MODES else "shape"
 
 
 def use_mode(document: Document, mode: Mode) -> Document:
-    """The document in another mode, with its preset and its start; limits and what is drawn by hand to start from stay.
+    """The document in another mode, with its preset and its starts; regions, barriers and charges stay.
 
-    Parameters
-    ----------
-    document : Document
-        Document before.
-    mode : Mode
-        "shape" takes away starts that nobody has drawn; "automatic" starts everywhere and nowhere else; "skeleton",
-        which needs no start, leaves the drawing alone.
+    Shape recovery removes starts all over the image; automatic segmentation removes all others; skeletons, which need
+    no start, keep all shapes.
     """
     parameters = PRESETS[MODES[mode].preset]
     return replace(document, mode=mode, shapes=starting(mode, document.shapes), parameters=parameters)
 
 
 def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
-    """The shapes that a mode begins with, given those there are."""
+    """The shapes of a document after a change to this mode."""
     if mode == "automatic":
         return (*(shape for shape in shapes if isinstance(shape, Limit)), Everywhere("grid"))
     if mode == "shape":

@@ -1,4 +1,4 @@
-"""What shapes are called in menus and messages."""
+"""Names of shapes in menus and messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sample images that come with the program, and what is drawn on them so that they are ready to run."""
+"""The sample images of the program, with shapes that make them ready to run."""
 
 from __future__ import annotations
 
@@ -18,21 +18,7 @@ from cpm_core.shapes import SHAPES, Shape
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """A sample image.
-
-    Attributes
-    ----------
-    title, about : str
-        Name, and one sentence on what it shows.
-    path : Path
-        Its file.
-    shapes : tuple of Shape
-        What is drawn on it.
-    parameters : Parameters
-        What it is run with.
-    mode : Mode
-        What it is an example of.
-    """
+    """A sample image with its shapes, parameters and mode."""
 
     title: str
     about: str
@@ -44,7 +30,7 @@ class Sample:
 
 @cache
 def samples() -> tuple[Sample, ...]:
-    """All samples, the one that the program starts on first."""
+    """All samples; the program starts with the first one."""
     listed = json.loads(asset("samples/samples.json").read_text(encoding="utf-8"))
     return tuple(
         Sample(
@@ -60,7 +46,7 @@ def samples() -> tuple[Sample, ...]:
 
 
 def sample_at(path: Path) -> Sample | None:
-    """The sample with this file, or None when it is an image of the user's own."""
+    """The sample with this file, or None for any other image."""
     return next((sample for sample in samples() if sample.path == path.resolve()), None)
 
 
@@ -70,7 +56,7 @@ def sample_called(file: str) -> Sample | None:
 
 
 def _shape(drawn: Mapping[str, Any]) -> Shape:
-    """The shape that an entry describes by the name of its kind and its fields."""
+    """The shape of an entry, given by the name of its kind and its fields."""
     fields: dict[str, Any] = {name: _frozen(value) for name, value in drawn.items() if name != "shape"}
     return SHAPES[drawn["shape"]](**fields)
 

@@ -1,4 +1,4 @@
-"""Documents and session files: the one from the other."""
+"""Conversion between documents and session files."""
 
 from __future__ import annotations
 
@@ -12,21 +12,11 @@ from cpm_core.formats.sessions.session_file import ImageFile, SessionFile
 from cpm_core.parameters import Parameters
 
 View = Mapping[str, Any]
-"""How the window looks at a document, as plain JSON."""
+"""View settings of the window, as plain JSON."""
 
 
 def to_file(document: Document, view: View, before: SessionFile | None = None) -> SessionFile:
-    """What is to be saved of a document.
-
-    Parameters
-    ----------
-    document : Document
-        What the user means.
-    view : mapping
-        How the window looks at it.
-    before : SessionFile, optional
-        What the session file held when it was read, for all that a document does not hold.
-    """
+    """The session file of a document; `before`, as it was read, gives the content that a document does not hold."""
     image = document.image
     return replace(
         before or SessionFile(),
@@ -41,5 +31,5 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
 
 
 def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
-    """The document of a session file on an image that has been opened, with the parameters that it has room for."""
+    """The document of a session file on its image, with parameters that suit the image."""
     return Document(image, file.shapes, parameters, file.marks, mode_called(file.mode))

@@ -1,1 +1,1 @@
-"""Parameters as controls, and named sets of them."""
+"""Controls of the parameters, and presets."""

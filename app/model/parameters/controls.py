@@ -1,4 +1,4 @@
-"""The controls that parameters are set by: the core's parameters, with w₁ given as its ratio to w₂."""
+"""The controls of the parameters of the core; w₁ is set by its ratio to w₂."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ _FULL_CONTRAST = 255.0
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """One slider with everything that is said about it.
+    """One slider with its texts.
 
     Attributes
     ----------
     name : str
         Field of `Parameters`, or ``"ratio"`` for w₁/w₂.
     symbol, unit, title : str
-        How it is labelled.
+        Its label.
     low, high : float
         Values that may be typed.
     slider_low, slider_high, step : float
         Range and increment of the slider.
     default : float or str
-        Value it has unless told otherwise.
+        Default value.
     meaning, more, equation : str
-        What it is, what more of it does, where it stands.
+        What it is, what a larger value does, and its equation.
     advanced : bool
-        Whether it is tucked away.
+        Whether it is hidden at first.
     acts : str
-        When a change takes hold, in words.
+        When a change acts, in words.
     automatic : bool
-        Whether it can be left to the program (``"auto"``).
+        Whether the program can choose it (``"auto"``).
     whole : bool
-        Whether only whole numbers make sense.
+        Whether it takes only whole numbers.
     """
 
     name: str
@@ -64,12 +64,12 @@ class Control:
 
     @property
     def intuitive(self) -> str:
-        """What it does, in a few plain words."""
+        """Its effect, in a few plain words."""
         return WORDS[self.name].plain
 
     @property
     def formula(self) -> str:
-        """Where it stands in the model, as rich text."""
+        """Its formula, as rich text."""
         return WORDS[self.name].formula
 
     @property
@@ -78,14 +78,14 @@ class Control:
         return rich(self.symbol)
 
     def label(self, wording: Wording) -> str:
-        """What stands beside the slider, as rich text: plain words and the symbol, or the symbol and its name."""
+        """Label of the slider, as rich text: plain words and the symbol, or the symbol and its name."""
         if wording == "intuitive":
             return f"{self.intuitive} &nbsp;<span style='font-weight: normal'>{self.rich_symbol}</span>"
         return f"{self.rich_symbol} &nbsp;{self.title}"
 
     @property
     def span(self) -> str:
-        """Values that may be typed, with their unit, and what is taken unless told otherwise."""
+        """Allowed values with their unit, and the default."""
         unit = f" {self.unit}" if self.unit else ""
         default = self.default if isinstance(self.default, str) else f"{self.default:.3g}"
         if self.high >= 1e6:
@@ -96,32 +96,32 @@ class Control:
 
     @property
     def in_gray_levels(self) -> bool:
-        """Whether its values mean something only beside the gray levels of an image."""
+        """Whether its unit is gray levels, so that its values depend on the image."""
         return PARAMETERS[self.name].unit.startswith("grey") if self.name in PARAMETERS else False
 
     @property
     def facts(self) -> str:
-        """Symbol, place in the published model, range and default in one line."""
+        """Symbol, equation, range and default in one line."""
         return " · ".join(part for part in (self.symbol, self.equation, self.span) if part)
 
 
 _ACTS = {
     "contours": tr("Acts at once, on particles at rest too."),
     "nothing": tr("Acts at the next step."),
-    "field": tr("Acts at the next step, with edge map and field built anew."),
+    "field": tr("Acts at the next step, with a new edge map and field."),
     "run": tr("Acts from the next start on."),
 }
 
 
 def controls() -> tuple[Control, ...]:
-    """All controls in the order shown, the three live ones first."""
+    """All controls in the order shown, the three main ones first."""
     made = [_from_core(name) for name in PARAMETERS if name != "w1"]
     made.insert(1, _ratio())
     return tuple(sorted(made, key=lambda control: control.advanced))
 
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:
-    """Range of the slider for an image of the given contrast, which everything in gray levels goes with."""
+    """Range of the slider; that of parameters in gray levels is scaled by the contrast of the image."""
     if not control.in_gray_levels or contrast <= 0:
         return control.slider_low, control.slider_high
     return control.slider_low, control.slider_high * contrast / _FULL_CONTRAST
@@ -136,21 +136,9 @@ def value_of(parameters: Parameters, name: str) -> float | str:
 
 
 def with_value(parameters: Parameters, name: str, value: float | str) -> Parameters:
-    """Parameters with one control set.
+    """Parameters with one control set; ``"w2"`` keeps the ratio, so that w₁ stays below it.
 
-    Parameters
-    ----------
-    parameters : Parameters
-        Parameters before.
-    name : str
-        Name of the control. ``"w2"`` keeps the ratio, so that w₁ stays below it.
-    value : float or str
-        New value.
-
-    Raises
-    ------
-    ValueError
-        When the value lies outside its range.
+    ValueError when the value is out of its range.
     """
     if name == RATIO:
         if not isinstance(value, float | int) or not LOWEST_RATIO <= value <= HIGHEST_RATIO:

@@ -1,4 +1,4 @@
-"""Presets: named settings of all parameters, those of the program and a person's own, and the files that keep them."""
+"""Presets: named settings of all parameters, those of the program and those of the user, and their files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SUFFIX = ".cpmpreset"
 _FORMAT, _VERSION = "CPM preset", 1
 _LONGEST_NAME = 60
 _LARGEST = 4_000_000
-"""Length over which a file is no preset [characters]."""
+"""Maximum length of a preset file [bytes]."""
 
 _BUILT_IN = {
     "shape": (tr("Shape recovery"), tr("Finds the whole outline of what a start is drawn in or around.")),
@@ -31,20 +31,9 @@ _BUILT_IN = {
 
 @dataclass(frozen=True, slots=True)
 class Preset:
-    """Named settings.
+    """Named settings; `picture` is a small PNG image of a result, empty for none.
 
-    Attributes
-    ----------
-    name : str
-        What a person calls it.
-    parameters : Parameters
-        What it sets.
-    about : str
-        What it is good for, in a sentence.
-    picture : bytes
-        A small picture of what it gives (PNG); empty for none.
-    key : str
-        Name among the core's `PRESETS`; empty for a person's own.
+    `key` is the name among the core's `PRESETS`, empty for a preset of the user.
     """
 
     name: str
@@ -55,37 +44,31 @@ class Preset:
 
     @property
     def own(self) -> bool:
-        """Whether it is a person's own."""
+        """Whether it is a preset of the user."""
         return not self.key
 
 
 @cache
 def built_in() -> tuple[Preset, ...]:
-    """The presets that come with the program."""
+    """The presets of the program."""
     return tuple(_made(key, parameters) for key, parameters in PRESETS.items())
 
 
 def checked_name(name: str) -> str:
-    """A name without blanks around it.
-
-    Raises
-    ------
-    ValueError
-        When it is empty, too long, or that of a preset of the program.
-    """
+    """A name without surplus spaces; ValueError when it is empty, too long, or that of a preset of the program."""
     name = " ".join(name.split())
     if not name:
         raise ValueError(tr("A preset needs a name: type one."))
     if len(name) > _LONGEST_NAME:
-        told = tr("The name has {length} letters but a preset's may have {most} at most: shorten it.")
-        raise ValueError(told.format(length=len(name), most=_LONGEST_NAME))
+        message = tr("The name has {length} letters but a preset's may have {most} at most: shorten it.")
+        raise ValueError(message.format(length=len(name), most=_LONGEST_NAME))
     if any(name == preset.name for preset in built_in()):
         raise ValueError(tr("“{name}” comes with the program: choose another name.").format(name=name))
     return name
 
 
 def written(preset: Preset) -> bytes:
-    """The file of a preset."""
+    """The content of a preset file."""
     kept = {
         "format": _FORMAT,
         "version": _VERSION,
@@ -98,30 +81,20 @@ def written(preset: Preset) -> bytes:
 
 
 def read(content: bytes, source: str) -> Preset:
-    """The preset in a file.
+    """The preset in a file, whose name is used in error messages.
 
-    Parameters
-    ----------
-    content : bytes
-        What the file holds.
-    source : str
-        Name of the file, for the messages.
-
-    Raises
-    ------
-    ValueError
-        When it is not the file of a preset, or says something that makes no sense; the message says what.
+    ValueError when it is not a valid preset file.
     """
     kept = _opened(content, source)
     version = kept.get("version")
     if not isinstance(version, int) or version < 1:
-        raise ValueError(tr("{file} does not say its version: it is damaged.").format(file=source))
+        raise ValueError(tr("{file} does not give its version: it is damaged.").format(file=source))
     if version > _VERSION:
-        told = tr("{file} has version {version} but this program reads up to {most}: a newer CPM opens it.")
-        raise ValueError(told.format(file=source, version=version, most=_VERSION))
+        message = tr("{file} has version {version} but this program reads up to {most}: a newer CPM opens it.")
+        raise ValueError(message.format(file=source, version=version, most=_VERSION))
     name, about, picture = (kept.get(field, "") for field in ("name", "about", "picture"))
     if not (isinstance(name, str) and isinstance(about, str) and isinstance(picture, str)):
-        raise ValueError(tr("{file} is damaged: its name or picture is no text.").format(file=source))
+        raise ValueError(tr("{file} is damaged: its name or picture is not text.").format(file=source))
     try:
         drawn = base64.b64decode(picture, validate=True)
     except (binascii.Error, ValueError):
@@ -138,12 +111,14 @@ def _opened(content: bytes, source: str) -> Mapping[str, Any]:
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError):
         kept = None
     if not isinstance(kept, dict) or kept.get("format") != _FORMAT:
-        raise ValueError(tr("{file} is no preset of CPM: choose a file that was exported as one.").format(file=source))
+        raise ValueError(
+            tr("{file} is not a preset of CPM: choose a file that was exported as one.").format(file=source)
+        )
     return kept
 
 
 def _parameters(kept: object) -> Parameters:
-    """Parameters from a file; those that it does not know have their defaults."""
+    """Parameters from a file; missing ones have their defaults."""
     if not isinstance(kept, dict):
         raise ValueError(tr("it holds no parameters."))
     parameters, unknown = parameters_from_plain(kept)

@@ -1,1 +1,1 @@
-"""How things stand, and what follows from it for what the window shows and enables."""
+"""State of the run, and what the window shows and enables in it."""

@@ -1,4 +1,4 @@
-"""From the situation to what the window says."""
+"""From the situation to the texts of the window."""
 
 from __future__ import annotations
 
@@ -15,28 +15,17 @@ from cpm_core.shapes import Barrier, Charge, Everywhere, Grid, Points, Shape, St
 
 FULL_SPEED = tr("full speed")
 PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
-"""Steps per second that the speed control offers; None is as fast as it goes."""
+"""Steps per second of the speed control; None for no limit."""
 FIRST_PACE = 6
 
 
 @dataclass(frozen=True, slots=True)
 class Resolved:
-    """What the window says in a situation.
+    """Texts of the window in a situation.
 
-    Attributes
-    ----------
-    title : str
-        Title of the window.
-    run_text, undo_text, redo_text : str
-        Wording of actions that changes with what they would do.
-    running : bool
-        Whether Run shows as Pause.
-    state : str
-        One sentence on how the run stands.
-    hint : str
-        One sentence on what to do next, or empty.
-    numbers : tuple of (str, str, str)
-        Label, value and explanation of the figures in the status panel.
+    `run_text`, `undo_text` and `redo_text` are texts of actions; `running` is whether Run is shown as Pause. `state` is
+    one sentence on the state of the run, `hint` one on the next thing to do, or empty. `numbers` are label, value and
+    explanation of each line of the status panel.
     """
 
     title: str
@@ -50,7 +39,7 @@ class Resolved:
 
 
 def resolve(situation: Situation) -> Resolved:
-    """What the window says; pure, so that it can be tested without one."""
+    """Texts of the window; a pure function that can be tested without a window."""
     document, status = situation.document, situation.status
     return Resolved(
         title=f"{document.image.name} – CPM" if document.image else "CPM",
@@ -69,7 +58,7 @@ def _named(text: str, name: str) -> str:
 
 
 def pace_text(pace: float | None) -> str:
-    """A speed in words."""
+    """A speed as text."""
     if pace is None:
         return FULL_SPEED
     return tr("1 step/s") if pace == 1 else tr("{pace} steps/s").format(pace=f"{pace:g}")
@@ -80,7 +69,7 @@ def _run_text(document: Document, status: RunStatus) -> str:
         return tr("Pause")
     if (status.phase == "paused" or status.steered) and not status.stale:
         return tr("Resume")
-    return tr("Run anew") if status.started else tr("Run")
+    return tr("Run again") if status.started else tr("Run")
 
 
 def _state(situation: Situation) -> str:
@@ -95,8 +84,8 @@ def _state(situation: Situation) -> str:
         case "paused":
             return tr("Paused")
         case "finished":
-            told = tr("Done – {reason}") if status.converged else tr("Stopped – {reason}")
-            return _sentence(told.format(reason=tr(status.stop_reason) if status.stop_reason else ""))
+            message = tr("Done – {reason}") if status.converged else tr("Stopped – {reason}")
+            return _sentence(message.format(reason=tr(status.stop_reason) if status.stop_reason else ""))
     if document.starts or not needs_start(document.mode):
         return tr("Ready")
     return tr("Nothing to start from yet") if document.shapes else tr("Nothing drawn yet")
@@ -126,7 +115,7 @@ def _hint_on_run(status: RunStatus) -> str:
     if status.stale:
         if status.phase == "running":
             return tr("A start or the scales have changed: Reset (R) to begin from them.")
-        return tr("A start or the scales have changed: Run starts anew from them.")
+        return tr("A start or the scales have changed: Run starts again from them.")
     if status.steered:
         return tr("The parameters have changed: Resume (Space) goes on with them, Reset (R) starts over.")
     return ""
@@ -136,7 +125,7 @@ def _what_can_be_done_to(shape: Shape) -> str:
     name = describe(shape)
     if isinstance(shape, Everywhere):
         return tr("Press Space to let the particles go; Delete takes back the {shape}.").format(shape=name)
-    told = {
+    message = {
         Grid: tr("Arrow keys or the select tool (S) move the {shape}, < and > change its spacing; Delete removes it."),
         Threshold: tr(
             "< and > change how strong an edge must be for the {shape}, arrow keys move it; Delete removes it."
@@ -145,15 +134,15 @@ def _what_can_be_done_to(shape: Shape) -> str:
         Points: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
         Barrier: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
     }.get(type(shape), tr("Arrow keys or the select tool (S) move the {shape}, < and > resize it; Delete removes it."))
-    return told.format(shape=name)
+    return message.format(shape=name)
 
 
 def _what_a_charge_does(charge: Charge) -> str:
-    told = tr(
+    message = tr(
         "Drag the {shape} of strength {strength} or move it with arrow keys; < and > make it weaker and stronger; "
         "Delete removes it."
     )
-    return told.format(shape=describe(charge), strength=f"{abs(charge.strength):g}")
+    return message.format(shape=describe(charge), strength=f"{abs(charge.strength):g}")
 
 
 def _sentence(text: str) -> str:
@@ -201,5 +190,5 @@ def _bridged(status: RunStatus) -> str:
         return tr("no gap")
     if status.bridges == 1:
         return tr("1 gap of {length} px").format(length=f"{status.longest_bridge:.1f}")
-    told = tr("{gaps} gaps, longest {length} px")
-    return told.format(gaps=status.bridges, length=f"{status.longest_bridge:.1f}")
+    message = tr("{gaps} gaps, longest {length} px")
+    return message.format(gaps=status.bridges, length=f"{status.longest_bridge:.1f}")

@@ -1,4 +1,4 @@
-"""The situation: document, selection and run together, and the conditions under which actions make sense."""
+"""The situation: document, selection and run together, and the conditions of actions."""
 
 from __future__ import annotations
 
@@ -11,18 +11,9 @@ from app.model.state.status import RunStatus
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """All that decides what the window shows and enables.
+    """Everything that decides what the window shows and enables.
 
-    Attributes
-    ----------
-    document : Document
-        What the user means.
-    status : RunStatus
-        How the run stands.
-    undo_name, redo_name : str
-        Names of what undo and redo would do, empty when there is nothing.
-    selected : int or None
-        Index of the selected shape.
+    The names of undo and redo are empty when there is nothing to undo or redo; `selected` is the index of a shape.
     """
 
     document: Document = field(default_factory=Document)
@@ -36,7 +27,7 @@ Condition = Callable[[Situation], bool]
 
 
 def always(situation: Situation) -> bool:
-    """Whatever the situation."""
+    """In any situation."""
     return True
 
 
@@ -46,7 +37,7 @@ def has_image(situation: Situation) -> bool:
 
 
 def has_shapes(situation: Situation) -> bool:
-    """Something is drawn."""
+    """There are shapes."""
     return bool(situation.document.shapes)
 
 
@@ -56,17 +47,17 @@ def has_selection(situation: Situation) -> bool:
 
 
 def can_undo(situation: Situation) -> bool:
-    """There is a way back."""
+    """There is a change to undo."""
     return bool(situation.undo_name)
 
 
 def can_redo(situation: Situation) -> bool:
-    """There is a way forth."""
+    """There is a change to redo."""
     return bool(situation.redo_name)
 
 
 def is_started(situation: Situation) -> bool:
-    """A run has been begun."""
+    """There is a run."""
     return situation.status.started
 
 
@@ -76,7 +67,7 @@ def is_running(situation: Situation) -> bool:
 
 
 def has_particles(situation: Situation) -> bool:
-    """Something of a run has been seen."""
+    """Particles of a run have been shown."""
     return situation.status.moved
 
 
@@ -86,7 +77,7 @@ def has_contours(situation: Situation) -> bool:
 
 
 def can_step(situation: Situation) -> bool:
-    """A single step can be taken: not while it runs, nor after the end of a run for which nothing has changed."""
+    """A single step can be taken: not during a run, nor after the end of a run for which nothing has changed."""
     status = situation.status
     over = status.phase == "finished" and not (status.stale or status.steered)
     return has_image(situation) and status.phase != "running" and not over

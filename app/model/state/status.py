@@ -1,4 +1,4 @@
-"""How the run stands."""
+"""State of the run."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
 @dataclass(frozen=True, slots=True)
 class RunStatus:
-    """How the run stands.
+    """State of the run.
 
     Attributes
     ----------
     phase : {"empty", "ready", "running", "paused", "finished"}
-        Without an image; with nothing started; stepping; stopped by hand; stopped by itself.
+        No image; no run; stepping; stopped by the user; ended.
     busy : str
-        What is being prepared meanwhile, empty when nothing is.
+        What is being prepared, empty for nothing.
     stale : bool
-        Whether the document's recipe differs from the one that the run started from.
+        Whether a run from the document as it is now would begin otherwise than the existing one.
     steered : bool
         Whether the run has ended and the document's parameters differ from those it ended with.
     method : str
-        Name of the method that is run.
+        Name of the method.
     steering : tuple
         `Method.steering` of the last step.
     step, count, scale : int
@@ -32,9 +32,9 @@ class RunStatus:
     epsilon : float
         Eq. (23); NaN before it is known.
     stop_reason : str
-        Why the run stopped by itself.
+        Why the run ended.
     converged : bool
-        Whether it stopped at rest.
+        Whether it ended in equilibrium.
     steps_per_second : float
         Measured speed of the run.
     closed, open : int
@@ -65,10 +65,10 @@ class RunStatus:
 
     @property
     def started(self) -> bool:
-        """Whether a run has been begun."""
+        """Whether there is a run."""
         return self.phase in ("running", "paused", "finished")
 
     @property
     def moved(self) -> bool:
-        """Whether anything of a run has been seen: the very first one may have to wait for loops to be compiled."""
+        """Whether particles have been shown; before the very first run the kernels may have to be compiled."""
         return self.started and (self.step > 0 or self.count > 0)

@@ -1,32 +1,24 @@
-"""How long something is going to take, guessed from how long it has taken so far, in words."""
+"""Estimate of the remaining time of a task, and its text."""
 
 from __future__ import annotations
 
 from app.model.text.language import tr
 
 SURE_AFTER = 1.0
-"""Time after which a guess is worth telling [s]."""
+"""Time after which an estimate is shown [s]."""
 
 _LEAST_FRACTION = 0.02
 
 
 def seconds_left(elapsed: float, fraction: float | None) -> float | None:
-    """Time that is left, None while nobody can know.
-
-    Parameters
-    ----------
-    elapsed : float
-        Time since the beginning [s].
-    fraction : float or None
-        How much of it is done, from 0 to 1; None where that is not known.
-    """
+    """Remaining time [s] after `elapsed` seconds, when a `fraction` from 0 to 1 is done; None while it is not known."""
     if fraction is None or fraction < _LEAST_FRACTION or elapsed < SURE_AFTER:
         return None
     return elapsed * (1.0 - min(fraction, 1.0)) / fraction
 
 
 def in_words(seconds: float | None) -> str:
-    """A time that is left as a person says it, empty when it is not known."""
+    """A remaining time as text, empty when it is not known."""
     if seconds is None:
         return ""
     if seconds < 10.0:

@@ -1,1 +1,1 @@
-"""Words: translation, names of parameters and shapes, and the files that come with the program."""
+"""Texts: translation, names of parameters, and the program's own files."""

@@ -1,4 +1,4 @@
-"""Where the program's own files are: samples and icons, in a checkout as in an installed package."""
+"""The program's own files, such as samples and icons, in a checkout or in an installed package."""
 
 from __future__ import annotations
 
@@ -9,17 +9,9 @@ _PLACES = (_PACKAGE / "assets", _PACKAGE.parent / "assets")
 
 
 def asset(name: str) -> Path:
-    """Path of one of the program's own files.
+    """Path of one of the program's own files, such as ``"icons/run.svg"``.
 
-    Parameters
-    ----------
-    name : str
-        Path inside the assets, such as ``"icons/run.svg"``.
-
-    Raises
-    ------
-    ValueError
-        When there is no such file; the message says that the installation is incomplete.
+    ValueError when it is missing, because the installation is incomplete.
     """
     for place in _PLACES:
         path = place / name
@@ -31,5 +23,5 @@ def asset(name: str) -> Path:
 
 
 def folder(name: str) -> Path | None:
-    """Path of a folder in the assets that need not be there; None when it is not."""
+    """Path of an optional folder in the assets; None when it does not exist."""
     return next((place / name for place in _PLACES if (place / name).is_dir()), None)

@@ -1,4 +1,4 @@
-"""Two wordings for the parameters: plain words for what a slider does, or the names and symbols of the formulas."""
+"""Two wordings of the parameters: plain words for the effect of a slider, or names and symbols of the formulas."""
 
 from __future__ import annotations
 
@@ -15,21 +15,13 @@ FIRST_WORDING: Wording = "intuitive"
 
 
 def wording_called(name: str) -> Wording:
-    """The wording of this name; the first one when there is none."""
+    """The wording of this name; the first one if there is none."""
     return cast("Wording", name) if name in get_args(Wording) else FIRST_WORDING
 
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """What is said of a control beside what the core says of its parameter.
-
-    Attributes
-    ----------
-    plain : str
-        What it does, in a few words for a label.
-    formula : str
-        Where it stands, as rich text.
-    """
+    """Label of a control in plain words, and its formula as rich text."""
 
     plain: str
     formula: str
@@ -55,11 +47,11 @@ WORDS: Mapping[str, Words] = MappingProxyType(
         "d_max": Words(tr("Gaps that are filled"), tr("a new one where {law}").format(
             law="<i>d</i><sub>min</sub> &lt; <i>d</i> ≤ <i>d</i><sub>min</sub> + <i>d</i><sub>max</sub>")),
         "smoothing": Words(tr("Blur beforehand"), "<i>f</i> = |∇(<i>G</i><sub>σ</sub> ∗ <i>I</i>)|"),
-        "scales": Words(tr("Coarse looks first"), "<i>I</i><sub>s+1</sub> = <i>I</i><sub>s</sub> ↓ 2, &nbsp;"
+        "scales": Words(tr("Coarse scales first"), "<i>I</i><sub>s+1</sub> = <i>I</i><sub>s</sub> ↓ 2, &nbsp;"
                         "<i>s</i> = <i>S</i> − 1, …, 0"),
         "edge_floor": Words(tr("Ignore faint edges"), tr("charge {charge} only where {law}").format(
             charge="−<i>f</i>", law="<i>f</i> ≥ <i>f</i><sub>min</sub> · max <i>f</i>")),
-        "max_border": Words(tr("Ignore a frame"), tr("a rim no wider than {law}").format(
+        "max_border": Words(tr("Ignore a border"), tr("a border no wider than {law}").format(
             law="<i>m</i><sub>max</sub> · min(<i>H</i>, <i>W</i>)")),
         "max_gap": Words(tr("Bridge gaps"), tr("loose ends joined where {law}").format(
             law="|<i>r</i>₁ − <i>r</i>₂| ≤ <i>g</i><sub>max</sub>")),
@@ -77,6 +69,6 @@ WORDS: Mapping[str, Words] = MappingProxyType(
 
 
 def rich(symbol: str) -> str:
-    """A symbol as rich text: what follows its first ``_`` stands lower."""
+    """A symbol as rich text: what follows its first ``_`` is a subscript."""
     head, _, foot = symbol.partition("_")
     return f"<i>{head}</i><sub>{foot}</sub>" if foot else f"<i>{head}</i>"

@@ -1,1 +1,1 @@
-"""The document while it is edited: undo, and what an edit does to a run that is under way."""
+"""The document while it is edited: undo, and what an edit changes in a run."""

@@ -1,4 +1,4 @@
-"""The document under the user's hands: what it is, what is selected, and the way back."""
+"""Editing of the document: its selection and its undo history."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Editing(SessionSignals):
 
     @property
     def document(self) -> Document:
-        """What the user means."""
+        """The document of the scene."""
         return self.scene.document
 
     @property
@@ -35,12 +35,12 @@ class Editing(SessionSignals):
 
     @property
     def undo_name(self) -> str:
-        """Name of what undo would take back, empty when there is nothing."""
+        """Name of the change that undo takes back, empty if there is none."""
         return self._history.undo_name
 
     @property
     def redo_name(self) -> str:
-        """Name of what redo would do again, empty when there is nothing."""
+        """Name of the change that redo repeats, empty if there is none."""
         return self._history.redo_name
 
     @property
@@ -49,16 +49,10 @@ class Editing(SessionSignals):
         return self._history.names, self._history.done
 
     def edit(self, name: str, edit: Callable[[Document], Document], gesture: str = "") -> None:
-        """Change the document so that it can be undone.
+        """Change the document in a way that can be undone.
 
-        Parameters
-        ----------
-        name : str
-            What is done, as it stands after "Undo".
-        edit : callable
-            Document to document; a `ValueError` is told to the user and changes nothing.
-        gesture : str
-            Edits in a row with the same gesture are undone together.
+        `name` is what follows "Undo" in the menu. Edits in a row with the same gesture are undone together. A
+        `ValueError` of `edit` is shown to the user and changes nothing.
         """
         before = self.document
         try:
@@ -68,23 +62,23 @@ class Editing(SessionSignals):
             return
         if after != before:
             self._history.push(Change(name, before, after, gesture))
-            self._use(after, settled=not gesture)
+            self._use(after, complete=not gesture)
 
     def seal(self) -> None:
-        """End a gesture: the next edit is undone by itself."""
+        """End a gesture: the next edit is undone separately."""
         self._history.seal()
-        self._settle()
+        self._end_gesture()
 
     def undo(self) -> None:
         """Take back the last edit."""
         self._use(self._history.undo())
 
     def redo(self) -> None:
-        """Do again what was undone last."""
+        """Repeat the edit that was undone last."""
         self._use(self._history.redo())
 
     def go_to(self, done: int) -> None:
-        """Take back or do again until so many of the changes in `changes` are done."""
+        """Undo or redo until so many of the `changes` are done."""
         self._use(self._history.go_to(done))
 
     def select(self, index: int | None) -> None:
@@ -108,18 +102,18 @@ class Editing(SessionSignals):
             self.edit(name, lambda document: edits.delete_shape(document, index))
 
     def begin_document(self, document: Document) -> None:
-        """Begin anew with a document, without a way back to the one before."""
+        """Use another document, with an empty undo history."""
         self._history.clear()
         self._scene = replace(self.scene, selected=None)
         self._use(document)
 
-    def _follow(self, before: Document, after: Document, settled: bool) -> None:
-        """The document has changed; unless it is `settled`, the gesture goes on that changes it."""
+    def _follow(self, before: Document, after: Document, complete: bool) -> None:
+        """The document has changed; unless `complete`, the gesture that changes it continues."""
 
-    def _settle(self) -> None:
+    def _end_gesture(self) -> None:
         """A gesture has ended."""
 
-    def _use(self, document: Document | None, settled: bool = True) -> None:
+    def _use(self, document: Document | None, complete: bool = True) -> None:
         before, scene = self.document, self.scene
         if document is None or document == before:
             return
@@ -130,7 +124,7 @@ class Editing(SessionSignals):
         if document.marks != before.marks:
             contours = ReviewedContours.of(contours.tracked, document.marks)
         self._scene = replace(scene, document=document, selected=selected, contours=contours)
-        self._follow(before, document, settled)
+        self._follow(before, document, complete)
         self.scene_changed.emit()
         self.document_changed.emit(document)
         self.show_status()

@@ -1,8 +1,8 @@
-"""Steering: what is drawn, moved or taken back while a run exists acts in it at once.
+"""Interventions: edits of the document change the run that exists at once.
 
-Regions of interest, barriers and placed charges hold for every run: the worker is told whenever they change, and of
-many changes in a row it obeys the last. Starts that are added bring their particles when the gesture ends that draws
-them. A start that is moved or removed has let its particles go already; the run is then out of date, no more.
+Regions of interest, barriers and placed charges apply to every run: each change is sent to the worker, and of many
+changes in a row the last is executed. The particles of new starts join the run when the gesture that draws them ends.
+When a start is moved or removed after the run has begun, the run is only marked as out of date.
 """
 
 from __future__ import annotations
@@ -16,24 +16,14 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.document.editing import Editing
 from app.session.updates import Progress
-from app.session.worker.commands.run import Command, FindSeeds, SetParameters
-from app.session.worker.commands.steering import Erase, Join, Limit, PlaceCharges
+from app.session.worker.commands.run import Command, FindSeeds, RunCall
+from app.session.worker.run import Run
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import Points, Region, Shape, Start
 
 
 class Live:
-    """Compares documents, and tells the worker what has changed, above all for the run that exists.
-
-    Parameters
-    ----------
-    session : Editing
-        Whose document and run they are.
-    progress : Progress
-        How the run stands.
-    post : callable
-        Sends a command to the worker.
-    """
+    """Compares documents and sends changes to the worker."""
 
     def __init__(self, session: Editing, progress: Progress, post: Callable[[Command], None]) -> None:
         self._session = session
@@ -41,76 +31,76 @@ class Live:
         self._post = post
         self._late: tuple[object, ...] = ()
         self._executed: Counter[Hashable] = Counter()
-        self._settled: Counter[Hashable] = Counter()
-        self._looked_at: tuple[Shape, ...] | None = None
-        self._judged: tuple[tuple[Shape, ...] | None, Counter[Hashable], bool] = (None, self._executed, False)
+        self._drawn: Counter[Hashable] = Counter()
+        self._last_shapes: tuple[Shape, ...] | None = None
+        self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable], bool] = (None, self._executed, False)
 
     def begin(self, document: Document) -> None:
         """A run starts from a document."""
         self._late = document.late
-        self._executed = self._settled = document.sources
-        self._looked_at = document.shapes
+        self._executed = self._drawn = document.sources
+        self._last_shapes = document.shapes
 
     def outdated(self, document: Document) -> bool:
-        """Whether a run that started from the document now would begin otherwise than the one that exists did.
+        """Whether a run from the current document would begin otherwise than the existing one did.
 
-        What has only been added joins the run.
+        Starts that have only been added join the run.
         """
-        advance, executed, lost = self._judged
-        # A window asks many times a second, and many thousand points take a while to go through.
-        if advance is not document.shapes or executed is not self._executed:
+        shapes, executed, lost = self._outdated
+        # The window asks many times a second, and many thousand points take a while to compare.
+        if shapes is not document.shapes or executed is not self._executed:
             lost = bool(self._executed - document.sources)
-            self._judged = (document.shapes, self._executed, lost)
+            self._outdated = (document.shapes, self._executed, lost)
         return lost or document.late != self._late
 
-    def follow(self, before: Document, after: Document, settled: bool) -> None:
-        """The document has changed; unless it is `settled`, the gesture goes on that changes it."""
+    def follow(self, before: Document, after: Document, complete: bool) -> None:
+        """The document has changed; unless `complete`, the gesture that changes it continues."""
         session = self._session
         if before.parameters != after.parameters:
-            self._post(SetParameters(after.parameters))
-        if after.sowable and before.sowing != after.sowing:
-            self._progress.busy("sowing", tr("Looking for places to start from…"))
+            self._post(RunCall(None, Run.set_parameters, after.parameters))
+        if after.image_starts and before.seeding_inputs != after.seeding_inputs:
+            self._progress.busy("seeding", tr("Looking for places to start from…"))
             self._post(FindSeeds(session.image_generation, after))
         if before.charges != after.charges:
-            self._post(PlaceCharges(session.image_generation, after.charges))
+            self._post(RunCall(None, Run.place, session.image_generation, after.charges))
         if not self._progress.status.started:
             return
         if before.regions != after.regions:
-            self._post(Limit(session.generation, after.regions))
-        if settled:
-            self.settle()
+            self._post(RunCall(session.generation, Run.limit, after.regions))
+        if complete:
+            self.end_gesture()
 
-    def settle(self) -> None:
+    def end_gesture(self) -> None:
         """A gesture has ended: the starts that it has added join the run."""
         document = self._session.document
-        if document.shapes is self._looked_at:
-            return  # parameters, most often, and many points take a while to go through
-        self._looked_at = document.shapes
+        if document.shapes is self._last_shapes:
+            return  # most often only parameters changed, and many points take a while to compare
+        self._last_shapes = document.shapes
         drawn = document.sources
-        lost, gained = self._settled - drawn, drawn - self._settled
-        self._settled = drawn
+        lost, gained = self._drawn - drawn, drawn - self._drawn
+        self._drawn = drawn
         if not self._progress.status.started or lost.total() == gained.total():
-            return  # nothing, or a start that was moved or reshaped
+            return  # no change, or a start that was moved or reshaped
         new = (drawn - self._executed) & gained
         if new:
             self._executed = self._executed + new
-            self._post(Join(self._session.generation, _only(document, new)))
+            self._post(RunCall(self._session.generation, Run.join, _only(document, new)))
 
     def erase(self, path: tuple[Position, ...], radius: float) -> Document:
-        """Take away the particles near a path, and tell what the document is without the shapes near it.
+        """Remove the particles near a path, and return the document without the shapes near it.
 
-        The run obeys that as well as the document, so that it is not out of date afterwards.
+        Run and document stay consistent, so that the run is not out of date afterwards.
         """
         session = self._session
         rest = edits.erase(session.document, path, radius)
         self._executed = self._executed - (session.document.sources - rest.sources)
         if self._progress.status.started:
-            self._post(Erase(session.generation, path, radius))
+            self._post(RunCall(session.generation, Run.erase, path, radius))
         return rest
 
 
 def _only(document: Document, sources: Counter[Hashable]) -> Document:
-    """The document with these sources alone, in its regions of interest."""
+    """The document with only these sources, in its regions of interest."""
     points = tuple(source for source in sources.elements() if isinstance(source, tuple))
     starts = [source for source in sources.elements() if isinstance(source, Start)]
     regions = [shape for shape in document.shapes if isinstance(shape, Region)]

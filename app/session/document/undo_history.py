@@ -11,16 +11,9 @@ DEEPEST = 500
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One change that can be undone.
+    """A change that can be undone.
 
-    Attributes
-    ----------
-    name : str
-        What was done, as it stands after "Undo".
-    before, after : Document
-        The document on either side.
-    gesture : str
-        Changes in a row with the same gesture, such as the drag of a slider, become one; empty never merges.
+    Changes in a row with the same gesture, such as the drag of a slider, become one; an empty one never merges.
     """
 
     name: str
@@ -30,7 +23,7 @@ class Change:
 
 
 class History:
-    """Changes done and undone."""
+    """Changes that are done and undone."""
 
     def __init__(self) -> None:
         self._done: list[Change] = []
@@ -39,12 +32,12 @@ class History:
 
     @property
     def undo_name(self) -> str:
-        """Name of what undo would take back, empty when there is nothing."""
+        """Name of the change that undo takes back, empty if there is none."""
         return self._done[-1].name if self._done else ""
 
     @property
     def redo_name(self) -> str:
-        """Name of what redo would do again, empty when there is nothing."""
+        """Name of the change that redo repeats, empty if there is none."""
         return self._undone[-1].name if self._undone else ""
 
     @property
@@ -54,11 +47,11 @@ class History:
 
     @property
     def done(self) -> int:
-        """How many of them are done."""
+        """Number of changes that are done."""
         return len(self._done)
 
     def go_to(self, done: int) -> Document | None:
-        """The document with so many of the changes done, or None when that is how it is."""
+        """The document with so many changes done; None if it is the current one."""
         document = None
         while self._done and len(self._done) > done:
             document = self.undo()
@@ -81,7 +74,7 @@ class History:
         del self._done[:-DEEPEST]
 
     def seal(self) -> None:
-        """End a gesture: the next change stands for itself."""
+        """End a gesture: the next change is separate."""
         self._open = False
 
     def undo(self) -> Document | None:
@@ -93,7 +86,7 @@ class History:
         return self._turn(self._undone, self._done, back=False)
 
     def clear(self) -> None:
-        """Forget everything, as when another image is opened."""
+        """Remove all changes, as when another image is opened."""
         self._done.clear()
         self._undone.clear()
         self._open = False

@@ -1,1 +1,1 @@
-"""What passes between the worker thread and the window: messages, and the places where they are left."""
+"""Messages between the worker thread and the window, and the slots that hold them."""

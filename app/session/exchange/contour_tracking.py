@@ -1,4 +1,4 @@
-"""The survey of the contours of a reconstruction: what is known about each, and which of those before it is."""
+"""Contour tracking: the measures of each contour, and which contour of the last reconstruction it is."""
 
 from __future__ import annotations
 
@@ -13,17 +13,7 @@ from cpm_core.numerics.types import Position
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TrackedContours:
-    """Contours with what is known about them.
-
-    Attributes
-    ----------
-    result : Result
-        The reconstruction.
-    keys : tuple of int
-        For each contour a number that stays its own through the reconstructions to come.
-    measures : tuple of Measures
-        For each contour a row of the table.
-    """
+    """The contours of a reconstruction, each with a key that later reconstructions keep, and its measures."""
 
     result: Result
     keys: tuple[int, ...]
@@ -31,22 +21,14 @@ class TrackedContours:
 
 
 class ContourTracker:
-    """Makes surveys one after the other, and recognises contours that it has seen before by where they pass."""
+    """Recognizes the contours of one reconstruction after the other by where they pass."""
 
     def __init__(self) -> None:
         self._fresh = itertools.count()
         self._seen: list[tuple[int, Position]] = []
 
     def track(self, result: Result, thorough: bool) -> TrackedContours:
-        """Look at the contours of a reconstruction.
-
-        Parameters
-        ----------
-        result : Result
-            The reconstruction.
-        thorough : bool
-            Whether there is time to measure the contrast too.
-        """
+        """Measure the contours of a reconstruction; the contrast, which takes long, only where `thorough`."""
         contours = result.contours
         places = [place for _, place in self._seen]
         known = {

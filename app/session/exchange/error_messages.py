@@ -1,4 +1,4 @@
-"""Errors turned into one sentence for people."""
+"""Errors as one sentence for the user."""
 
 from __future__ import annotations
 
@@ -9,14 +9,9 @@ log = logging.getLogger(__name__)
 
 
 def sentence(error: Exception, activity: str) -> str:
-    """One sentence that says what went wrong.
+    """One sentence on what went wrong during an activity such as ``"opening a.png"``.
 
-    Parameters
-    ----------
-    error : Exception
-        `ValueError` and `OSError` speak for themselves; anything else is our mistake and is logged in full.
-    activity : str
-        What was being done, as in ``"opening a.png"``.
+    The texts of `ValueError` and `OSError` are used; any other error is a defect of the program and is logged in full.
     """
     if isinstance(error, ValueError):
         text = str(error)
@@ -24,9 +19,9 @@ def sentence(error: Exception, activity: str) -> str:
         name = Path(error.filename).name if isinstance(error.filename, str | Path) else ""
         text = f"{name}: {error.strerror}" if name and error.strerror else str(error)
     else:
-        log.error("unexpected trouble while %s", activity, exc_info=error)
+        log.error("unexpected error while %s", activity, exc_info=error)
         text = f"Something unexpected happened while {activity}: {error or type(error).__name__}"
     text = " ".join(text.split())
-    if text.partition(" ")[0].isalpha():  # names of files are left as they are
+    if text.partition(" ")[0].isalpha():  # file names are not changed
         text = text[:1].upper() + text[1:]
     return text if text.endswith((".", "!", "?")) else f"{text}."

@@ -1,4 +1,4 @@
-"""What comes up from the worker: snapshots, of which the newest wins, and reports, which are few and never lost."""
+"""Messages of the worker: snapshots, of which the newest wins, and reports, which are few and never lost."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.display.display_image import DisplayImage
+from app.model.display.plots import RunMetrics
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.timeline import Outline
 from cpm_core.contours.result import Result
@@ -26,59 +27,27 @@ from cpm_core.shapes.image_starts import ImageSeeds
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class RunMetrics:
-    """The run so far, for plots: arrays of equal length, one entry a step, NaN for what a method does not measure.
-
-    Attributes
-    ----------
-    step : ndarray, shape (K,)
-        Number of the step.
-    epsilon : ndarray, shape (K,)
-        Eq. (23) [px of the scale]; NaN while it is not known.
-    count, born, deleted : ndarray, shape (K,)
-        Particles, and how many of them came and went in the step.
-    kinetic, potential : ndarray, shape (K,)
-        Energies of all particles [px^2 / unit of time^2]; the latter is worked out every few steps, in between that of
-        the last time stands for it; NaN before.
-    scale : ndarray, shape (K,)
-        Level of the image pyramid.
-    numbered : ndarray, shape (K,)
-        Identity that the next particle was to have.
-    """
-
-    step: Array
-    epsilon: Array
-    count: Array
-    born: Array
-    deleted: Array
-    kinetic: Array
-    potential: Array
-    scale: Array
-    numbered: Array
-
-
-@dataclass(frozen=True, eq=False, slots=True)
 class Snapshot:
     """The particles after a step, as the window shows them.
 
     Attributes
     ----------
     generation : int
-        The run that it belongs to.
+        The run.
     method : str
-        Name of the method that is run.
+        Name of the method.
     state : MethodState
-        The moment of the run, which is never changed.
+        State of the run, which is never changed.
     position : ndarray, shape (N, 2)
         (row, col) in px of the image.
     resting : ndarray of bool, shape (N,)
-        Particles that hardly move.
+        Particles that are at rest.
     steps_per_second : float
         Measured speed.
     metrics : RunMetrics
         The run so far.
     timeline : Outline
-        The branches of the run and the one that it is on.
+        The branches of the run.
     """
 
     generation: int
@@ -93,17 +62,7 @@ class Snapshot:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Reconstruction:
-    """What a recent snapshot comes to.
-
-    Attributes
-    ----------
-    generation : int
-        The run that it belongs to.
-    result : Result or Skeleton
-        The contours.
-    tracked : TrackedContours or None
-        What is known about them; None for a skeleton.
-    """
+    """The contours of a recent snapshot; `tracked` is None for a skeleton."""
 
     generation: int
     result: Result | Skeleton
@@ -111,17 +70,14 @@ class Reconstruction:
 
     @classmethod
     def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
-        """The contours of a run with all that is found out about them."""
+        """The contours of a run with their keys and measures."""
         tracked = None if isinstance(result, Skeleton) else tracker.track(result, thorough)
         return cls(generation, result, tracked)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Overlays:
-    """What is asked for of what lies over the image, by name; see `app.session.worker.overlays`.
-
-    It belongs to the image that was opened as `generation`, whatever has been run on it since.
-    """
+    """The requested overlays by name, for the image opened as `generation`; see `app.session.worker.overlays`."""
 
     generation: int
     arrays: Mapping[str, NDArray[np.generic]]
@@ -131,23 +87,16 @@ class Overlays:
 
 
 class Report:
-    """What the window must not miss; each kind is passed on to those whom it concerns."""
+    """A message that the window must not miss; each kind is passed to its listeners."""
 
     __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Saved(Report):
-    """A session file has been written or read.
+    """A session file has been written or read; `path` is None for work that has none yet.
 
-    Attributes
-    ----------
-    path : Path or None
-        Its place; None for work that has none yet.
-    file : SessionFile
-        What it holds.
-    recovered : bool
-        Whether it was found after a crash, so that what it holds is not saved yet.
+    Where `recovered`, it was found after a crash and is not saved yet.
     """
 
     path: Path | None
@@ -157,7 +106,7 @@ class Saved(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Opened(Report):
-    """An image has been read and a method is ready for it, with the parameters asked for as far as it has room."""
+    """An image has been read and a method is ready, with as many of the requested scales as the image has room for."""
 
     image: Image
     method: Method[Any]
@@ -171,7 +120,7 @@ class Opened(Report):
 
 @dataclass(frozen=True, slots=True)
 class NotOpened(Report):
-    """An image could not be used; everything is as before, and the user may be offered another one."""
+    """An image could not be used; what is open stays, and `otherwise` may be opened."""
 
     sentence: str
     otherwise: Path | None = None
@@ -179,7 +128,7 @@ class NotOpened(Report):
 
 @dataclass(frozen=True, slots=True)
 class RunFailed(Report):
-    """A run could not start or go on."""
+    """A run could not start or continue."""
 
     generation: int
     sentence: str
@@ -187,14 +136,14 @@ class RunFailed(Report):
 
 @dataclass(frozen=True, slots=True)
 class WentOn(Report):
-    """A run that had ended goes on with something that was put into it."""
+    """A run that had ended goes on after an intervention."""
 
     generation: int
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SeedsFound(Report):
-    """Positions from which particles start all over the image opened as `generation`, or why there are none."""
+    """Seeds that depend on the image opened as `generation`, or an error message."""
 
     generation: int
     image_seeds: ImageSeeds
@@ -210,7 +159,7 @@ class Exported(Report):
 
 @dataclass(frozen=True, slots=True)
 class CommandFailed(Report):
-    """Something asked for did not work and nothing else changed."""
+    """A command failed and nothing changed."""
 
     sentence: str
 

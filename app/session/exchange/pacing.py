@@ -1,4 +1,4 @@
-"""How often something happens: the limit and the measured speed."""
+"""Rate of steps: the limit and the measured speed."""
 
 from __future__ import annotations
 
@@ -9,13 +9,7 @@ _MEASURED_OVER = 0.5
 
 
 class Pacer:
-    """Says how long to wait for the next step.
-
-    Parameters
-    ----------
-    clock : callable
-        Seconds that only go forward.
-    """
+    """Gives the time to wait for the next step; `clock` gives seconds."""
 
     def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
         self._clock = clock
@@ -31,7 +25,7 @@ class Pacer:
         self._due = self._clock()
 
     def begin(self) -> None:
-        """Start measuring, as when a run goes on after a pause."""
+        """Start measuring, as when a run continues after a pause."""
         self._due = self._since = self._clock()
         self._counted = 0
 
@@ -43,7 +37,7 @@ class Pacer:
         """Count a step."""
         now = self._clock()
         if self._limit is not None:
-            # A step that came late is not made up for: the picture should not race after a pause.
+            # A late step is not made up for: the display should not race after a pause.
             self._due = max(self._due + 1.0 / self._limit, now)
         self._counted += 1
         if now - self._since >= _MEASURED_OVER:

@@ -1,1 +1,1 @@
-"""What the session offers beside a run: review of contours, comparison with a truth, sweeps, skeletons, navigation."""
+"""Features of the session beside a run: contour review, ground truth, parameter sweeps, skeletons, navigation."""

@@ -1,4 +1,4 @@
-"""Another branch of the timeline that is shown beside the one that the run is on."""
+"""Comparison of another branch of the timeline with the branch of the run."""
 
 from __future__ import annotations
 
@@ -12,23 +12,17 @@ from app.session.worker.commands.timeline import Compare, Compared
 from cpm_core.contours.result import Result
 
 _EVERY, _SELDOM, _QUIET = 100, 500, 200
-"""Time between two comparisons while steps are gone through and while the run goes on, and time without any after which
+"""Time between two comparisons while the timeline is scrubbed and during a run, and time without one after which
 contours are compared [ms]."""
 
 
 class BranchComparison(QObject):
-    """Asks the worker what a branch is at the step that is shown; the answer is `Scene.compared`.
-
-    Parameters
-    ----------
-    session : Session
-        Whose run.
-    """
+    """Requests the state of a branch at the step that is shown; the answer is `Scene.compared`."""
 
     changed = Signal()
-    """Another branch is compared with, or none."""
+    """Another branch is compared, or none."""
     found_changed = Signal()
-    """`found` is another one."""
+    """`found` has been replaced."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -45,16 +39,16 @@ class BranchComparison(QObject):
 
     @property
     def branch(self) -> int | None:
-        """The branch compared with."""
+        """The branch that is compared."""
         return self._branch
 
     @property
     def found(self) -> Compared | None:
-        """What the branch is at the step that is shown; None while that is not known."""
+        """The branch at the step that is shown; None while that is not known."""
         return self._compared if self._compared is not None and self._compared.branch is not None else None
 
     def compare(self, branch: int | None) -> None:
-        """Show another branch beside the one that the run is on; None for none."""
+        """Show another branch beside that of the run; None for none."""
         self._branch = branch
         self._compare(None)
         self._quiet.start()

@@ -1,4 +1,4 @@
-"""Review of contours in the window: what has been said about them, and which are selected."""
+"""Contour review: marks and selection of contours."""
 
 from __future__ import annotations
 
@@ -21,25 +21,14 @@ _Edit = Callable[[Document, list[Target]], Document]
 
 
 class ContourReview(QObject):
-    """All that is said about the contours of a scene goes through it, and their selection.
-
-    Parameters
-    ----------
-    session : Session
-        Whose scene holds the contours and whose document keeps the marks.
-
-    Attributes
-    ----------
-    rejected_seen : bool
-        Whether those rejected are shown, and can be picked.
-    """
+    """Marks and selects the contours of the scene; where `rejected_seen`, rejected ones are shown and can be picked."""
 
     changed = Signal()
-    """There are other contours, or something has been said about them."""
+    """The contours or their marks have changed."""
     selection_changed = Signal()
-    """Others are selected."""
+    """The selection has changed."""
     hover_changed = Signal()
-    """The pointer is over another one."""
+    """The pointer is over another contour."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -51,7 +40,7 @@ class ContourReview(QObject):
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(lambda: self.select(()))
 
-    # Looking
+    # State
 
     def __getitem__(self, key: int) -> Item:
         return self._by_key[key]
@@ -66,26 +55,26 @@ class ContourReview(QObject):
 
     @property
     def result(self) -> Result | None:
-        """The reconstruction, with all that has been found."""
+        """The reconstruction, with rejected contours too."""
         return self._session.scene.contours.result
 
     @property
     def selected(self) -> frozenset[int]:
-        """Keys of those selected."""
+        """Keys of the selected contours."""
         return self._session.scene.selected_contours
 
     @property
     def hovered(self) -> int | None:
-        """Key of the one that the pointer is over."""
+        """Key of the contour under the pointer."""
         return self._session.scene.hovered_contour
 
     @property
     def chosen(self) -> tuple[Item, ...]:
-        """What is selected."""
+        """The selected contours."""
         return tuple(item for item in self.items if item.key in self.selected)
 
     def under(self, place: Position, reach: float) -> int | None:
-        """Key of the contour nearest to a place (row, col) within `reach` [px], as far as it is seen."""
+        """Key of the shown contour nearest to a place (row, col) within `reach` [px]."""
         if self._around is None:
             self._around = Neighborhood([item.contour for item in self.items])
         near = (self.items[index] for index, _ in self._around.passing(place, reach))
@@ -94,22 +83,22 @@ class ContourReview(QObject):
     # Selecting
 
     def select(self, keys: Iterable[int]) -> None:
-        """Select these and no others."""
+        """Select only these contours."""
         selected = frozenset(keys)
         if selected != self.selected:
             self._session.show(replace(self._session.scene, selected_contours=selected))
             self.selection_changed.emit()
 
     def hover(self, key: int | None) -> None:
-        """Tell that the pointer is over a contour, or over none."""
+        """Set the contour under the pointer, or None."""
         if key != self.hovered:
             self._session.show(replace(self._session.scene, hovered_contour=key))
             self.hover_changed.emit()
 
-    # Saying
+    # Marking
 
     def judge(self, verdict: Verdict) -> None:
-        """Keep or reject what is selected; to do it again takes it back."""
+        """Keep or reject the selected contours; the same verdict again removes it."""
         chosen = self.chosen
         if not chosen:
             return
@@ -119,16 +108,14 @@ class ContourReview(QObject):
         self._edit(words[verdict], chosen, lambda document, targets: marking.judge(document, targets, verdict))
 
     def rename(self, key: int, name: str) -> None:
-        """Call a contour by a name."""
+        """Name a contour."""
         if key in self and name.strip() != self[key].contour.name:
             rename: _Edit = lambda document, targets: marking.rename(document, targets, name)  # noqa: E731
             self._edit(tr("name {what}"), [self[key]], rename)
 
     def paint(self, color: str) -> None:
-        """Give what is selected a color, or none of its own."""
+        """Color the selected contours; an empty color removes their own."""
         self._edit(tr("color {what}"), self.chosen, lambda document, targets: marking.paint(document, targets, color))
-
-    # Inside
 
     def _edit(self, words: str, items: Iterable[Item], edit: _Edit) -> None:
         items = list(items)

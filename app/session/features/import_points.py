@@ -1,4 +1,4 @@
-"""Points read from a file on a thread of their own."""
+"""Points read from a file on a separate thread."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cpm_core.formats import load_points
 from cpm_core.shapes import Points
 
 MOST = 100_000
-"""Points up to which they are drawn as what they are [number]."""
+"""Largest number of points that can be drawn."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,13 +25,13 @@ class PointsRead(Report):
 
 
 def read_points(session: Session, path: Path) -> None:
-    """Begin to read points; `PointsRead` is reported, or what is wrong with the file."""
+    """Start to read points; the report is `PointsRead` or an error message."""
 
     def work(task: Task) -> Report:
         positions = load_points(path)
         if len(positions) > MOST:
-            told = tr("{name} has {count} points, but no more than {most} can be drawn.")
-            raise ValueError(told.format(name=path.name, count=len(positions), most=MOST))
+            message = tr("{name} has {count} points, but no more than {most} can be drawn.")
+            raise ValueError(message.format(name=path.name, count=len(positions), most=MOST))
         return PointsRead(path, Points(tuple((row, col) for row, col in positions.tolist())))
 
     session.tasks.start(tr("Reading {name}…").format(name=path.name), work, f"reading {path.name}")

@@ -1,4 +1,4 @@
-"""The sweep: the runs of a mosaic, several at a time, on threads of their own."""
+"""Parameter sweep: the runs of a mosaic, several at a time, on separate threads."""
 
 from __future__ import annotations
 
@@ -30,18 +30,9 @@ _Dice = Callable[[Sequence[Contour]], float | None]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Done:
-    """A tile that has been run.
+    """A tile that has been run, without rejected contours; `result` is None and `trouble` is the reason if that failed.
 
-    Attributes
-    ----------
-    tile : Tile
-        Which one.
-    result : Result or None
-        What came of it, without what has been rejected; None when it could not be run.
-    dice : float or None
-        Overlap with the truth, where there is one.
-    trouble : str
-        Why it could not be run.
+    `dice` is the overlap with the ground truth, if there is one.
     """
 
     tile: Tile
@@ -56,22 +47,14 @@ class Swept(Report):
 
 
 class Sweep(QObject):
-    """Runs the tiles of a plan as the document would be run, headless.
-
-    Parameters
-    ----------
-    session : Session
-        Whose image and drawing it uses; its run is left alone.
-    truth : GroundTruth
-        What the contours are compared with.
-    """
+    """Runs the tiles of a plan as the document would be run, without changing the run of the session."""
 
     began = Signal(object)
-    """A tile is being run: Tile."""
+    """The run of a tile has begun: Tile."""
     finished = Signal(object)
     """A tile has been run: Done."""
     ended = Signal()
-    """Nothing is being run any more: all is done, or it has been given up."""
+    """All tiles are done, or the sweep has been cancelled."""
 
     def __init__(self, session: Session, truth: GroundTruth) -> None:
         super().__init__(session)
@@ -100,7 +83,7 @@ class Sweep(QObject):
         )
 
     def cancel(self) -> None:
-        """Give up what has not been run."""
+        """Cancel the tiles that have not been run."""
         if self.task is not None:
             self.task.cancel()
             self.task = None
@@ -115,10 +98,10 @@ class Sweep(QObject):
             if task.cancelled:
                 return
             self.began.emit(tile)
-            came = runs.run(tile)
-            if came is None or task.cancelled:
+            result = runs.run(tile)
+            if result is None or task.cancelled:
                 return
-            self.finished.emit(came)
+            self.finished.emit(result)
             with lock:
                 done += 1
                 task.fraction = done / len(plan.tiles)
@@ -136,7 +119,7 @@ class Sweep(QObject):
 
 
 class _Runs:
-    """What the runs of a mosaic share: image, drawing, and an engine for each number of scales."""
+    """Image, document and seeds of the runs of a mosaic, and an engine for each number of scales."""
 
     def __init__(self, image: Image, document: Document, task: Task, dice: _Dice) -> None:
         self._image = image
@@ -148,17 +131,17 @@ class _Runs:
         self._lock = threading.Lock()
 
     def run(self, tile: Tile) -> Done | None:
-        """Run a tile to its end; None when it has been given up before."""
+        """Run a tile to its end; None when it has been cancelled."""
         try:
             result = self._result(tile)
             return None if result is None else Done(tile, result, self._dice(result.contours))
-        except Exception as error:  # what goes wrong in one tile is told there, and the others go on
+        except Exception as error:  # an error is shown in its tile, and the others go on
             return Done(tile, None, trouble=sentence(error, "running a tile"))
 
     def _result(self, tile: Tile) -> Result | None:
         parameters, document = tile.parameters, self._document
-        with self._lock:  # places to start from and engine are kept for the other tiles
-            image_seeds = self._seed_cache.seeds_for(document.sowable, parameters.smoothing, document.regions)
+        with self._lock:  # seeds and engine are kept for the other tiles
+            image_seeds = self._seed_cache.seeds_for(document.image_starts, parameters.smoothing, document.regions)
             if parameters.scales not in self._engines:
                 self._engines[parameters.scales] = Engine(self._image, parameters, document.regions)
             engine = self._engines[parameters.scales]

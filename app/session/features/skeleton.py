@@ -1,4 +1,4 @@
-"""Keeping the skeleton up to date: told of when it is found, and found anew when a parameter has changed."""
+"""Skeletons that follow the parameters."""
 
 from __future__ import annotations
 
@@ -12,23 +12,17 @@ from cpm_core.parameters import Parameters
 
 
 class Skeletons(QObject):
-    """Lets a run of the skeleton that has ended go on when a parameter changes: that takes but three steps.
-
-    Parameters
-    ----------
-    session : Session
-        Whose run it is.
-    """
+    """Resumes a skeleton run that has ended when a parameter changes, which takes only three steps."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
         self._parameters: Parameters | None = None
         self._changed = False
-        self._told = False
+        self._described = False
         session.document_changed.connect(self._use_document)
         session.status_changed.connect(self._follow)
-        session.scene_changed.connect(self._tell)
+        session.scene_changed.connect(self._describe)
 
     def _use_document(self, document: Document) -> None:
         if document.parameters is not self._parameters:
@@ -44,14 +38,14 @@ class Skeletons(QObject):
             if status.steered:
                 self._session.run()
 
-    def _tell(self) -> None:
+    def _describe(self) -> None:
         found = self._session.scene.skeleton
-        if found is not None and not self._told:
+        if found is not None and not self._described:
             self._session.say(_description(found))
-        self._told = found is not None
+        self._described = found is not None
 
 
 def _description(found: Skeleton) -> str:
     thickest = max(float(radii.max()) for radii in found.radii)
-    told = tr("Skeleton: {branches} branches, {length} px long together, up to {thick} px thick.")
-    return told.format(branches=len(found.contours), length=f"{found.length:,.0f}", thick=f"{2 * thickest:.1f}")
+    message = tr("Skeleton: {branches} branches, {length} px long together, up to {thick} px thick.")
+    return message.format(branches=len(found.contours), length=f"{found.length:,.0f}", thick=f"{2 * thickest:.1f}")

@@ -1,4 +1,4 @@
-"""Where in its timeline the run stands, as the window knows and wants it."""
+"""Navigation along the timeline of the run."""
 
 from __future__ import annotations
 
@@ -12,35 +12,25 @@ from app.session.features.branch_comparison import BranchComparison
 from app.session.session import Session
 from app.session.timeline.branches import Branch
 from app.session.timeline.timeline import Outline
-from app.session.worker.commands.run import Halt
-from app.session.worker.commands.timeline import DropBranch, RenameBranch, Seek
+from app.session.worker.commands.run import RunCall
+from app.session.worker.commands.timeline import Seek
+from app.session.worker.run import Run
 from cpm_core.parameters import Parameters
 
 _PLAY_EVERY = 50
-"""Time between two steps of what is played again [ms]."""
+"""Time between two steps of a replay [ms]."""
 
 _STAYING = 250
-"""Time at a step after which its contours are looked at closely [ms]."""
+"""Time at a step after which its contours are reconstructed at once [ms]."""
 
 NOTHING = Outline()
 
 
 class TimelineNavigation(QObject):
-    """Goes through the timeline of a session's run.
-
-    Parameters
-    ----------
-    session : Session
-        Whose run.
-
-    Attributes
-    ----------
-    comparison : BranchComparison
-        Another branch that is shown beside the one that the run is on.
-    """
+    """Goes along the timeline of a session's run; `comparison` shows another branch beside it."""
 
     changed = Signal()
-    """It stands elsewhere, or a branch has come, gone or changed."""
+    """The position or the branches have changed."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -48,7 +38,7 @@ class TimelineNavigation(QObject):
         self._outline = NOTHING
         self._here = (0, 0)
         self._count = 0
-        self._asked: tuple[int, int] | None = None
+        self._target: tuple[int, int] | None = None
         self._snapshot: Snapshot | None = None
         self.comparison = BranchComparison(session)
         self.comparison.changed.connect(self.changed)
@@ -56,12 +46,12 @@ class TimelineNavigation(QObject):
         self._play.setInterval(_PLAY_EVERY)
         self._play.timeout.connect(self._play_on)
         self._stay = QTimer(self, singleShot=True, interval=_STAYING)
-        self._stay.timeout.connect(self._look_closely)
+        self._stay.timeout.connect(self._reconstruct)
         session.scene_changed.connect(self._follow)
         session.status_changed.connect(self._follow_phase)
         session.listen(CommandFailed, self._give_up_going)
 
-    # Looking
+    # State
 
     @property
     def outline(self) -> Outline:
@@ -70,8 +60,8 @@ class TimelineNavigation(QObject):
 
     @property
     def place(self) -> tuple[int, int]:
-        """Branch and step: where the run stands, or where it has been told to go."""
-        return self._asked or self._here
+        """Branch and step of the run, or those that it has been sent to."""
+        return self._target or self._here
 
     @property
     def first(self) -> int:
@@ -85,7 +75,7 @@ class TimelineNavigation(QObject):
 
     @property
     def playing(self) -> bool:
-        """Whether recorded steps are played again."""
+        """Whether recorded steps are replayed."""
         return self._play.isActive()
 
     def branch(self, identity: int) -> Branch | None:
@@ -93,7 +83,7 @@ class TimelineNavigation(QObject):
         return next((branch for branch in self._outline.branches if branch.identity == identity), None)
 
     def last(self, identity: int) -> int:
-        """The last step of a branch, 0 when there is no such one."""
+        """The last step of a branch, 0 when it does not exist."""
         branch = self.branch(identity)
         if branch is None:
             return 0
@@ -102,17 +92,17 @@ class TimelineNavigation(QObject):
     # Going
 
     def go(self, branch: int, step: int) -> None:
-        """Go to a step of a branch, or as near to it as it has one."""
+        """Go to a step of a branch, or to its nearest one."""
         self._play.stop()
         self._go(branch, step)
 
     def by(self, steps: int) -> None:
-        """Go so many recorded steps forward, or backward when negative."""
+        """Go forward by a number of recorded steps, or backward when it is negative."""
         branch, step = self.place
         self.go(branch, step + steps)
 
     def to_first(self) -> None:
-        """Go to the beginning of the run."""
+        """Go to the first step of the run."""
         self.go(self.place[0], self.first)
 
     def to_last(self) -> None:
@@ -120,7 +110,7 @@ class TimelineNavigation(QObject):
         self.go(self.place[0], self.last(self.place[0]))
 
     def toggle_play(self) -> None:
-        """Play the recorded steps from here on, from the first at the end; or hold."""
+        """Replay the recorded steps from here on, from the first one at the end; or pause."""
         if self.playing:
             self._play.stop()
         elif self._outline.branches:
@@ -134,15 +124,15 @@ class TimelineNavigation(QObject):
 
     def rename(self, branch: int, name: str) -> None:
         """Give a branch another name."""
-        self._session.post(RenameBranch(self._session.generation, branch, name))
+        self._session.post(RunCall(self._session.generation, Run.rename_branch, branch, name))
 
     def drop(self, branch: int) -> None:
-        """Forget a branch; where the run stands on it, the run is held."""
+        """Remove a branch; if the run is on it, pause."""
         if self.branch(branch) is None:
             return
-        command = DropBranch(self._session.generation, branch)
+        command = RunCall(self._session.generation, Run.drop_branch, branch)
         if branch == self.place[0]:
-            self._asked = None
+            self._target = None
             self._session.hold(command)
             self._stay.start()
         else:
@@ -150,7 +140,7 @@ class TimelineNavigation(QObject):
 
     @property
     def other_parameters(self) -> Parameters | None:
-        """Those with which the step that is shown was taken, as far as they act now; None where they are set anyway."""
+        """Parameters of the step that is shown, as far as they act now; None where they are the current ones."""
         taken, document = self._outline.parameters, self._session.document
         if taken is None:
             return None
@@ -158,7 +148,7 @@ class TimelineNavigation(QObject):
         return None if taken == document.parameters else taken
 
     def use_its_parameters(self) -> None:
-        """Set the parameters with which the step that is shown was taken."""
+        """Set the parameters of the step that is shown."""
         taken = self.other_parameters
         if taken is not None:
             name = tr("use the parameters of step {step}").format(step=self._here[1])
@@ -173,8 +163,8 @@ class TimelineNavigation(QObject):
         step = min(max(step, self.first), self.last(branch))
         if (branch, step) == self.place and self._session.status.phase != "running":
             return
-        asked = self._asked = (branch, step)
-        seek = Seek(self._session.generation, branch, step, wanted=lambda: self._asked in (None, asked))
+        target = self._target = (branch, step)
+        seek = Seek(self._session.generation, branch, step, wanted=lambda: self._target in (None, target))
         self._session.hold(seek)
         self._stay.start()
         self.changed.emit()
@@ -184,7 +174,7 @@ class TimelineNavigation(QObject):
         if step >= self.last(branch) or self._session.status.phase == "running":
             self._play.stop()
             self.changed.emit()
-        elif self._asked is None:  # as fast as steps can be had, and none left out
+        elif self._target is None:  # one step after the other, as fast as they are recovered
             self._go(branch, step + 1)
 
     def _follow(self) -> None:
@@ -194,24 +184,24 @@ class TimelineNavigation(QObject):
         self._snapshot = snapshot
         if snapshot is None:
             self._play.stop()
-            self._outline, self._here, self._asked = NOTHING, (0, 0), None
+            self._outline, self._here, self._target = NOTHING, (0, 0), None
         else:
             self._outline, self._here = snapshot.timeline, (snapshot.timeline.branch, snapshot.state.step)
             self._count = snapshot.state.count
-            if self._here == self._asked:
-                self._asked = None
+            if self._here == self._target:
+                self._target = None
         self.changed.emit()
 
     def _follow_phase(self) -> None:
-        if self._session.status.phase == "running" and (self._asked is not None or self.playing):
-            self._asked = None
+        if self._session.status.phase == "running" and (self._target is not None or self.playing):
+            self._target = None
             self._play.stop()
             self.changed.emit()
 
-    def _look_closely(self) -> None:
+    def _reconstruct(self) -> None:
         if self._session.status.started and self._session.status.phase != "running":
-            self._session.post(Halt())
+            self._session.post(RunCall(None, Run.halt))
 
     def _give_up_going(self, _: CommandFailed) -> None:
-        """It may have been the way there that was barred."""
-        self._asked = None
+        """The failed command may have been the one that goes to another step."""
+        self._target = None

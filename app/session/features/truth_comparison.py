@@ -1,4 +1,4 @@
-"""Ground truth in the window: what is known to be in the image, and how well the contours agree with it."""
+"""Comparison of the contours with the ground truth."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.display.differences import Difference, differences
 from app.model.text.language import tr
-from app.session.exchange.latest_only import Latest
+from app.session.exchange.mailbox import Latest
 from app.session.exchange.messages import Report
 from app.session.features.contour_review import ContourReview
 from app.session.session import Session
@@ -30,7 +30,7 @@ class TruthRead(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Verified:
-    """What a comparison with the truth came to."""
+    """Result of a comparison with the ground truth."""
 
     truth: Truth
     comparison: Comparison
@@ -38,20 +38,15 @@ class Verified:
 
 
 class GroundTruth(QObject):
-    """Holds the truth of the image and compares every reconstruction with it, on a thread of its own.
+    """Holds the ground truth of the image and compares every reconstruction with it, on a separate thread.
 
-    Parameters
-    ----------
-    session : Session
-        Whose image it belongs to.
-    review : ContourReview
-        Where contours come from; those rejected are not compared.
+    Rejected contours are not compared.
     """
 
     changed = Signal()
-    """There is another truth, or none."""
+    """The ground truth has been replaced or removed."""
     compared = Signal()
-    """The contours have been compared, or there is nothing to be compared any more."""
+    """`verified` has been replaced or removed."""
 
     def __init__(self, session: Session, review: ContourReview) -> None:
         super().__init__(review)
@@ -69,16 +64,16 @@ class GroundTruth(QObject):
 
     @property
     def truth(self) -> Truth | None:
-        """What the contours are compared with."""
+        """The ground truth."""
         return self._session.scene.truth
 
     @property
     def idle(self) -> bool:
-        """Whether what is shown is up to date."""
+        """Whether the comparison is up to date."""
         return self._latest.idle
 
     def load(self, path: str | Path) -> None:
-        """Read a mask or contours as the truth of the image that is open."""
+        """Read a mask or contours as the ground truth of the current image."""
         image = self._session.document.image
         if image is None:
             self._session.say(tr("There is no image to compare with: open one first."), True)
@@ -92,7 +87,7 @@ class GroundTruth(QObject):
         )
 
     def forget(self) -> None:
-        """Compare with nothing any more."""
+        """Remove the ground truth."""
         self._latest.forget()
         if self._path is not None:
             self._path = None
@@ -100,20 +95,20 @@ class GroundTruth(QObject):
             self._show(None)
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Take boundaries for the same up to this distance [px]."""
+        """Set the distance up to which boundaries count as the same [px]."""
         if tolerance != self.tolerance:
             self.tolerance = tolerance
             self._compare()
 
     def set_holes(self, holes: bool) -> None:
-        """Say whether a contour in another is a hole of it."""
+        """Set whether a contour inside another one is a hole."""
         if holes != self.holes:
             self.holes = holes
             if self._path is not None:
                 self.load(self._path)
 
     def dice(self, contours: Sequence[Contour]) -> float | None:
-        """The Dice coefficient of some contours, from whichever thread; None when there is no truth."""
+        """The Dice coefficient of contours, from any thread; None when there is no ground truth."""
         truth = self.truth
         return None if truth is None else compare(contours, truth, self.tolerance, holes=self.holes).dice
 

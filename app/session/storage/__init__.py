@@ -1,1 +1,1 @@
-"""What outlives the program: preferences, presets, session files, autosave and recovery."""
+"""Preferences, presets, session files, autosave and recovery."""

@@ -1,4 +1,4 @@
-"""The journal: what would be lost if the program ended now, in a small file that goes when it ends well."""
+"""Autosave: unsaved work in a small journal file, which is removed when the program ends normally."""
 
 from __future__ import annotations
 
@@ -15,31 +15,24 @@ from app.session.storage.session_file import DocumentFile
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 
 KEY = "journal"
-"""Where a journal, which is a session file otherwise, tells what it is the journal of."""
+"""Key under which a journal, otherwise a session file, names the file and the work that it belongs to."""
 
 EVERY = 2000
-"""Time from a change until it is in the journal; more changes meanwhile go with it [ms]."""
+"""Time from a change until it is written, with further changes in between [ms]."""
 
 _log = logging.getLogger(__name__)
 
 
 def folder_of_journals() -> Path:
-    """A folder of the person's own, beside the preferences."""
+    """The user's folder of journals, beside the preferences."""
     settings = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
     return Path(settings.fileName()).parent / "journals"
 
 
 class Journal(QObject):
-    """Follows a document and writes its journal, on a thread of its own.
+    """Follows a document and writes its journal, on a separate thread.
 
-    Each window has a journal of its own, with a lock beside it that goes with the process, however that ends.
-
-    Parameters
-    ----------
-    document_file : DocumentFile
-        Whose document is kept.
-    folder : Path
-        Where to; made when it is needed.
+    Each window has its own journal, with a lock beside it that ends with the process, even after a crash.
     """
 
     def __init__(self, document_file: DocumentFile, folder: Path) -> None:
@@ -58,7 +51,7 @@ class Journal(QObject):
         document_file.changed.connect(self._plan)
 
     def write(self) -> None:
-        """Write what there is now, without waiting for it; nothing is kept of what is saved."""
+        """Start to write the unsaved work, or remove the journal when all is saved."""
         self._timer.stop()
         if not self._document_file.unsaved:
             self._submit(None)
@@ -68,12 +61,12 @@ class Journal(QObject):
         self._submit(replace(kept, extra={**kept.extra, KEY: named}))
 
     def flush(self) -> None:
-        """Wait until everything is on the disk."""
+        """Wait until everything is on disk."""
         if self._last is not None:
             self._last.result()
 
     def close(self) -> None:
-        """The program ends well: nothing is left behind."""
+        """Remove the journal: the program ends normally."""
         self._closed = True
         self._timer.stop()
         if self._writer is not None:
@@ -94,7 +87,7 @@ class Journal(QObject):
         self._last = self._writer.submit(_put, self.path, file)
 
     def _prepare(self) -> bool:
-        """Make the folder and take the lock."""
+        """Create the folder and take the lock."""
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -106,7 +99,7 @@ class Journal(QObject):
 def lock_of(journal: Path) -> QLockFile:
     """The lock of a journal, which lasts as long as the process that has taken it."""
     lock = QLockFile(str(journal.with_suffix(".lock")))
-    lock.setStaleLockTime(0)  # however long a window is open, its lock is none of a process that has ended
+    lock.setStaleLockTime(0)  # a lock is never stale by age, because a window may stay open for long
     return lock
 
 
@@ -117,5 +110,5 @@ def _put(path: Path, file: SessionFile | None) -> None:
         return
     try:
         save_session(file, path)
-    except ValueError as error:  # a journal that cannot be written is no reason to disturb
+    except ValueError as error:  # the user can still work without a journal
         _log.warning("the journal was not written: %s", error)

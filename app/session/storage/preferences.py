@@ -1,4 +1,4 @@
-"""What a person prefers, kept from one start of the program to the next in a small file of their own."""
+"""Preferences of the user, kept in a small file between starts of the program."""
 
 from __future__ import annotations
 
@@ -10,23 +10,17 @@ Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
 
 
 class Preferences(QObject):
-    """Values by key; each key has its one default where it is asked for.
-
-    Parameters
-    ----------
-    parent : QObject, optional
-        Owner.
-    """
+    """Values by key; each key has its only default where it is read."""
 
     changed = Signal(str)
-    """Key of a value that is another one now."""
+    """Key of a value that has changed."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._settings = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
 
     def get(self, key: str, default: Value) -> Value:
-        """The value of a key, of the default's type; the default when there is none or it makes no sense."""
+        """The value of a key, of the default's type; the default when there is none or it is invalid."""
         value = self._settings.value(key)
         if value is None:
             return default
@@ -40,7 +34,7 @@ class Preferences(QObject):
             return default
 
     def put(self, key: str, value: Value) -> None:
-        """Keep a value, unless it is what is kept already."""
+        """Store a value if it has changed."""
         if self._settings.value(key) != value:
             self._settings.setValue(key, value)
             self.changed.emit(key)

@@ -1,4 +1,4 @@
-"""A person's own presets: one file each in a folder beside the preferences."""
+"""The user's presets: one file each in a folder beside the preferences."""
 
 from __future__ import annotations
 
@@ -18,29 +18,21 @@ _LOG = logging.getLogger(__name__)
 
 
 class PresetStore(QObject):
-    """The presets there are.
-
-    Parameters
-    ----------
-    folder : Path, optional
-        Where a person's own are kept; beside the preferences unless told otherwise.
-    parent : QObject, optional
-        Owner.
-    """
+    """The presets of the program, and those of the user in a folder, by default beside the preferences."""
 
     changed = Signal()
-    """There are other presets than before."""
+    """The presets have changed."""
 
     def __init__(self, folder: Path | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.folder = folder or _beside_preferences()
         self._files: dict[str, Path] = {}
         self._own: tuple[Preset, ...] = ()
-        self._look()
+        self._read_folder()
 
     @property
     def presets(self) -> tuple[Preset, ...]:
-        """Those of the program, then a person's own by name."""
+        """The presets of the program, then the user's, by name."""
         return (*built_in(), *self._own)
 
     def called(self, name: str) -> Preset | None:
@@ -48,30 +40,16 @@ class PresetStore(QObject):
         return next((preset for preset in self.presets if preset.name == name), None)
 
     def save(self, preset: Preset) -> Preset:
-        """Keep a preset, in place of one of the same name.
-
-        Raises
-        ------
-        ValueError
-            When its name does not do.
-        OSError
-            When it cannot be written.
-        """
+        """Store a preset, in place of one of the same name; ValueError for an invalid name, OSError from the disk."""
         kept = replace(preset, name=checked_name(preset.name), key="")
         self._write(self._place(kept.name), kept)
-        self._look()
+        self._read_folder()
         self.changed.emit()
         return kept
 
     def rename(self, old: str, new: str) -> None:
-        """Give a preset of one's own another name.
-
-        Raises
-        ------
-        ValueError
-            When there is no such preset of one's own, or the new name does not do or is taken.
-        """
-        preset = self._of_ones_own(old)
+        """Rename a preset of the user; ValueError when there is none, or the new name is invalid or taken."""
+        preset = self._users(old)
         name = checked_name(new)
         if name == old:
             return
@@ -80,31 +58,20 @@ class PresetStore(QObject):
         before = self._files[old]
         self._write(self._place(name), replace(preset, name=name))
         before.unlink(missing_ok=True)
-        self._look()
+        self._read_folder()
         self.changed.emit()
 
     def delete(self, name: str) -> None:
-        """Remove a preset of one's own.
-
-        Raises
-        ------
-        ValueError
-            When there is none of this name.
-        """
-        self._of_ones_own(name)
+        """Remove a preset of the user; ValueError when there is none of this name."""
+        self._users(name)
         self._files[name].unlink(missing_ok=True)
-        self._look()
+        self._read_folder()
         self.changed.emit()
 
     def bring_in(self, path: Path) -> Preset:
-        """Take over a preset from a file that somebody shared; a name that is taken gets a number.
+        """Import a preset file; a name that is taken gets a number.
 
-        Raises
-        ------
-        ValueError
-            When the file is no preset, or damaged.
-        OSError
-            When it cannot be read.
+        ValueError when the file is not a valid preset, OSError when it cannot be read.
         """
         preset = read(path.read_bytes(), path.name)
         name, number = preset.name, 2
@@ -113,23 +80,17 @@ class PresetStore(QObject):
         return self.save(replace(preset, name=name))
 
     def hand_out(self, preset: Preset, path: Path) -> None:
-        """Write a preset to a file for somebody else.
-
-        Raises
-        ------
-        OSError
-            When it cannot be written.
-        """
+        """Export a preset to a file; OSError when it cannot be written."""
         self._write(path, preset)
 
-    def _of_ones_own(self, name: str) -> Preset:
+    def _users(self, name: str) -> Preset:
         found = next((preset for preset in self._own if preset.name == name), None)
         if found is None:
             raise ValueError(tr("There is no preset “{name}” of your own.").format(name=name))
         return found
 
     def _place(self, name: str) -> Path:
-        """The file of a preset: readable, and another one for every name."""
+        """The file of a preset: a readable name, unique for each preset name."""
         readable = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:40]
         return self.folder / f"{readable}-{hashlib.sha256(name.encode()).hexdigest()[:8]}{SUFFIX}"
 
@@ -137,8 +98,8 @@ class PresetStore(QObject):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_together([(path, written(preset))])
 
-    def _look(self) -> None:
-        """Read the folder; what is no preset is left alone."""
+    def _read_folder(self) -> None:
+        """Read the folder; files that are not presets are ignored."""
         found: dict[str, tuple[Preset, Path]] = {}
         for path in sorted(self.folder.glob(f"*{SUFFIX}")):
             try:

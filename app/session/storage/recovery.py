@@ -1,4 +1,4 @@
-"""Recovery: what processes that did not end well have left in their journals."""
+"""Recovery: journals of processes that did not end normally."""
 
 from __future__ import annotations
 
@@ -22,22 +22,9 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Leftover:
-    """A journal whose process is gone; as long as this lives, no other window offers it.
+    """A journal whose process has ended; while its lock is held, no other window offers it.
 
-    Attributes
-    ----------
-    journal : Path
-        Its file.
-    name : str
-        What the work was called.
-    path : Path or None
-        Session file that it belongs to, None when it had never been saved.
-    when : datetime
-        When it was written last.
-    file : SessionFile
-        What it holds.
-    lock : QLockFile
-        What keeps others from it.
+    `path` is the session file that it belongs to, None if it had never been saved.
     """
 
     journal: Path
@@ -49,7 +36,7 @@ class Leftover:
 
     @property
     def wanted(self) -> Wanted:
-        """It, to be opened as if it had never been closed."""
+        """The request to open it as unsaved work."""
         saved = Saved(self.path, self.file, recovered=True)
         note = tr("{name} was restored and is not saved yet.").format(name=self.name)
         return Wanted(self.path or Path(self.name), self.file.parameters, saved=saved, notes=(note,))
@@ -59,14 +46,14 @@ class Leftover:
         self.lock.unlock()
 
     def discard(self) -> None:
-        """Remove it for good."""
+        """Remove it."""
         with suppress(OSError):
             self.journal.unlink(missing_ok=True)
         self.lock.unlock()
 
 
 def left_behind(folder: Path) -> Sequence[Leftover]:
-    """Journals in a folder whose processes are gone, the newest first; what is no journal any more is removed."""
+    """Journals in a folder whose processes have ended, the newest first; damaged ones are removed."""
     found = []
     for journal in sorted(folder.glob(f"*{SUFFIX}")):
         lock = lock_of(journal)
@@ -82,7 +69,7 @@ def _read(journal: Path, lock: QLockFile) -> Leftover | None:
         file, when = load_session(journal), datetime.fromtimestamp(journal.stat().st_mtime)
         named = file.extra.get(KEY)
         if file.image is None or not isinstance(named, dict):
-            raise ValueError(f"{journal.name} is no journal.")
+            raise ValueError(f"{journal.name} is not a journal.")
     except (ValueError, OSError) as error:
         _log.warning("a journal cannot be used: %s", error)
         with suppress(OSError):

@@ -1,4 +1,4 @@
-"""The keeper of a document's file: where it is saved, whether it differs from that, saving."""
+"""The session file of a document: where it is, whether it is up to date, saving."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_ses
 
 @dataclass(frozen=True, slots=True)
 class Written(Report):
-    """A session file has been written, with what a document was then."""
+    """A session file has been written, with this state of the document."""
 
     path: Path
     file: SessionFile
@@ -27,22 +27,14 @@ class Written(Report):
 
 
 class DocumentFile(QObject):
-    """Knows the session file of what is open.
-
-    Parameters
-    ----------
-    session : Session
-        Whose document it keeps.
-    view : callable
-        How the window looks at it, as plain JSON.
-    """
+    """The session file of what is open; `view` returns the view settings as plain JSON."""
 
     changed = Signal()
-    """Another file, or unsaved where it was not or the other way round."""
+    """The file or its state, saved or unsaved, has changed."""
     edited = Signal()
-    """What is to be saved may be another."""
+    """The content to be saved may have changed."""
     restored = Signal(object)
-    """A session has been opened: how it was looked at, as plain JSON."""
+    """A session has been opened: its view settings, as plain JSON."""
 
     def __init__(self, session: Session, view: Callable[[], View]) -> None:
         super().__init__(session)
@@ -52,34 +44,34 @@ class DocumentFile(QObject):
         self._known: Document | None = session.document
         self._saving: Task | None = None
         self._next: Path | None = None
-        self._told: tuple[Path | None, bool] = (None, False)
+        self._announced: tuple[Path | None, bool] = (None, False)
         self.path: Path | None = None
-        session.document_changed.connect(lambda _: self._tell())
+        session.document_changed.connect(lambda _: self._announce())
         session.listen(Opened, self._use_opened)
         session.listen(Written, self._use_written)
         session.tasks.changed.connect(self._save_again)
 
     @property
     def unsaved(self) -> bool:
-        """Whether something would be lost by closing."""
+        """Whether closing would lose changes."""
         document = self._session.document
         return document.image is not None and document != self._known
 
     @property
     def name(self) -> str:
-        """What the file is called, or would be."""
+        """Name of the file, or of the one that would be written."""
         image = self._session.document.image
         return self.path.name if self.path else f"{Path(image.name).stem}{SUFFIX}" if image else ""
 
     @property
     def file(self) -> SessionFile:
-        """What is to be saved now."""
+        """The content to be saved."""
         return to_file(self._session.document, self._view(), self._file)
 
     def save(self, path: Path) -> None:
-        """Write the session file, and keep to this place from now on; the window goes on meanwhile."""
+        """Write the session file on a separate thread, and use this path from now on."""
         if self._saving is not None and not self._saving.over:
-            self._next = path  # two at once would be in each other's way
+            self._next = path  # one write at a time
             return
         self._next = None
         file, document = self.file, self._session.document
@@ -92,7 +84,7 @@ class DocumentFile(QObject):
         self._saving = self._session.tasks.start(name, work, f"saving {path.name}", cancellable=False)
 
     def save_at_once(self, path: Path) -> bool:
-        """Write the session file before anything else happens; False, and told, when that cannot be done."""
+        """Write the session file and wait for it; False, with an error message, when that fails."""
         file, document = self.file, self._session.document
         try:
             save_session(file, path)
@@ -103,9 +95,9 @@ class DocumentFile(QObject):
         return True
 
     def forget(self) -> None:
-        """Whatever has been changed is not to be saved."""
+        """Treat the document as saved."""
         self._known = self._session.document
-        self._tell()
+        self._announce()
 
     def _save_again(self) -> None:
         if self._next is not None and (self._saving is None or self._saving.over):
@@ -118,16 +110,16 @@ class DocumentFile(QObject):
         self._known = None if saved is not None and saved.recovered else self._session.document
         if saved is not None:
             self.restored.emit(saved.file.view)
-        self._tell()
+        self._announce()
 
     def _use_written(self, written: Written) -> None:
         self.path, self._file, self._known = written.path, written.file, written.document
         self._session.say(tr("Saved: {path}").format(path=written.path))
-        self._tell()
+        self._announce()
 
-    def _tell(self) -> None:
+    def _announce(self) -> None:
         self.edited.emit()
         now = (self.path, self.unsaved)
-        if now != self._told:
-            self._told = now
+        if now != self._announced:
+            self._announced = now
             self.changed.emit()

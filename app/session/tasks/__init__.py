@@ -1,1 +1,1 @@
-"""Long tasks beside the run: each on a thread of its own, with progress and cancel."""
+"""Long tasks beside the run: each on a separate thread, with progress and cancel."""

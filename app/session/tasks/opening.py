@@ -1,4 +1,4 @@
-"""Opening an image or a session on a thread of its own: it is given up at once, and what is open stays usable."""
+"""Opening an image or a session on a separate thread; it can be cancelled, and what is open stays usable."""
 
 from __future__ import annotations
 
@@ -18,20 +18,10 @@ from cpm_core.parameters import Parameters
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What is to be opened.
+    """A request to open an image or a session file at `path`, and `otherwise` if that cannot be used.
 
-    Attributes
-    ----------
-    path : Path
-        File of an image, or of a session that names one.
-    parameters : Parameters
-        What an image is to be run with; a session has its own.
-    otherwise : Path or None
-        File to open when that one turns out to be unusable.
-    saved : Saved or None
-        What a session holds where that is known already; then `path` tells only where it lies.
-    notes : tuple of str
-        What is to be told once it is open.
+    A session has its own parameters. Where `saved` gives its content, `path` only gives its place. The `notes` are
+    shown once it is open.
     """
 
     path: Path
@@ -42,26 +32,15 @@ class Wanted:
 
 
 def is_session(path: Path) -> bool:
-    """Whether a file is a session rather than an image, by its name."""
+    """Whether a file is a session rather than an image, by its suffix."""
     return path.suffix.lower() == SUFFIX
 
 
 def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
     """Read an image and prepare the charged particles for it, with as many scales as it has room for.
 
-    Parameters
-    ----------
-    core : Core
-        The core's functions.
-    wanted : Wanted
-        The image, or the session that names it.
-    go_on : callable
-        Asked between the steps; raises when nobody wants the image any more.
-
-    Raises
-    ------
-    ValueError
-        When the image cannot be used, or the session cannot.
+    `go_on` is called between the steps, and raises when the task has been cancelled. ValueError when the image or the
+    session cannot be used.
     """
     path, parameters, saved, notes = wanted.path, wanted.parameters, wanted.saved, wanted.notes
     if saved is None and is_session(path):
@@ -82,20 +61,12 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
     method = core.methods["cpm"](image, parameters, None)
     go_on()
-    told, shown = (*image.notes, *notes), display_of_image(image.values)
-    return Opened(image, method, shown, path, parameters, told, sha256, saved)
+    all_notes, display = (*image.notes, *notes), display_of_image(image.values)
+    return Opened(image, method, display, path, parameters, all_notes, sha256, saved)
 
 
 class Opener:
-    """Opens one image at a time; a later one takes the place of an earlier that is not ready yet.
-
-    Parameters
-    ----------
-    core : Core
-        The core's functions.
-    tasks : Tasks
-        Where it is done.
-    """
+    """Opens one image at a time; a later request replaces an earlier one that is not ready yet."""
 
     def __init__(self, core: Core, tasks: Tasks) -> None:
         self._core = core
@@ -106,11 +77,11 @@ class Opener:
 
     @property
     def opening(self) -> str:
-        """What is being opened, as it is told to people; empty when nothing is."""
+        """Name of the task as it is shown; empty when nothing is being opened."""
         return self._task.name if self._task is not None and not self._task.over else ""
 
     def open(self, wanted: Wanted) -> Task:
-        """Begin to open an image or a session."""
+        """Start to open an image or a session."""
         if self._task is not None:
             self._task.cancel()
         name = wanted.path.name
@@ -127,7 +98,7 @@ class Opener:
         return self._task
 
     def afterwards(self, do: Callable[[], None]) -> None:
-        """Do something as soon as no image is being opened."""
+        """Call `do` as soon as no image is being opened."""
         self._afterwards.append(do)
         self._go_on()
 

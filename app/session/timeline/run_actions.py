@@ -1,4 +1,4 @@
-"""What a run is taken from one state to the next by: enough to do it again."""
+"""Run actions: they lead from one state to the next, and can be repeated."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from cpm_core.segmentation.method import Method, Steerable
 
 
 class RunAction(Protocol):
-    """Something done to a state; actions that are equal lead from the same state to the same one."""
+    """Something done to a state; equal actions lead from the same state to the same next one."""
 
     @property
     def regions(self) -> Regions | None:
-        """Regions of the method by which it was done."""
+        """Regions of the method that did it."""
 
     def apply(self, method: Method[Any], state: Any) -> Any:
-        """Do it to a state of a method with these regions."""
+        """Apply it to a state of a method with these regions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,27 +43,27 @@ class Stepped:
 
 @dataclass(frozen=True, slots=True)
 class Joined:
-    """Particles put into the run at seeds, shape (N, 2), of which the bytes are kept: they are compared at once."""
+    """Particles added at seeds, shape (N, 2), whose bytes are stored so that actions can be compared."""
 
     seeds: bytes
     regions: Regions | None = None
 
     def apply(self, method: Method[Any], state: Any) -> Any:
-        """Put them in; what moves no particles leaves its state as it is."""
+        """Add the particles; a method without moving particles leaves its state as it is."""
         seeds = np.frombuffer(self.seeds).reshape(-1, 2)
         return method.joined(state, seeds) if isinstance(method, Steerable) else state
 
 
 @dataclass(frozen=True, slots=True)
 class Erased:
-    """Particles taken out of the run that lie no further from a path than a radius."""
+    """Particles removed that are no farther from a path than a radius."""
 
     path: tuple[Position, ...]
     radius: float
     regions: Regions | None = None
 
     def apply(self, method: Method[Any], state: Any) -> Any:
-        """Take them out; what moves no particles leaves its state as it is."""
+        """Remove the particles; a method without moving particles leaves its state as it is."""
 
         def inside(places: Array) -> ArrayLike:
             return polyline.distances(self.path, places) <= self.radius

@@ -1,8 +1,8 @@
-"""The timeline of a run: every step can be had again, and from any of them the run can go on otherwise.
+"""The timeline of a run: every step can be recovered, and the run can continue from any of them.
 
-A step follows from the state before it and from its action, and from nothing else. So actions are kept of all steps and
-states only of some, as far as memory reaches; any other state is worked out anew from the nearest one before it, bit
-for bit the same. Nothing here knows of threads or of the window.
+A step depends only on the state before it and on its action. So the actions of all steps are kept, and as many states
+as memory allows; any other state is computed again from the nearest one before it, bit for bit the same. Threads and
+the window are not known here.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ from cpm_core.segmentation.method import MethodState
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Outline:
-    """How the timeline stands, as the window shows it.
+    """State of the timeline, as the window shows it.
 
     Attributes
     ----------
     branches : tuple of Branch
         The oldest first; the same tuple as long as nothing but the last step of `branch` has changed.
     branch : int
-        The branch that the run is on, 0 before there is one.
+        The current branch, 0 before there is one.
     used, budget : int
-        Bytes that its states take, and may take.
+        Bytes that its states take, and their maximum.
     kept : int
-        States that are kept; the others are worked out anew.
+        Number of states that are kept; the others are computed again.
     parameters : Parameters or None
-        With which the step that the run stands at was taken; None for the first.
+        Parameters of the current step; None for the first.
     """
 
     branches: tuple[Branch, ...] = ()
@@ -45,14 +45,10 @@ class Outline:
 
 
 class RecordedSteps(Generic[RunAction]):
-    """The steps of a run and its branches, any of which can be had again.
+    """The steps of a run and its branches, any of which can be recovered.
 
-    Parameters
-    ----------
-    apply : callable
-        State and action to the next state, always the same one.
-    budget : int
-        Most bytes that states may take; the first of the run and the one where it stands are kept in any case.
+    `apply` gives the next state from a state and an action, always the same one. States take at most `budget` bytes,
+    but the first and the current one are always kept.
     """
 
     def __init__(self, apply: Callable[[MethodState, RunAction], MethodState], budget: int) -> None:
@@ -72,7 +68,7 @@ class RecordedSteps(Generic[RunAction]):
 
     @property
     def budget(self) -> int:
-        """Most bytes that states may take."""
+        """Maximum number of bytes of the states."""
         return self._kept.budget
 
     @budget.setter
@@ -83,12 +79,12 @@ class RecordedSteps(Generic[RunAction]):
     def branches(self) -> tuple[Branch, ...]:
         """All branches, the oldest first; the same tuple until a branch comes, goes, is renamed or changes its scale.
 
-        In between, the branch where the run stands may have gone further than its `last` says.
+        Meanwhile the current branch may be longer than its `last` says.
         """
         return self._tree.outline
 
     def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
-        """Give the state of another step as `go` does, without going there."""
+        """The state of a step, as `go` gives it, without going there."""
         node = self._tree.known(branch)
         return self._recover(node, min(max(step, self._tree.root.first), node.last), wanted)
 
@@ -123,7 +119,7 @@ class RecordedSteps(Generic[RunAction]):
 
 
 class Timeline(RecordedSteps[RunAction]):
-    """The steps of a run and its branches, and the place among them where the run stands."""
+    """The steps of a run and its branches, and the current one."""
 
     def __init__(self, apply: Callable[[MethodState, RunAction], MethodState], budget: int) -> None:
         super().__init__(apply, budget)
@@ -132,12 +128,12 @@ class Timeline(RecordedSteps[RunAction]):
 
     @property
     def here(self) -> tuple[int, int] | None:
-        """Branch and step where the run stands; None before it has begun."""
+        """Current branch and step; None before the run has begun."""
         return None if self._node is None else (self._node.identity, self._step)
 
     @property
     def actions(self) -> tuple[RunAction, ...]:
-        """What the step where the run stands was taken by, and what its state has been changed by since."""
+        """The actions of the current step: the one that it was taken with, and later changes of its state."""
         if self._node is None:
             return ()
         owner = self._tree.owner(self._node, self._step)
@@ -146,29 +142,25 @@ class Timeline(RecordedSteps[RunAction]):
     # Recording
 
     def clear(self) -> None:
-        """Forget everything."""
+        """Remove everything."""
         self._tree.clear()
         self._kept.clear()
         self._node, self._step = None, 0
 
     def begin(self, state: MethodState) -> None:
-        """Forget everything and begin with the first state of a run."""
+        """Remove everything and begin with the first state of a run."""
         self.clear()
         node = self._tree.open(None, state.step, ())
         self._tree.mark(node, state.step, state.scale)
-        self._stand(node, state.step)
+        self._set_place(node, state.step)
         self._kept.fix("first", (node.identity, state.step))
         self._kept.put((node.identity, state.step), state)
 
     def record(self, action: RunAction, state: MethodState) -> None:
-        """Add the step that an action has led to from where the run stands.
+        """Add the step after the current one.
 
-        Where it differs from what was recorded a new branch begins; where it does not the run goes on along the branch.
-
-        Raises
-        ------
-        ValueError
-            When the state is not that of the next step.
+        A new branch begins where the action differs from the recorded one; otherwise the run goes on along the branch.
+        ValueError when the state is not that of the next step.
         """
         node = self._here()
         if state.step != self._step + 1:
@@ -181,63 +173,44 @@ class Timeline(RecordedSteps[RunAction]):
                 node = self._tree.open(self._tree.owner(node, self._step), self._step, ())
             node.actions.append((action,))
             self._tree.mark(node, state.step, state.scale)
-        self._stand(node, state.step)
+        self._set_place(node, state.step)
         self._kept.put((node.identity, state.step), state)
 
     def amend(self, action: RunAction, state: MethodState) -> None:
-        """Change the state where the run stands, without a step.
+        """Change the current state without a step.
 
-        What other steps have followed from stays as it is: the change then begins a new branch.
+        If other steps have followed from it, the change begins a new branch.
         """
         node, step = self._here(), self._step
         if step < node.last or self._tree.forks(node, step):
             node = self._tree.open(self._tree.owner(node, step), step, (action,))
         else:
             node.actions[-1] = (*node.actions[-1], action)
-        self._stand(node, step)
+        self._set_place(node, step)
         self._kept.put(self._place(node, step), state)
 
     # Going
 
     def go(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
-        """Stand at another step, as near to it as the branch has one.
+        """Go to a step, or to the nearest one of its branch, and return its state, exactly as it was.
 
-        Parameters
-        ----------
-        branch, step : int
-            Where to.
-        wanted : callable
-            Asked between steps that have to be taken anew; where it says no, nothing changes.
-
-        Returns
-        -------
-        MethodState or None
-            The state of that step, exactly as it was; None when it was no longer wanted.
-
-        Raises
-        ------
-        ValueError
-            When there is no such branch.
+        `wanted` is called between steps that have to be repeated; where it returns False, nothing changes and the
+        result is None. ValueError when there is no such branch.
         """
         node = self._tree.known(branch)
         step = min(max(step, self._tree.root.first), node.last)
         state = self._recover(node, step, wanted)
         if state is not None:
             self._tree.touch()
-            self._stand(node, step)
+            self._set_place(node, step)
             self._kept.put(self._place(node, step), state)
         return state
 
     def drop(self, branch: int) -> None:
-        """Forget a branch; what others have in common with it stays with them.
+        """Remove a branch; steps that others have in common with it stay with them.
 
-        The one of them that leaves it last takes its beginning over. Where the run stands on what is forgotten it goes
-        back to where that began.
-
-        Raises
-        ------
-        ValueError
-            When there is no such branch, or no other one.
+        The branch that leaves it last takes over its beginning. If the run is on a removed step, it goes back to where
+        that branch began. ValueError when there is no such branch, or no other one.
         """
         node = self._tree.known(branch)
         if len(self._tree) == 1:
@@ -252,21 +225,19 @@ class Timeline(RecordedSteps[RunAction]):
                 self._return_to(self._tree.owner(parent, node.first), node.first)
         self._tree.remove(node)
 
-    # Inside
-
     def _here(self) -> BranchNode[RunAction]:
         if self._node is None:
             raise ValueError("the timeline has not begun.")
         return self._node
 
-    def _stand(self, node: BranchNode[RunAction], step: int) -> None:
+    def _set_place(self, node: BranchNode[RunAction], step: int) -> None:
         if node is not self._node:
             self._tree.touch()
         self._node, self._step = node, step
         self._kept.fix("here", self._place(node, step))
 
     def _inherit(self, node: BranchNode[RunAction], descendant: BranchNode[RunAction]) -> None:
-        """Let a branch that leaves another one take its beginning over."""
+        """Give the beginning of a branch to its descendant."""
         fork, step = descendant.first, self._step
         forking = self._recover(descendant, fork, lambda: True)
         assert forking is not None
@@ -279,5 +250,5 @@ class Timeline(RecordedSteps[RunAction]):
     def _return_to(self, node: BranchNode[RunAction], step: int) -> None:
         state = self._recover(node, step, lambda: True)
         assert state is not None
-        self._stand(node, step)
+        self._set_place(node, step)
         self._kept.put(self._place(node, step), state)

@@ -1,1 +1,1 @@
-"""The worker thread: the run, what it records, and what is made of it for the window."""
+"""The worker thread: the run, its record, and overlays and contours for the window."""

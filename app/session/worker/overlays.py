@@ -1,6 +1,6 @@
-"""What can be shown over the image that is worked out on the worker thread: one function for each by name.
+"""Overlays of the image that are computed on the worker thread: one function for each name.
 
-Adding one is adding a line to `OVERLAYS`; a layer asks for it by its name with `Session.want_overlay`.
+To add one, add a line to `OVERLAYS`; a layer requests it by its name with `Session.want_overlay`.
 """
 
 from __future__ import annotations
@@ -30,18 +30,12 @@ OVERLAYS: Mapping[str, Overlay] = MappingProxyType(
         "iso_lines": lambda method, parameters, charges: iso_lines(method.potential(parameters, charges)),
     }
 )
-"""Shades of the edge map and of the potential, shape (H, W); direction in which edges and placed charges pull, shape
-(2, H, W); lines of equal potential, shape (M, 2), with a row of NaN behind each."""
+"""Display images of the edge map and of the potential, shape (H, W); electric field of edges and placed charges, shape
+(2, H, W); lines of equal potential, shape (M, 2), with a row of NaN after each."""
 
 
 class OverlayMaker:
-    """Makes the overlays that are wanted anew when what they depend on has changed.
-
-    Parameters
-    ----------
-    made : Mailbox
-        Where the newest are left.
-    """
+    """Computes the requested overlays again when what they depend on has changed."""
 
     def __init__(self, made: Mailbox[Overlays]) -> None:
         self._made = made
@@ -49,7 +43,7 @@ class OverlayMaker:
         self._shown: tuple[object, ...] = ()
 
     def want(self, names: frozenset[str]) -> None:
-        """Keep these up to date, and no others."""
+        """Keep only these up to date."""
         self._wanted, self._shown = names, ()
 
     def refresh(
@@ -59,7 +53,7 @@ class OverlayMaker:
         parameters: Parameters,
         charges: Sequence[PlacedCharge],
     ) -> None:
-        """Make those wanted where they differ from those last made; without a method there are none."""
+        """Compute the requested overlays if they would differ from the last ones; without a method there are none."""
         if method is None or not self._wanted:
             return
         made_of = [getattr(parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "field"]

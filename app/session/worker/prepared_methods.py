@@ -1,4 +1,4 @@
-"""The methods that are ready for an image, and what they start from there."""
+"""The methods that are prepared for an image, and their seeds."""
 
 from __future__ import annotations
 
@@ -18,13 +18,7 @@ from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, SeedCache
 
 
 class PreparedMethods:
-    """Methods by name for the image that is open: made when a run needs them, and kept as long as the image.
-
-    Parameters
-    ----------
-    makers : mapping
-        For every name what makes a method of image, parameters and regions.
-    """
+    """Methods by name for the image that is open: made when a run needs them, and kept as long as the image."""
 
     def __init__(self, makers: Mapping[str, Callable[[Image, Parameters, Regions | None], Method[Any]]]) -> None:
         self._makers = makers
@@ -33,13 +27,13 @@ class PreparedMethods:
         self._seed_cache: SeedCache | None = None
 
     def use(self, method: Method[Any]) -> None:
-        """Begin with another image and the one method that is ready for it."""
+        """Change to another image and the one method that is prepared for it."""
         self._ready = {method.name: method}
         self._image = method.image
         self._seed_cache = SeedCache(method.image)
 
     def keep(self, method: Method[Any]) -> None:
-        """Keep a method in place of the one with other regions."""
+        """Keep a method in place of the same one with other regions."""
         self._ready[method.name] = method
 
     def method(self, document: Document) -> Method[Any]:
@@ -55,13 +49,13 @@ class PreparedMethods:
         return method
 
     def seeds(self, document: Document) -> Array:
-        """Where a run of a document starts, shape (N, 2) [px]: nowhere if its method needs no seeds."""
+        """Seeds of a run of a document, shape (N, 2) [px]; none if its method needs none."""
         if not METHODS[MODES[document.mode].method].seeded:
             return np.zeros((0, 2))
         return document.seeds(self.image_seeds(document))
 
     def image_seeds(self, document: Document) -> ImageSeeds:
-        """Positions from which a document starts all over the image."""
+        """Seeds of the starts of a document that depend on the image."""
         if self._seed_cache is None:
             return NO_SEEDS
-        return self._seed_cache.seeds_for(document.sowable, document.parameters.smoothing, document.regions)
+        return self._seed_cache.seeds_for(document.image_starts, document.parameters.smoothing, document.regions)

@@ -1,4 +1,4 @@
-"""Reconstruction of the newest particles, on a thread of its own and at its own slower pace."""
+"""Reconstruction of the newest particles, on a separate thread at a slower pace."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from cpm_core.segmentation.method import Method, MethodState
 
 _SHORTEST_PAUSE = 0.15
 _REST_PER_WORK = 5.0
-_LOOK_EVERY = 0.05
-"""Time between two looks at whether what is waited for is still wanted [s]."""
+_CHECK_EVERY = 0.05
+"""Time between two checks whether a reconstruction is still wanted [s]."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Request:
-    """A state to reconstruct contours from; `last` says that none will follow soon, so do not wait."""
+    """A state to reconstruct contours from; where `last`, none follows soon and there is no pause before it."""
 
     generation: int
     method: Method[Any]
@@ -49,44 +49,34 @@ class Reconstructor:
 
     @property
     def idle(self) -> bool:
-        """Whether there is nothing to do; asked in every frame, and therefore without waiting for the lock."""
+        """Whether there is no work; read in every display frame, and therefore without the lock."""
         return not self._requests and not self._working
 
     def ask(self, request: Request) -> None:
-        """Reconstruct this instead of whatever is still waiting."""
+        """Reconstruct this in place of a request that is still waiting."""
         with self._changed:
             self._requests.put(request)
             self._changed.notify_all()
 
     def forget(self) -> None:
-        """Drop what is waiting."""
+        """Drop the waiting request."""
         with self._changed:
             self._requests.take()
 
     def latest(self, generation: int, wanted: Callable[[], bool]) -> Reconstruction | None:
         """The contours of the newest request of a run, once they are made.
 
-        Parameters
-        ----------
-        generation : int
-            The run.
-        wanted : callable
-            Asked while they are being made.
-
-        Returns
-        -------
-        Reconstruction or None
-            The one that is left in `results`; None where there is none, or it is no longer wanted.
+        None where there are none, or `wanted`, which is called while they are being made, returns False.
         """
         with self._changed:
             waiting = self._requests.newest
-            if waiting is not None and not waiting.last:  # no pause before these
+            if waiting is not None and not waiting.last:  # no pause before this one
                 self._requests.put(replace(waiting, last=True))
                 self._changed.notify_all()
             while not (self.idle or self._quit):
                 if not wanted():
                     return None
-                self._changed.wait(_LOOK_EVERY)
+                self._changed.wait(_CHECK_EVERY)
             found = self._latest
             return found if found is not None and found.generation == generation else None
 
@@ -113,7 +103,7 @@ class Reconstructor:
             self._changed.wait_for(lambda: self._quit or bool(self._requests))
             if self._quit:
                 return None
-            self._working = True  # before the request is gone, so that in between this is not taken for idle
+            self._working = True  # set before the request is taken, so that `idle` is never true in between
             return self._requests.take()
 
     def _is_last_waiting(self) -> bool:
@@ -123,10 +113,10 @@ class Reconstructor:
     def _reconstruct(self, request: Request) -> None:
         try:
             result = request.method.result(request.state, request.parameters)
-            if request.state.step == 0 and isinstance(result, Result):  # gone back to the drawing
+            if request.state.step == 0 and isinstance(result, Result):  # back at the initialization
                 result = replace(result, contours=(), bridges=())
             found = Reconstruction.of(request.generation, result, self._tracker, thorough=request.last)
-        except Exception as error:  # the thread's outermost frame: whatever happens must not end it
+        except Exception as error:  # no error may end the thread
             sentence(error, "reconstructing contours")
             return
         self._latest = found

@@ -1,4 +1,4 @@
-"""The run on the worker thread: what a document and its edits make of it."""
+"""The run on the worker thread: how a document and its edits change it."""
 
 from __future__ import annotations
 
@@ -21,17 +21,7 @@ from cpm_core.shapes.image_starts import ImageSeeds
 
 
 class Run(Stepper):
-    """What the worker thread works on; only that thread touches it.
-
-    Parameters
-    ----------
-    prepared : PreparedMethods
-        The methods, as far as they are ready for the image.
-    snapshots, overlays : Mailbox
-        Where the newest particles and overlays are left.
-    reconstructor : Reconstructor
-        What makes contours of the newest particles.
-    """
+    """The run that the worker thread steps; no other thread touches it."""
 
     def __init__(
         self,
@@ -46,7 +36,7 @@ class Run(Stepper):
         self._overlays = OverlayMaker(overlays)
 
     def use(self, generation: int, method: Method[Any], parameters: Parameters) -> None:
-        """Change to another image, with the method that has been made ready for it."""
+        """Change to another image, with the method that is prepared for it."""
         self.discard(generation)
         self.image_generation = generation
         self._prepared.use(method)
@@ -54,7 +44,7 @@ class Run(Stepper):
         self._refresh_overlays()
 
     def start(self, generation: int, document: Document) -> None:
-        """Begin with what a document's drawing and mode give; nothing moves yet."""
+        """Start a run from the initialization and the mode of a document, without a step."""
         self.discard(generation)
         if self.method is None:
             raise ValueError("There is no image to run on: open one first.")
@@ -67,7 +57,7 @@ class Run(Stepper):
         self._send()
 
     def seeds_for(self, document: Document) -> ImageSeeds:
-        """Positions from which a document starts all over the image."""
+        """Seeds of the starts of a document that depend on the image."""
         return self._prepared.image_seeds(document)
 
     def set_parameters(self, parameters: Parameters) -> None:
@@ -77,14 +67,16 @@ class Run(Stepper):
         if not self.stepping:
             self._reconstruct()
 
-    def place(self, charges: tuple[PlacedCharge, ...]) -> bool:
-        """Let the particles feel these from the next step on; whether a run goes on with them that had ended."""
+    def place(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
+        """Use these placed charges on this image from the next step on; whether a run that had ended goes on."""
+        if image_generation != self.image_generation:
+            return False
         self.charges = charges
         self._refresh_overlays()
         return self._go_on()
 
     def limit(self, regions: Regions | None) -> bool:
-        """Hold the particles back by these from the next step on; whether a run goes on with them that had ended."""
+        """Use these regions and barriers from the next step on; whether a run that had ended goes on."""
         if self.method is None or regions == self.method.regions:
             return False
         self.method = self.method.with_regions(regions)
@@ -93,7 +85,7 @@ class Run(Stepper):
         return self._go_on()
 
     def join(self, document: Document) -> bool:
-        """Add the particles of a document's starts; whether a run goes on with them that had ended."""
+        """Add the particles of a document's starts; whether a run that had ended goes on."""
         if not isinstance(self.method, Steerable) or self.state is None:
             return False
         ended = bool(self.state.stop_reason)
@@ -101,26 +93,26 @@ class Run(Stepper):
         return ended and self._keep_going()
 
     def erase(self, path: tuple[Position, ...], radius: float) -> None:
-        """Take away the particles near a path."""
+        """Remove the particles near a path."""
         if isinstance(self.method, Steerable) and self.state is not None:
             self._do(Erased(path, radius, self.method.regions))
             if self.state.stop_reason:
                 self._remaining = 0.0
 
     def _do(self, action: RunAction) -> None:
-        """Change the particles where the run stands."""
+        """Apply an action to the current state."""
         assert self.method is not None
         self.state = action.apply(self.method, self.state)
         self.recorded.amend(action, self.state, self._record)
         self._send()
 
     def set_overlays(self, names: frozenset[str]) -> None:
-        """Keep these up to date."""
+        """Keep only these overlays up to date."""
         self._overlays.want(names)
         self._refresh_overlays()
 
     def _go_on(self) -> bool:
-        """Set a run going again that has ended."""
+        """Continue a run that has ended."""
         if not isinstance(self.method, Steerable) or self.state is None or not self.state.stop_reason:
             return False
         self.state = self.state.resumed()

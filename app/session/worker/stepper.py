@@ -1,7 +1,8 @@
-"""The state of a run and how it advances: steps, the way to others, and what is sent up after each."""
+"""The state of a run and how it advances: steps, moves along the timeline, and a snapshot after each."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -11,10 +12,8 @@ from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.exchange.pacing import Pacer
 from app.session.timeline.run_actions import Stepped
-from app.session.worker.potential_energy import PotentialEnergySampler
 from app.session.worker.reconstruction import Reconstructor, Request
-from app.session.worker.recorded_run import RecordedRun
-from app.session.worker.run_record import RunRecord
+from app.session.worker.recorded_run import RecordedRun, RunRecord
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -22,24 +21,22 @@ from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import Method, MethodState
 
 RESTING_SPEED = 0.1
-"""Speed under which a particle is shown as resting [px per unit of time]."""
+"""Speed below which a particle is shown as at rest [px per unit of time]."""
+
+_ENERGY_EVERY = 8
+"""Steps between two measurements of the potential energy; each takes about as long as a small part of a step."""
+
+_SMALL_IMAGE = 1 << 20
+"""Pixels up to which the potential, which is computed once for each field, is always ready at once."""
 
 
 class Stepper:
-    """A method, its state and its parameters, stepped on the worker thread; only that thread touches it.
-
-    Parameters
-    ----------
-    snapshots : Mailbox
-        Where the newest particles are left.
-    reconstructor : Reconstructor
-        What makes contours of them.
-    """
+    """A method, its state and its parameters, stepped on the worker thread; no other thread touches it."""
 
     def __init__(self, snapshots: Mailbox[Snapshot], reconstructor: Reconstructor) -> None:
         self.pacer = Pacer()
         self.recorded = RecordedRun()
-        self.energy_sampler = PotentialEnergySampler()
+        self._energy_watched = False
         self.generation = 0
         self.method: Method[Any] | None = None
         self.state: MethodState | None = None
@@ -52,11 +49,11 @@ class Stepper:
 
     @property
     def stepping(self) -> bool:
-        """Whether steps are to be taken."""
+        """Whether steps remain to be taken."""
         return self._remaining > 0
 
-    def go(self, steps: int | None) -> None:
-        """Step from now on, `steps` times or until told otherwise; a run that has ended only with other parameters."""
+    def go(self, steps: int | None = None) -> None:
+        """Take `steps` steps, or steps until `halt`; a run that has ended goes on only with other parameters."""
         if self.method is None or self.state is None:
             return
         if self.state.stop_reason and self.state.steering != self.method.steering(self.parameters):
@@ -71,7 +68,7 @@ class Stepper:
         self._reconstruct()
 
     def discard(self, generation: int) -> None:
-        """Stop and forget the particles."""
+        """Stop and discard the particles; the next run has this number."""
         self.generation = generation
         self._remaining = 0.0
         self.state = None
@@ -80,7 +77,7 @@ class Stepper:
         self._reconstructor.forget()
 
     def step(self) -> None:
-        """Take one step and send up what came of it."""
+        """Take one step and send a snapshot."""
         if self.method is None or self.state is None:
             self._remaining = 0.0
             return
@@ -88,35 +85,50 @@ class Stepper:
         state = self.state = method.step(self.state, parameters, self.charges)
         self._remaining = 0.0 if state.stop_reason else self._remaining - 1
         self.pacer.stepped()
-        thorough = self.energy_sampler.due(state.step, method.image.shape)
+        ready = self._energy_watched or math.prod(method.image.shape) <= _SMALL_IMAGE
+        thorough = ready and not state.step % _ENERGY_EVERY
         self._record.record(state.step, method.measures(state, parameters, thorough))
         self.recorded.record(Stepped(parameters, self.charges, method.regions), state, self._record)
         self._send()
 
     def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
-        """Hold, and stand at another step of the timeline; nothing but that changes when it is no longer wanted."""
+        """Pause and go to another step of the timeline; if it is no longer wanted, only pause."""
         self._remaining = 0.0
-        there = self.recorded.go(branch, step, wanted)
-        if there is not None:
-            self.state, self._record = there
+        found = self.recorded.go(branch, step, wanted)
+        if found is not None:
+            self.state, self._record = found
             self._send(looking_back=True)
 
     def drop_branch(self, branch: int) -> None:
-        """Forget a branch of the timeline; a run that stands on it goes back to where it began."""
+        """Remove a branch of the timeline; if the run is on it, go back to where it began."""
         before = self.state
         self.state, self._record = self.recorded.drop(branch)
         if self.state is not before:
             self._remaining = 0.0
         self._send(looking_back=True)
 
-    def tell(self) -> None:
-        """Send up how things stand, where there is anything."""
+    def rename_branch(self, branch: int, name: str) -> None:
+        """Give a branch of the timeline another name."""
+        self.recorded.timeline.rename(branch, name)
         self._send()
 
-    def reconstruction(self, shown: Reconstruction | None, wanted: Callable[[], bool]) -> Reconstruction | None:
-        """The contours that a person sees: while a run goes on those `shown`, else those of its very last state.
+    def set_timeline_budget(self, budget: int) -> None:
+        """Let the states of the timeline take at most so many bytes."""
+        self.recorded.timeline.budget = budget
+        self._send()
 
-        Where these are still being made it waits for them; None when they are no longer wanted.
+    def watch_energy(self, watched: bool) -> None:
+        """Measure the potential energy even where the potential takes long, or no more."""
+        self._energy_watched = watched
+
+    def set_pace(self, steps_per_second: float | None) -> None:
+        """Take at most so many steps a second; None for no limit."""
+        self.pacer.limit(steps_per_second)
+
+    def reconstruction(self, shown: Reconstruction | None, wanted: Callable[[], bool]) -> Reconstruction | None:
+        """The contours that the user sees: during a run those `shown`, else those of its last state.
+
+        It waits for contours that are still being made; None when they are no longer wanted.
         """
         if self.stepping and shown is not None and shown.generation == self.generation:
             return shown
@@ -132,7 +144,7 @@ class Stepper:
         return self.method.result(state, self.parameters)
 
     def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
-        """Another moment of the run as it would be shown, without going there; None when no longer wanted."""
+        """Snapshot of another step, without going there; None when it is no longer wanted."""
         found = self.recorded.moment(branch, step, wanted)
         return None if found is None else self._snapshot(*found)
 
@@ -161,8 +173,8 @@ class Stepper:
         )
 
     def _reconstruct(self, looking_back: bool = False) -> None:
-        """Ask for contours; of the first state only to show that there are none, when the run goes back to it."""
+        """Request contours; of the first state only when the run goes back to it, to show that there are none."""
         if self.method is not None and self.state is not None and (self.state.step > 0 or looking_back):
-            # While a person scrubs, the next moment counts, and contours only of the one where that ends.
+            # While the user scrubs, only the step at which that ends needs its contours at once.
             last = not self.stepping and not looking_back
             self._reconstructor.ask(Request(self.generation, self.method, self.state, self.parameters, last))

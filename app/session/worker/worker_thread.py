@@ -1,17 +1,16 @@
-"""The worker thread: steps a method, obeying commands in order between steps."""
+"""The worker thread: steps a method and executes commands in order between steps."""
 
 from __future__ import annotations
 
 import queue
 import threading
-from collections import defaultdict, deque
+from collections import deque
 
 from app.session.core_functions import Core
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command, Quit
+from app.session.worker.commands.run import Command, CommandContext, Quit
 from app.session.worker.prepared_methods import PreparedMethods
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
@@ -20,14 +19,9 @@ from app.session.worker.run import Run
 class WorkerThread:
     """One thread that owns the run.
 
-    Commands go down through `post`, in order and never lost; snapshots, contours and overlays come up through mailboxes
-    in which the newest wins; the few things that must not be missed come up through `reports`. Nothing here calls back
-    into the window, which looks for news itself.
-
-    Parameters
-    ----------
-    core : Core
-        The core's functions.
+    Commands are sent by `post`, in order and never lost. Snapshots, contours and overlays are left in mailboxes in
+    which the newest wins; what must not be missed is in `reports`. The thread never calls the window, which takes these
+    messages itself.
     """
 
     def __init__(self, core: Core | None = None) -> None:
@@ -40,7 +34,7 @@ class WorkerThread:
         self._executed = 0
         self._waiting = False
         self._closing = False
-        self._newest: defaultdict[type[Command], Mailbox[Command]] = defaultdict(Mailbox)
+        self._newest: dict[object, Command] = {}
         core = core or Core()
         self._run = Run(PreparedMethods(core.methods), self.snapshots, self.overlays, self.reconstructor)
         self._context = CommandContext(core, self._run, self.report, lambda: self._closing)
@@ -48,14 +42,14 @@ class WorkerThread:
         self._thread.start()
 
     def post(self, command: Command) -> None:
-        """Send a command; only ever from the window's thread."""
+        """Send a command; only from the window's thread."""
         self._posted += 1
-        if command.latest_only:
-            self._newest[type(command)].put(command)
+        if command.kind is not None:
+            self._newest[command.kind] = command
         self._commands.put(command)
 
     def report(self, report: Report) -> None:
-        """Send a report up, from any thread."""
+        """Send a report to the window, from any thread."""
         self._reports.append(report)
 
     def reports(self) -> list[Report]:
@@ -67,7 +61,7 @@ class WorkerThread:
 
     @property
     def idle(self) -> bool:
-        """Whether every command has been obeyed, nothing steps and everything that was sent up has been taken."""
+        """Whether every command has been executed, no step remains and every message has been taken."""
         return (
             self._executed == self._posted
             and self._waiting
@@ -92,7 +86,7 @@ class WorkerThread:
                 self._executed += 1
 
     def _next(self) -> Command | None:
-        """The next command; None when a step is due before one comes."""
+        """The next command; None when a step is due before one arrives."""
         if not self._run.stepping:
             self._waiting = True
             command = self._commands.get()
@@ -107,14 +101,14 @@ class WorkerThread:
     def _guarded_step(self) -> None:
         try:
             self._run.step()
-        except Exception as error:  # the thread's outermost frame: whatever happens must not end it
+        except Exception as error:  # no error may end the thread
             self._run.halt()
             self._reports.append(RunFailed(self._run.generation, sentence(error, "taking a step")))
 
     def _guarded_execute(self, command: Command) -> None:
-        if command.latest_only and command is not self._newest[type(command)].newest:
+        if command.kind is not None and command is not self._newest[command.kind]:
             return
         try:
             command.execute(self._context)
-        except Exception as error:  # the thread's outermost frame: whatever happens must not end it
+        except Exception as error:  # no error may end the thread
             self._reports.append(command.failure_report(error))

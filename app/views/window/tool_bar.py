@@ -53,7 +53,7 @@ class ToolBar(QToolBar):
                 bold = button.font()
                 bold.setBold(True)
                 metrics = QFontMetrics(bold)
-                button.setMinimumWidth(metrics.horizontalAdvance(tr("Run anew")) + 52)
+                button.setMinimumWidth(metrics.horizontalAdvance(tr("Run again")) + 52)
 
 
 def _modes(actions: Actions) -> QWidget:

@@ -137,7 +137,7 @@ def test_a_changed_initialization_is_reported_and_run_starts_again_from_it(ready
     assert session.status.phase == "running"
     assert "Reset" in ready.canvas_area.hint.text()
     hand.key(KEY.Key_Space)
-    assert ready.actions_by_name["run"].text() == "Run anew"
+    assert ready.actions_by_name["run"].text() == "Run again"
     hand.key(KEY.Key_Space)
     assert session.generation > generation
     assert not session.status.stale
@@ -158,7 +158,7 @@ def test_a_run_at_rest_continues_with_changed_parameters(ready, hand) -> None:
     hand.wait(lambda: session.idle)
     assert session.generation == generation
     assert session.status.count < count
-    assert ready.actions_by_name["run"].text() == "Run anew"
+    assert ready.actions_by_name["run"].text() == "Run again"
 
 
 def test_contours_at_rest_follow_their_thresholds_without_a_step(ready, hand) -> None:
@@ -177,7 +177,7 @@ def test_contours_at_rest_follow_their_thresholds_without_a_step(ready, hand) ->
     hand.wait(lambda: hand.canvas.layers.contours.counts == (1, 0))
     hand.wait(lambda: session.idle)
     assert (session.status.step, session.status.phase) == (step, "finished")
-    assert ready.actions_by_name["run"].text() == "Run anew"
+    assert ready.actions_by_name["run"].text() == "Run again"
 
 
 def test_a_wider_gap_bridges_at_rest_and_is_shown_and_reported(window, hand, tmp_path) -> None:

@@ -9,7 +9,8 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
-from app.session.worker.commands.timeline import SetTimelineBudget
+from app.session.worker.commands.run import RunCall
+from app.session.worker.run import Run
 from app.views.features.run.timeline import TimelineFeature
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
@@ -191,7 +192,7 @@ def test_undoing_an_added_initialization_makes_the_run_out_of_date_until_redo(be
     hand.wait(lambda: session.idle)
     assert session.status.stale
     assert session.status.count == count
-    assert "Run starts anew" in begun.canvas_area.hint.text()
+    assert "Run starts again" in begun.canvas_area.hint.text()
     hand.key(KEY.Key_Y, CONTROL)
     hand.wait(lambda: session.idle)
     assert not session.status.stale
@@ -214,7 +215,7 @@ def test_an_automatic_initialization_joins_a_run_with_computed_seeds(begun, hand
     before = begun.session.status.count
     hand.key(KEY.Key_G, CONTROL)
     hand.wait(lambda: begun.session.status.count > before + 20)
-    assert begun.session.document.sowable == (Everywhere("grid"),)
+    assert begun.session.document.image_starts == (Everywhere("grid"),)
     assert not begun.session.status.stale
 
 
@@ -261,7 +262,7 @@ def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> 
         hand.key(KEY.Key_Period)
         hand.wait(lambda: session.idle)
 
-    session.post(SetTimelineBudget(0))
+    session.post(RunCall(None, Run.set_timeline_budget, 0))
     session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
     take_a_step()
     session.edit("points", lambda document: edits.add_shape(document, Points(((5.0, 5.0), (8.0, 8.0)))))

@@ -1,4 +1,4 @@
-"""Particles are colored by what they do: more of it never gives a darker color, and what is not known says so."""
+"""Particles are colored by a quantity: a larger value never has a darker color, and unknown values have their own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, age, colored, convergence, speed
 from app.model.display.round_numbers import round_down, round_up
-from app.session.worker.run_record import RunRecord
+from app.session.worker.recorded_run import RunRecord
 from app.views.canvas.items.discs import Discs
 from app.views.theme import color_maps, theme
 from cpm_core import Engine, Parameters
@@ -110,7 +110,7 @@ def test_each_disc_has_the_color_of_its_number(qapp):
 
 
 @given(st.floats(1e-12, 1e12))
-def test_round_numbers_lie_next_to_what_they_stand_for(value):
+def test_round_numbers_are_near_the_value(value):
     for number in (round_up(value), round_down(value)):
         mantissa = float(f"{number:e}".partition("e")[0])
         assert mantissa in (1.0, 2.0, 5.0)

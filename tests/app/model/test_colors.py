@@ -46,12 +46,12 @@ TEXT_ON = (
 
 @pytest.mark.parametrize("used", [theme.LIGHT, theme.DARK], ids=["light", "dark"])
 @pytest.mark.parametrize(("text", "ground"), TEXT_ON)
-def test_text_can_be_read_on_what_it_stands_on(used, text, ground):
+def test_text_can_be_read_on_its_background(used, text, ground):
     assert contrast(getattr(used, text), getattr(used, ground)) >= 4.5
 
 
 @pytest.mark.parametrize("used", [theme.LIGHT, theme.DARK], ids=["light", "dark"])
-def test_what_has_the_focus_and_what_is_disabled_can_be_told(used):
+def test_focused_and_disabled_controls_can_be_distinguished(used):
     for ground in ("window", "panel", "base"):
         assert contrast(used.accent, getattr(used, ground)) >= 3.0
         assert contrast(used.faded, getattr(used, ground)) >= 1.9
@@ -79,7 +79,7 @@ def seen(color, kind):
     "pair",
     [("MOVING", "RESTING"), ("CLOSED", "OPEN"), ("CLOSED", "MOVING"), ("REGION", "BARRIER"), ("OPEN", "RESTING")],
 )
-def test_colors_of_data_are_told_apart_by_color_blind_people(kind, pair):
+def test_colors_of_data_can_be_distinguished_by_color_blind_users(kind, pair):
     one, other = (seen(getattr(theme, name), kind) for name in pair)
     assert sum((a - b) ** 2 for a, b in zip(one, other, strict=True)) ** 0.5 > 0.2
 

@@ -1,4 +1,4 @@
-"""Edits are pure: they make the next document and leave the one before as it was."""
+"""Edits are pure: they make the next document and do not change the one before."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_limits_alone_are_nothing_to_start_from() -> None:
 def test_starting_everywhere_twice_over_is_starting_nowhere(drawn: list[Shape], kind) -> None:
     before = Document(shapes=tuple(drawn))
     once = edits.toggle_everywhere(before, kind)
-    assert once.sowable == (Everywhere(kind),)
+    assert once.image_starts == (Everywhere(kind),)
     assert edits.toggle_everywhere(once, kind) == before
 
 
@@ -81,7 +81,7 @@ def test_regions_and_barriers_of_the_document_are_those_drawn_in_their_order(dra
     assert (regions.interest, regions.barriers) == (interest, barriers) if regions else not (interest or barriers)
 
 
-def test_a_document_without_shapes_has_no_seeds_and_says_what_to_do() -> None:
+def test_a_document_without_shapes_has_no_seeds_and_the_error_explains_what_to_do() -> None:
     with pytest.raises(ValueError, match="draw a circle"):
         Document().seeds()
 
@@ -110,7 +110,7 @@ def test_every_control_shows_its_default_and_takes_both_ends_of_its_slider(contr
     ("name", "said"),
     [("min_length", "at rest"), ("max_gap", "at rest"), ("w2", "next step"), ("scales", "next start")],
 )
-def test_a_control_says_when_it_acts(name: str, said: str) -> None:
+def test_a_control_states_when_it_acts(name: str, said: str) -> None:
     assert said in next(control.acts for control in controls() if control.name == name)
 
 

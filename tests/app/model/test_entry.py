@@ -1,4 +1,4 @@
-"""`cpm` opens the window or hands over to the command line, and says in a sentence why it cannot."""
+"""`cpm` opens the window or calls the command line, and explains in one sentence when it cannot."""
 
 from __future__ import annotations
 

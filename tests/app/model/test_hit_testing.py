@@ -1,4 +1,4 @@
-"""Hit testing finds what a person would say lies under the pointer."""
+"""Hit testing finds the shape that the user sees under the pointer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every sentence that a person reads can be translated: none in the source bypasses `tr`, none in the window appears as
+"""Every sentence that the user reads can be translated: none in the source bypasses `tr`, none in the window appears as
 it was written when `tr` puts brackets around it."""
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ SHOWING = {
     "addMenu", "addItem", "addTab", "QLabel", "QPushButton", "QCheckBox", "QAction", "QGroupBox", "QRadioButton",
     "QToolBar", "QDockWidget", "getOpenFileName", "getSaveFileName", "getText", "getItem", "Section",
 }  # fmt: skip
-"""Calls whose texts a person reads."""
+"""Calls whose texts the user reads."""
 
 NAMING = {"edit"}
-"""Calls whose first text is the name of a change, which stands after "Undo"."""
+"""Calls whose first text is the name of a change, which follows "Undo"."""
 
 WORDS = {"text", "tip", "title", "short", "about", "hint", "label", "note"}
-"""Arguments that a person reads, of whatever is called."""
+"""Arguments of any call that the user reads."""
 
-NOT_READ = {"opening", "preparing", "sowing"}
+NOT_READ = {"opening", "preparing", "seeding"}
 """Literals that are names in code."""
 
 
@@ -48,7 +48,7 @@ def without_tags(said: str) -> str:
 
 
 def bypassing(source: str) -> list[tuple[int, str]]:
-    """Lines and literals that a person would read untranslated."""
+    """Lines and literals that the user would read untranslated."""
     found = []
     for node in ast.walk(ast.parse(source)):
         if not isinstance(node, ast.Call):
@@ -91,7 +91,7 @@ def test_what_is_translated_is_a_literal_that_can_be_found_in_the_source() -> No
 
 @pytest.fixture(scope="module")
 def template(tmp_path_factory) -> Path:
-    """The template for translations, written anew."""
+    """The template for translations, written again."""
     target = tmp_path_factory.mktemp("languages") / "cpm.pot"
     script = ROOT / "assets" / "languages" / "make_template.py"
     specification = importlib.util.spec_from_file_location("make_template", script)

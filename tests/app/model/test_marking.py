@@ -1,4 +1,4 @@
-"""Marks as edits of the document: pure, small, and gone when they say nothing."""
+"""Marks as edits of the document: pure, small, and removed when they are empty."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def test_a_first_word_on_a_contour_puts_a_mark_on_it_and_later_ones_change_that_
     assert document.marks == (Mark(HERE, "rejected"),)
 
 
-def test_a_mark_that_says_nothing_any_more_is_gone() -> None:
+def test_an_empty_mark_is_removed() -> None:
     document = marking.judge(Document(), [Target(None, HERE), Target(None, THERE)], "kept")
     assert len(document.marks) == 2
     document = marking.judge(document, [Target(document.marks[0], HERE)], "")

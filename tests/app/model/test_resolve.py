@@ -1,4 +1,4 @@
-"""What is enabled and said follows from document and run alone."""
+"""Enabled actions and texts depend only on document and run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
 DRAWN = Document(IMAGE, (Circle((32.0, 32.0), 10.0),))
 
 
-def test_without_an_image_nothing_can_be_run_and_the_hint_says_how_to_open_one() -> None:
+def test_without_an_image_there_is_no_run_and_the_hint_explains_how_to_open_one() -> None:
     empty = Situation()
     assert not any(holds(empty) for holds in (has_image, can_step, is_started))
     assert "Open an image" in resolve(empty).hint
@@ -27,10 +27,10 @@ def test_without_an_image_nothing_can_be_run_and_the_hint_says_how_to_open_one()
         (RunStatus("ready"), "Run", True, False),
         (RunStatus("running"), "Pause", False, True),
         (RunStatus("paused"), "Resume", True, True),
-        (RunStatus("paused", stale=True), "Run anew", True, True),
-        (RunStatus("finished", stop_reason="at rest"), "Run anew", False, True),
+        (RunStatus("paused", stale=True), "Run again", True, True),
+        (RunStatus("finished", stop_reason="at rest"), "Run again", False, True),
         (RunStatus("finished", stop_reason="at rest", steered=True), "Resume", True, True),
-        (RunStatus("finished", stop_reason="at rest", steered=True, stale=True), "Run anew", True, True),
+        (RunStatus("finished", stop_reason="at rest", steered=True, stale=True), "Run again", True, True),
     ],
 )
 def test_run_is_worded_by_what_it_will_do(status: RunStatus, text: str, steps: bool, started: bool) -> None:
@@ -40,13 +40,13 @@ def test_run_is_worded_by_what_it_will_do(status: RunStatus, text: str, steps: b
     assert (can_step(situation), is_started(situation)) == (steps, started)
 
 
-def test_a_run_that_is_out_of_date_says_what_makes_it_new() -> None:
+def test_a_run_that_is_out_of_date_shows_how_to_renew_it() -> None:
     assert "Reset" in resolve(Situation(DRAWN, RunStatus("running", stale=True))).hint
-    assert "Run starts anew" in resolve(Situation(DRAWN, RunStatus("paused", stale=True))).hint
+    assert "Run starts again" in resolve(Situation(DRAWN, RunStatus("paused", stale=True))).hint
     assert resolve(Situation(DRAWN, RunStatus("running"))).hint == ""
 
 
-def test_the_reason_for_stopping_is_said_and_whether_it_is_an_end_at_rest() -> None:
+def test_the_stop_reason_is_shown_and_whether_it_is_an_equilibrium() -> None:
     assert (
         resolve(Situation(DRAWN, RunStatus("finished", stop_reason="at rest", converged=True))).state
         == "Done – at rest."
@@ -88,5 +88,5 @@ def test_limits_alone_are_no_drawing_to_start_from() -> None:
         (RunStatus("finished", step=1, bridges=3, longest_bridge=12.4), "3 gaps, longest 12.4 px"),
     ],
 )
-def test_bridged_gaps_are_counted_and_the_longest_is_told(status: RunStatus, said: str) -> None:
+def test_bridged_gaps_are_counted_and_the_longest_is_shown(status: RunStatus, said: str) -> None:
     assert {label: value for label, value, _ in resolve(Situation(DRAWN, status)).numbers}["Bridged"] == said

@@ -9,11 +9,11 @@ import pytest
 from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 
+from app.model.display.plots import RunMetrics
 from app.model.parameters.controls import controls
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation
 from app.model.state.status import RunStatus
-from app.session.exchange.messages import RunMetrics
 from app.views.canvas.items.curves import pieces
 from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
 from app.views.features.help.help import show_about

@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.display.plots import PLOTS, figure
-from app.session.exchange.messages import RunMetrics
-from app.session.worker.run_record import RunRecord
+from app.model.display.plots import PLOTS, RunMetrics, figure
+from app.session.worker.recorded_run import RunRecord
 from app.views.panels.run.run_panel import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command
+from app.session.worker.commands.run import Command, CommandContext
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.features.file.preferences import PreferencesFeature
@@ -321,7 +320,7 @@ def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> 
 
 def test_with_very_little_memory_every_step_is_still_exact(rested, hand, fresh) -> None:
     recorded = rested.session._worker_thread._run.recorded
-    recorded.set_budget(1)
+    recorded.timeline.budget = 1
     for step in (40, 3, 57, 56):
         navigation(rested).go(1, step)
         wait_for_step(rested, hand, step)

@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.differences import differences
-from app.session.exchange.latest_only import Latest
+from app.session.exchange.mailbox import Latest
 from app.views.features.contours.truth import TruthFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import compare
@@ -186,5 +186,5 @@ def test_a_job_that_fails_does_not_stop_later_jobs(qtbot, caplog) -> None:
     qtbot.waitUntil(lambda: latest.idle, timeout=20_000)
     latest.ask(lambda: "done")
     qtbot.waitUntil(lambda: results == ["done"], timeout=20_000)
-    assert "unexpected trouble" in caplog.text
+    assert "unexpected error" in caplog.text
     latest.close()

@@ -13,7 +13,7 @@ from app.views.window.garbage import GarbageCollector
 
 
 class Knot:
-    """Something that refers to itself, and tells on which thread it goes."""
+    """An object with a reference to itself, which records the thread that destroys it."""
 
     gone_on: ClassVar[list[str]] = []
 
@@ -31,7 +31,7 @@ def make_garbage(count: int) -> None:
 
 @pytest.fixture
 def automatic():
-    """Python collects by itself, as it does in a program."""
+    """Automatic garbage collection is on, as in a program."""
     Knot.gone_on.clear()
     gc.enable()
     yield

@@ -1,4 +1,4 @@
-"""Tens of thousands of Qt calls and emissions leave the interpreter alive; some releases of the bindings do not."""
+"""Tens of thousands of Qt calls and emissions do not crash the interpreter, as some releases of the bindings do."""
 
 from __future__ import annotations
 

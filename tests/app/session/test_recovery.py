@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[3]
 
 
 def leave(folder: Path, image: Path, name: str = "left.cpm", session: str = "") -> Path:
-    """A journal as a process that is gone would have left it."""
+    """A journal as a process that has ended leaves it."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}-journal.cpm"
     shapes = (Circle((30.0, 30.0), 7.0), Circle((10.0, 10.0), 5.0))
@@ -87,7 +87,7 @@ def test_nothing_is_written_where_nothing_would_be_lost(window) -> None:
     assert not folder_of_journals().exists()
 
 
-def test_the_journal_of_a_window_that_lives_is_offered_to_nobody(window) -> None:
+def test_the_journal_of_an_open_window_is_not_offered(window) -> None:
     draw(window)
     assert written(window).exists()
     assert left_behind(folder_of_journals()) == []
@@ -108,7 +108,7 @@ def test_what_was_left_is_restored_with_its_file_and_counts_as_unsaved(window, h
     assert document_file.unsaved
     assert "restored" in window.canvas_area.messages.text
     assert not left.exists()
-    # what was restored is safe again already
+    # restored work is in a journal again
     assert load_session(journal(window).path).shapes == window.session.document.shapes
     assert KEY not in document_file.file.extra
     document_file.save(session_file)
@@ -150,7 +150,7 @@ def test_a_damaged_journal_is_removed_without_a_word(window, content: bytes) -> 
     assert not path.exists()
 
 
-def test_what_is_left_of_an_image_that_is_gone_says_so_and_stays(window, hand, tmp_path) -> None:
+def test_a_journal_of_a_missing_image_is_reported_and_stays(window, hand, tmp_path) -> None:
     left = leave(folder_of_journals(), tmp_path / "gone.png")
     press(offer(window), "Restore")
     hand.wait(lambda: "gone.png" in window.canvas_area.messages.text)
@@ -210,7 +210,7 @@ def _journals_with_three_shapes() -> bool:
     return any(len(load_session(path).shapes) == 3 for path in folder_of_journals().glob("*.cpm"))
 
 
-def test_a_lock_is_free_again_as_soon_as_nobody_holds_it(tmp_path) -> None:
+def test_a_lock_is_free_as_soon_as_its_holder_has_ended(tmp_path) -> None:
     first, second = (lock_of(tmp_path / "a.cpm") for _ in range(2))
     assert first.tryLock(0)
     assert not second.tryLock(0)

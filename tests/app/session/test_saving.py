@@ -32,7 +32,7 @@ STANDARD = QMessageBox.StandardButton
 
 @pytest.fixture
 def saved_to(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """Where the file dialog says that a session is to be saved."""
+    """Path that the file dialog returns for a session."""
     path = tmp_path / "work.cpm"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path.with_suffix("")), ""))
     return path
@@ -99,7 +99,7 @@ def test_what_is_saved_by_a_key_is_restored_with_marks_and_view(ready, hand, sav
         assert after == pytest.approx(before, abs=0.5)
 
 
-def test_the_title_tells_the_file_and_whether_it_is_saved(ready, hand, saved_to) -> None:
+def test_the_title_shows_the_file_and_whether_it_is_saved(ready, hand, saved_to) -> None:
     assert ready.windowTitle() == "disc.npy[*] – CPM"
     assert ready.isWindowModified()
     hand.key(KEY.Key_S, CTRL)
@@ -151,7 +151,7 @@ def test_two_savings_in_a_row_leave_the_later_state(ready, hand, saved_to) -> No
     assert len(load_session(saved_to).shapes) == 3
 
 
-def test_what_cannot_be_saved_is_told_and_stays_unsaved(ready, hand, tmp_path) -> None:
+def test_a_failed_save_is_reported_and_the_work_stays_unsaved(ready, hand, tmp_path) -> None:
     document_file(ready).save(tmp_path / "no folder" / "a.cpm")
     hand.wait(lambda: "no folder" in ready.canvas_area.messages.text)
     assert document_file(ready).unsaved
@@ -181,7 +181,7 @@ def test_what_another_version_has_added_survives_saving(ready, hand, saved_to) -
         (lambda path: path.write_text('{"cpm-session": 9}'), "version 9"),
     ],
 )
-def test_a_session_that_cannot_be_used_is_told_and_everything_stays(
+def test_an_unusable_session_is_reported_and_everything_stays(
     ready, hand, saved_to, spoil: Callable[[Path], object], said: str
 ) -> None:
     document_file(ready).save(saved_to)
@@ -220,18 +220,18 @@ def test_cancel_keeps_the_window_and_the_image(ready, hand, asked, tmp_path) -> 
     ready.feature(OpenSaveFeature).document_file.forget()
 
 
-def test_discard_lets_go_of_it(ready, asked) -> None:
+def test_discard_closes_the_window_without_saving(ready, asked) -> None:
     click(STANDARD.Discard)
     assert ready.close()
 
 
-def test_save_writes_it_before_the_window_goes(ready, asked, saved_to) -> None:
+def test_save_writes_the_file_before_the_window_closes(ready, asked, saved_to) -> None:
     click(STANDARD.Save)
     assert ready.close()
     assert load_session(saved_to).shapes == ready.session.document.shapes
 
 
-def test_save_that_fails_or_is_not_told_where_to_keeps_the_window(ready, asked, monkeypatch, tmp_path) -> None:
+def test_a_save_that_fails_or_has_no_path_keeps_the_window(ready, asked, monkeypatch, tmp_path) -> None:
     answers = iter([("", ""), (str(tmp_path / "none" / "a.cpm"), "")])
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: next(answers))
     for _ in range(2):
@@ -242,14 +242,14 @@ def test_save_that_fails_or_is_not_told_where_to_keeps_the_window(ready, asked, 
     ready.feature(OpenSaveFeature).document_file.forget()
 
 
-def test_nothing_is_asked_where_nothing_would_be_lost(window, asked, hand, saved_to) -> None:
+def test_there_is_no_question_where_nothing_would_be_lost(window, asked, hand, saved_to) -> None:
     draw(window)
     document_file(window).save(saved_to)
     hand.wait(lambda: not document_file(window).unsaved)
     assert window.close()
 
 
-# What is dropped, and what was open lately
+# Dropped files and recent files
 
 
 def test_points_are_drawn_and_can_be_taken_back(window, hand, tmp_path) -> None:
@@ -271,7 +271,7 @@ def test_a_preset_that_is_dropped_is_among_the_presets(window, hand, tmp_path) -
     assert store.called("Calm").parameters.beta == 1.2
 
 
-def test_of_several_images_dropped_the_first_is_opened_and_that_is_said(window, hand, tmp_path) -> None:
+def test_of_several_dropped_images_the_first_is_opened_with_a_message(window, hand, tmp_path) -> None:
     for name in ("a", "b"):
         np.save(tmp_path / f"{name}.npy", np.eye(20))
     drop(window, tmp_path / "a.npy", tmp_path / "b.npy")

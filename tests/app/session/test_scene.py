@@ -1,4 +1,4 @@
-"""One state, drawn: whoever draws the scene of a session shows what the session shows, and draws no part twice."""
+"""A view that draws the scene of a session shows the same as the session, and draws no part twice."""
 
 from __future__ import annotations
 

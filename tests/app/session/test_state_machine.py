@@ -79,7 +79,7 @@ class SessionMachine(RuleBasedStateMachine):
         self.begin()
         self.edit(edits.set_parameters(self.now, Parameters(scales=1)))
 
-    # What the model does
+    # The model
 
     def begin(self) -> None:
         """There is no way back from here."""
@@ -100,7 +100,7 @@ class SessionMachine(RuleBasedStateMachine):
             time.sleep(0.001)
 
     def settle(self) -> None:
-        """Let everything that goes on by itself come to its end."""
+        """Wait until all work has ended."""
         self.wait(lambda: self.session.idle)
 
     # Edit, undo, redo
@@ -233,7 +233,7 @@ class SessionMachine(RuleBasedStateMachine):
         self.edit(edits.set_parameter(self.now, "beta", beta))
         self.session.step()
         self.settle()
-        if self.session.status.step == step:  # it was the end of the run, or nobody was left
+        if self.session.status.step == step:  # it was the end of the run, or no particle was left
             return
         assert self.navigation.place == (self.navigation.place[0], step + 1)
         for identity, end in before.items():
@@ -275,7 +275,7 @@ class SessionMachine(RuleBasedStateMachine):
             assert (file.shapes, file.parameters) == (self.now.shapes, self.now.parameters)
         assert left_behind(self.folder / "journals") == []
 
-    # What always holds
+    # Invariants
 
     @invariant()
     def the_document_is_the_one_expected(self) -> None:

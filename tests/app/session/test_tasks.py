@@ -1,4 +1,4 @@
-"""Long work says how far it is and how long it takes yet, and is given up at once."""
+"""Long tasks show their progress and remaining time, and can be cancelled at once."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ from app.model.state.time_left import SURE_AFTER, in_words, seconds_left
 from app.session.core_functions import Core
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.tasks.tasks import Cancelled, Task, Tasks
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command
+from app.session.worker.commands.run import Command, CommandContext
 from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.run.tasks import TasksFeature
@@ -40,14 +39,14 @@ class Clock:
 
 
 @given(st.floats(SURE_AFTER, 1e5), st.floats(0.02, 1.0))
-def test_what_goes_on_as_it_has_gone_so_far_ends_when_it_was_said_to(elapsed: float, fraction: float) -> None:
+def test_a_task_with_constant_speed_ends_at_the_estimated_time(elapsed: float, fraction: float) -> None:
     left = seconds_left(elapsed, fraction)
     assert left is not None
     assert elapsed / (elapsed + left) == pytest.approx(fraction)
 
 
 @given(st.floats(0.0, 1e6))
-def test_a_time_that_is_left_is_said_in_words_within_a_quarter(seconds: float) -> None:
+def test_the_text_of_a_remaining_time_is_within_a_quarter(seconds: float) -> None:
     said = in_words(seconds)
     assert said.endswith("left")
     number = next((float(word) for word in said.split() if word.isdigit()), None)
@@ -58,14 +57,14 @@ def test_a_time_that_is_left_is_said_in_words_within_a_quarter(seconds: float) -
         assert number * unit == pytest.approx(seconds, rel=0.25)
 
 
-def test_nothing_is_said_where_nobody_can_know() -> None:
+def test_there_is_no_text_for_an_unknown_remaining_time() -> None:
     assert seconds_left(10.0, None) is None
     assert seconds_left(0.5, 0.5) is None
     assert seconds_left(10.0, 0.0) is None
     assert in_words(None) == ""
 
 
-def test_a_task_tells_the_time_left_from_its_own_pace() -> None:
+def test_a_task_estimates_the_remaining_time_from_its_own_speed() -> None:
     clock = Clock()
     task = Task("Counting", clock=clock)
     clock.now = 30.0
@@ -74,7 +73,7 @@ def test_a_task_tells_the_time_left_from_its_own_pace() -> None:
     assert task.seconds_left == pytest.approx(90.0)
 
 
-def test_who_advances_a_task_that_has_been_given_up_is_led_out_of_it() -> None:
+def test_advance_of_a_cancelled_task_raises() -> None:
     task = Task("Counting")
     task.advance(0.1)
     task.cancel()
@@ -109,7 +108,7 @@ def settled(tasks: Tasks) -> bool:
     return tasks.idle
 
 
-def test_what_a_task_returns_is_reported_and_what_goes_wrong_is_told(qtbot, tasks, reports) -> None:
+def test_the_result_and_the_error_of_a_task_are_reported(qtbot, tasks, reports) -> None:
     def fall(task: Task) -> Report:
         raise ValueError("the disk is full")
 
@@ -159,7 +158,7 @@ def test_closing_gives_everything_up_and_leaves_no_thread(tasks, reports) -> Non
 
 @dataclass(frozen=True)
 class Wait(Command):
-    """Holds the worker until it is let."""
+    """Blocks the worker until it is released."""
 
     gate: threading.Event
 
@@ -168,7 +167,7 @@ class Wait(Command):
 
 
 class Gated:
-    """Reads images, but those called slow only when it is let."""
+    """Reads images, but those called slow only when it is released."""
 
     def __init__(self) -> None:
         self.gate = threading.Event()
@@ -250,7 +249,7 @@ def test_an_export_that_was_given_up_writes_nothing(ready, hand, tmp_path) -> No
     hand.key(Qt.Key.Key_Period)
     hand.wait(lambda: session.status.step == 1 and session.idle)
     gate = threading.Event()
-    session.post(Wait(gate))  # so that the export has not begun when it is given up
+    session.post(Wait(gate))  # so that the export has not begun when it is cancelled
     session.export(tmp_path / "a.csv")
     for task in session.tasks.current:
         task.cancel()

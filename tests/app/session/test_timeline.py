@@ -12,8 +12,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from app.session.timeline.run_actions import Stepped
 from app.session.timeline.timeline import Timeline
-from app.session.worker.recorded_run import RecordedRun
-from app.session.worker.run_record import RunRecord
+from app.session.worker.recorded_run import RecordedRun, RunRecord
 from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
@@ -51,7 +50,7 @@ def same(one: State, other: State) -> bool:
 
 
 class TimelineMachine(RuleBasedStateMachine):
-    """Anything may be done in any order; a plain book of all states tells what must come of it."""
+    """Operations in any order give the states of a simple model that keeps all states."""
 
     @initialize(budget=st.sampled_from([1, 3_000, 12_000, AMPLE]))
     def begin(self, budget: int) -> None:
@@ -171,7 +170,7 @@ def test_going_on_by_the_same_actions_repeats_the_branch_and_by_others_begins_on
     assert timeline.here == (kept.identity, 6)
 
 
-def test_a_seek_that_nobody_wants_any_more_changes_nothing() -> None:
+def test_a_seek_that_is_no_longer_wanted_changes_nothing() -> None:
     timeline, _ = recorded(30, budget=1)
     here = timeline.here
     assert timeline.go(here[0], 20, wanted=lambda: False) is None
@@ -215,7 +214,7 @@ def test_scales_are_marked_where_they_begin_and_once() -> None:
     assert timeline.branches[0].scales == ((0, 1), (7, 0))
 
 
-def test_the_only_branch_cannot_be_dropped_and_unknown_ones_are_told_of() -> None:
+def test_the_only_branch_cannot_be_dropped_and_unknown_ones_are_reported() -> None:
     timeline, _ = recorded(3)
     with pytest.raises(ValueError, match="only branch"):
         timeline.drop(1)
@@ -266,7 +265,7 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
     )
     engines = {None: ENGINE, barrier: ENGINE.with_regions(barrier)}
     recorded, record, states = RecordedRun(), RunRecord(), [ENGINE.start(circle((32.0, 32.0), 10.0))]
-    recorded.set_budget(1)
+    recorded.timeline.budget = 1
     recorded.begin(ENGINE, states[0], record)
     for step in range(50):
         action = features[step // 10]
@@ -284,7 +283,7 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
 
 def test_records_for_plots_follow_their_branches() -> None:
     recorded, record, state = RecordedRun(), RunRecord(), toy()
-    recorded._timeline = Timeline(toy_step, AMPLE)
+    recorded.timeline = Timeline(toy_step, AMPLE)
     recorded.begin(ENGINE, state, record)
 
     def go_on(value: int, count: int) -> None:

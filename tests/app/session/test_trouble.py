@@ -52,7 +52,7 @@ def folder_itself(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("make", [no_image, one_pixel, constant, not_a_number, missing, folder_itself])
-def test_a_file_that_cannot_be_used_is_told_in_one_sentence_and_the_image_stays(ready, hand, tmp_path, make) -> None:
+def test_an_unusable_file_is_reported_in_one_sentence_and_the_image_stays(ready, hand, tmp_path, make) -> None:
     document = ready.session.document
     ready.session.open(make(tmp_path))
     hand.wait(lambda: bool(ready.canvas_area.messages.text))
@@ -69,8 +69,8 @@ def test_a_file_that_cannot_be_used_is_told_in_one_sentence_and_the_image_stays(
     hand.wait(lambda: ready.session.status.step == 1)
 
 
-def test_a_file_without_permission_is_told_and_the_image_stays(ready, hand, tmp_path, monkeypatch) -> None:
-    # Who runs the tests may be allowed everything, so the refusal is made by hand where the file is opened.
+def test_a_file_without_permission_is_reported_and_the_image_stays(ready, hand, tmp_path, monkeypatch) -> None:
+    # The tests may run with all permissions, so the error is raised where the file is opened.
     path, document, whole = constant(tmp_path), ready.session.document, Path.open
 
     def refuse(file: Path, *arguments: object, **named: object) -> object:
@@ -95,13 +95,13 @@ def test_a_run_goes_on_while_another_file_turns_out_to_be_unusable(ready, hand, 
     hand.wait(lambda: ready.session.status.step > step or ready.session.status.phase == "finished")
 
 
-def test_run_without_a_drawing_says_what_to_do(window, hand) -> None:
+def test_run_without_shapes_explains_what_to_do(window, hand) -> None:
     hand.key(KEY.Key_Space)
     assert "draw a circle" in window.canvas_area.messages.text
     assert window.session.status.phase == "ready"
 
 
-def test_a_circle_wholly_outside_is_told_and_can_be_put_right(window, hand) -> None:
+def test_a_circle_outside_the_image_is_reported_and_can_be_corrected(window, hand) -> None:
     window.session.edit("draw", lambda document: edits.add_shape(document, Circle((-50.0, -50.0), 5.0)))
     hand.key(KEY.Key_Space)
     hand.wait(lambda: bool(window.canvas_area.messages.text))
@@ -112,13 +112,13 @@ def test_a_circle_wholly_outside_is_told_and_can_be_put_right(window, hand) -> N
     hand.wait(lambda: window.session.status.step > 0)
 
 
-def test_a_refused_parameter_is_told_and_the_old_value_is_shown_again(window) -> None:
+def test_a_refused_parameter_is_reported_and_the_old_value_is_shown_again(window) -> None:
     window.panels["parameters"].rows["scales"].changed.emit("scales", 0)
     assert "scales" in window.canvas_area.messages.text.lower()
     assert window.panels["parameters"].rows["scales"].number.value() == window.session.document.parameters.scales
 
 
-def test_more_scales_than_the_image_has_room_for_are_told_at_the_start(ready, hand) -> None:
+def test_too_many_scales_for_the_image_are_reported_at_the_start(ready, hand) -> None:
     ready.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 8))
     hand.key(KEY.Key_Space)
     hand.wait(lambda: bool(ready.canvas_area.messages.text))
@@ -126,7 +126,7 @@ def test_more_scales_than_the_image_has_room_for_are_told_at_the_start(ready, ha
     assert ready.session.status.phase == "ready"
 
 
-def test_a_small_image_opens_with_as_many_scales_as_it_has_room_for_and_says_so(window, hand, tmp_path) -> None:
+def test_a_small_image_opens_with_fewer_scales_and_a_message(window, hand, tmp_path) -> None:
     np.save(tmp_path / "small.npy", np.eye(16))
     window.session.open(tmp_path / "small.npy")
     hand.wait(lambda: window.session.document.image.name == "small.npy")
@@ -147,7 +147,7 @@ def test_trouble_stays_until_dismissed_and_news_does_not_hide_it(window) -> None
     assert window.canvas_area.messages.text == "By the way."
 
 
-def test_a_dropped_file_is_opened_and_an_address_elsewhere_is_told(window, hand, tmp_path) -> None:
+def test_a_dropped_file_is_opened_and_a_remote_address_is_reported(window, hand, tmp_path) -> None:
     path = tmp_path / "dropped.npy"
     np.save(path, np.eye(20))
 

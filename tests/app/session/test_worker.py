@@ -1,4 +1,4 @@
-"""The worker obeys commands in order and loses none; of snapshots the newest wins; no window is needed for it."""
+"""The worker executes all commands in order; of snapshots the newest wins; no window is needed."""
 
 from __future__ import annotations
 
@@ -20,20 +20,9 @@ from app.session.exchange.messages import CommandFailed, Opened, Reconstruction,
 from app.session.exchange.pacing import Pacer
 from app.session.tasks.tasks import Task
 from app.session.worker.commands.forces import Probe, Probed
-from app.session.worker.commands.run import (
-    Adopt,
-    Discard,
-    Export,
-    FindSeeds,
-    Go,
-    Halt,
-    SetPace,
-    SetParameters,
-    Start,
-    WarmUp,
-)
-from app.session.worker.commands.steering import Limit, PlaceCharges
-from app.session.worker.run_record import RunRecord
+from app.session.worker.commands.run import Export, FindSeeds, RunCall, Start, WarmUp
+from app.session.worker.recorded_run import RunRecord
+from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import Engine, Image, Parameters, Regions, uniform_grid
 from cpm_core.field.placed_charges import PlacedCharge
@@ -122,7 +111,7 @@ class FakeEngine:
         return following
 
     steering = staticmethod(lambda parameters: parameters.steering)
-    edge_map = field = potential = joined = erased = forces = lambda *_: None  # nothing here asks for them
+    edge_map = field = potential = joined = erased = forces = lambda *_: None  # not used here
 
     def suits(self, parameters: Parameters) -> bool:
         return parameters.scales == self.scales
@@ -171,7 +160,7 @@ class Bench:
         image = self._load(Path("good.png"))
         engine = self._build(image, Parameters(), None)
         opened = Opened(image, engine, None, Path("good.png"), Parameters(), ())  # type: ignore[arg-type]
-        self.worker_thread.post(Adopt(generation, opened))
+        self.worker_thread.post(RunCall(None, Run.use, generation, opened.method, opened.parameters))
         return engine
 
     def take(self) -> None:
@@ -192,11 +181,11 @@ class Bench:
         self.take()
 
     def run_to_the_end(self, last_step: int) -> tuple[FakeEngine, Snapshot | None]:
-        """Open, start as run 2 and let it go until it stops by itself; return the newest snapshot too."""
+        """Open, start as run 2 and run to the end; return the newest snapshot too."""
         engine = self.open()
         engine.last_step = last_step
         self.worker_thread.post(Start(2, 1, DOCUMENT))
-        self.worker_thread.post(Go(2))
+        self.worker_thread.post(RunCall(2, Run.go))
         return engine, self.settle()
 
     def settle(self) -> Snapshot | None:
@@ -229,12 +218,12 @@ def test_commands_are_obeyed_in_order_and_none_is_lost(bench: Bench) -> None:
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
     betas = [0.1 * k for k in range(1, 40)]
     for beta in betas:
-        bench.worker_thread.post(SetParameters(Parameters(beta=beta)))
-        bench.worker_thread.post(Go(2, steps=1))
-        bench.worker_thread.post(Halt())
-        bench.worker_thread.post(Go(2, steps=1))
+        bench.worker_thread.post(RunCall(None, Run.set_parameters, Parameters(beta=beta)))
+        bench.worker_thread.post(RunCall(2, Run.go, 1))
+        bench.worker_thread.post(RunCall(None, Run.halt))
+        bench.worker_thread.post(RunCall(2, Run.go, 1))
     snapshot = bench.settle()
-    # Halt may come before or after the step that was asked for, but later parameters never act on earlier steps.
+    # Halt may be executed before or after the step, but later parameters never act on earlier steps.
     assert snapshot is not None
     seen = engine.states[-1].betas
     assert list(seen) == sorted(seen)
@@ -246,8 +235,8 @@ def test_parameters_sent_between_steps_act_at_exactly_the_next_one(bench: Bench)
     engine = bench.open()
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
     for beta in (0.5, 1.5, 1.0):
-        bench.worker_thread.post(SetParameters(Parameters(beta=beta)))
-        bench.worker_thread.post(Go(2, steps=1))
+        bench.worker_thread.post(RunCall(None, Run.set_parameters, Parameters(beta=beta)))
+        bench.worker_thread.post(RunCall(2, Run.go, 1))
         bench.settle()
     assert engine.states[-1].betas == (0.5, 1.5, 1.0)
 
@@ -261,15 +250,15 @@ def test_the_newest_snapshot_wins_and_carries_the_whole_trace(bench: Bench) -> N
 
 def test_a_stopped_run_does_not_go_on(bench: Bench) -> None:
     engine, _ = bench.run_to_the_end(3)
-    bench.worker_thread.post(Go(2))
+    bench.worker_thread.post(RunCall(2, Run.go))
     assert bench.settle() is None
     assert len(engine.states) == 3
 
 
 def test_a_stopped_run_goes_on_with_other_parameters(bench: Bench) -> None:
     engine, _ = bench.run_to_the_end(3)
-    bench.worker_thread.post(SetParameters(Parameters(beta=1.5)))
-    bench.worker_thread.post(Go(2))
+    bench.worker_thread.post(RunCall(None, Run.set_parameters, Parameters(beta=1.5)))
+    bench.worker_thread.post(RunCall(2, Run.go))
     bench.settle()
     assert [state.betas[-1] for state in engine.states] == [0.8, 0.8, 0.8, 1.5]
 
@@ -277,17 +266,17 @@ def test_a_stopped_run_goes_on_with_other_parameters(bench: Bench) -> None:
 def test_what_was_meant_for_another_image_or_run_is_not_obeyed(bench: Bench) -> None:
     engine = bench.open(generation=5)
     bench.worker_thread.post(Start(6, 4, DOCUMENT))
-    bench.worker_thread.post(Go(6))
+    bench.worker_thread.post(RunCall(6, Run.go))
     bench.worker_thread.post(Start(7, 5, DOCUMENT))
-    bench.worker_thread.post(Discard(8))
-    bench.worker_thread.post(Go(7))
+    bench.worker_thread.post(RunCall(None, Run.discard, 8))
+    bench.worker_thread.post(RunCall(7, Run.go))
     bench.settle()
     assert engine.states == []
 
 
 def test_other_scales_make_another_engine_at_the_next_start_only(bench: Bench) -> None:
     bench.open()
-    bench.worker_thread.post(SetParameters(Parameters(scales=2)))
+    bench.worker_thread.post(RunCall(None, Run.set_parameters, Parameters(scales=2)))
     bench.settle()
     assert len(bench.engines) == 1
     bench.worker_thread.post(Start(2, 1, replace(DOCUMENT, parameters=Parameters(scales=2))))
@@ -313,14 +302,14 @@ def test_placed_charges_act_at_the_next_step_and_of_many_moves_the_last_wins(ben
     bench.worker_thread.post(WarmUp())
     charges = [(PlacedCharge((1.0, float(col)), 1.0),) for col in range(9)]
     for placed in charges:
-        bench.worker_thread.post(PlaceCharges(1, placed))
-    bench.worker_thread.post(Go(2, steps=1))
+        bench.worker_thread.post(RunCall(None, Run.place, 1, placed))
+    bench.worker_thread.post(RunCall(2, Run.go, 1))
     bench.hold.set()
     bench.settle()
-    bench.worker_thread.post(PlaceCharges(1, ()))
-    bench.worker_thread.post(PlaceCharges(0, charges[3]))
-    bench.worker_thread.post(PlaceCharges(1, ()))
-    bench.worker_thread.post(Go(2, steps=1))
+    bench.worker_thread.post(RunCall(None, Run.place, 1, ()))
+    bench.worker_thread.post(RunCall(None, Run.place, 0, charges[3]))
+    bench.worker_thread.post(RunCall(None, Run.place, 1, ()))
+    bench.worker_thread.post(RunCall(2, Run.go, 1))
     bench.settle()
     assert engine.charges == [charges[-1], ()]
 
@@ -328,17 +317,17 @@ def test_placed_charges_act_at_the_next_step_and_of_many_moves_the_last_wins(ben
 def test_a_run_that_has_ended_goes_on_when_a_charge_is_placed_and_a_halted_one_does_not(bench: Bench) -> None:
     engine = bench.open()
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
-    bench.worker_thread.post(Go(2, steps=2))
+    bench.worker_thread.post(RunCall(2, Run.go, 2))
     bench.settle()
-    bench.worker_thread.post(PlaceCharges(1, (PlacedCharge((1.0, 1.0), 1.0),)))
+    bench.worker_thread.post(RunCall(None, Run.place, 1, (PlacedCharge((1.0, 1.0), 1.0),)))
     bench.settle()
     assert len(engine.states) == 2
     engine.last_step = 3
-    bench.worker_thread.post(Go(2))
+    bench.worker_thread.post(RunCall(2, Run.go))
     bench.settle()
     assert engine.states[-1].stop_reason
     engine.last_step = 6
-    bench.worker_thread.post(PlaceCharges(1, ()))
+    bench.worker_thread.post(RunCall(None, Run.place, 1, ()))
     bench.settle()
     assert len(engine.states) == 6
     assert [report.generation for report in bench.reports if isinstance(report, WentOn)] == [2]
@@ -355,9 +344,9 @@ def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(ben
         bench.worker_thread.post(FindSeeds(1, document))
     engine_is_busy.set()
     bench.settle()
-    (sowing,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
-    assert sowing.generation == 1
-    np.testing.assert_array_equal(sowing.image_seeds[Everywhere("grid")], uniform_grid((64, 64)))
+    (found,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
+    assert found.generation == 1
+    np.testing.assert_array_equal(found.image_seeds[Everywhere("grid")], uniform_grid((64, 64)))
 
 
 def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_run_starts(bench: Bench) -> None:
@@ -367,25 +356,25 @@ def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_r
     bench.worker_thread.post(FindSeeds(1, document))
     bench.worker_thread.post(Start(2, 1, document))
     bench.settle()
-    (sowing,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
+    (found,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
     grid = uniform_grid((64, 64))
     inside = (grid[:, 0] > 10) & (grid[:, 0] < 30) & (grid[:, 1] > 10) & (grid[:, 1] < 40)
-    np.testing.assert_array_equal(sowing.image_seeds[Everywhere("grid")], grid[inside])
+    np.testing.assert_array_equal(found.image_seeds[Everywhere("grid")], grid[inside])
     np.testing.assert_array_equal(bench.engines[-1].seeds, grid[inside])
 
 
 def test_an_engine_that_fails_is_reported_in_a_sentence_and_the_worker_lives(bench: Bench, caplog) -> None:
     bench.open()
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
-    bench.worker_thread.post(SetParameters(Parameters(beta=4.0)))
-    bench.worker_thread.post(Go(2))
+    bench.worker_thread.post(RunCall(None, Run.set_parameters, Parameters(beta=4.0)))
+    bench.worker_thread.post(RunCall(2, Run.go))
     bench.settle()
     (failed,) = [report for report in bench.reports if isinstance(report, RunFailed)]
     assert failed.generation == 2
     assert "kernel fell over" in failed.sentence
     assert "kernel fell over" in caplog.text
-    bench.worker_thread.post(SetParameters(Parameters()))
-    bench.worker_thread.post(Go(2, steps=2))
+    bench.worker_thread.post(RunCall(None, Run.set_parameters, Parameters()))
+    bench.worker_thread.post(RunCall(2, Run.go, 2))
     snapshot = bench.settle()
     assert snapshot is not None
     assert snapshot.state.step == 2
@@ -408,7 +397,7 @@ def test_the_last_state_is_always_reconstructed(bench: Bench) -> None:
     engine.last_step = 400
     results = []
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
-    bench.worker_thread.post(Go(2))
+    bench.worker_thread.post(RunCall(2, Run.go))
 
     def done() -> bool:
         bench.worker_thread.snapshots.take()
@@ -426,7 +415,7 @@ def test_closing_waits_for_the_step_that_is_being_taken_and_no_more(bench: Bench
     engine = bench.open()
     engine.gate.clear()
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
-    bench.worker_thread.post(Go(2))
+    bench.worker_thread.post(RunCall(2, Run.go))
     bench.wait(lambda: bench.worker_thread.snapshots.take() is not None)
     closing = threading.Thread(target=bench.worker_thread.close)
     closing.start()
@@ -487,11 +476,11 @@ def test_the_pacer_spaces_steps_evenly_and_does_not_make_up_for_a_pause() -> Non
 def test_the_pace_can_be_changed_while_a_slow_step_is_waited_for(bench: Bench) -> None:
     engine = bench.open()
     engine.last_step = 50
-    bench.worker_thread.post(SetPace(0.01))
+    bench.worker_thread.post(RunCall(None, Run.set_pace, 0.01))
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
-    bench.worker_thread.post(Go(2))
+    bench.worker_thread.post(RunCall(2, Run.go))
     bench.wait(lambda: len(engine.states) >= 1)
-    bench.worker_thread.post(SetPace(None))
+    bench.worker_thread.post(RunCall(None, Run.set_pace, None))
     snapshot = bench.settle()
     assert snapshot is not None
     assert snapshot.state.step == 50
@@ -513,7 +502,7 @@ def test_the_export_of_a_held_run_waits_for_the_contours_of_its_last_state(bench
     engine = bench.open()
     engine.reconstructing.clear()
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
-    bench.worker_thread.post(Go(2, steps=5))
+    bench.worker_thread.post(RunCall(2, Run.go, 5))
     bench.wait(lambda: len(engine.states) == 5)
     export(bench)
     time.sleep(0.1)
@@ -524,17 +513,17 @@ def test_the_export_of_a_held_run_waits_for_the_contours_of_its_last_state(bench
     assert bench.written == [bench.shown.result]
 
 
-def test_the_export_of_a_run_under_way_writes_what_was_shown_when_it_was_asked_for(bench: Bench) -> None:
+def test_the_export_during_a_run_writes_the_contours_shown_at_its_request(bench: Bench) -> None:
     engine = bench.open()
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
-    bench.worker_thread.post(Go(2))
+    bench.worker_thread.post(RunCall(2, Run.go))
     bench.wait(lambda: bench.take_contours() is not None)
     shown = bench.shown
     steps = len(engine.states)
     bench.wait(lambda: len(engine.states) > steps + 100)
     export(bench, shown)
     bench.wait(lambda: bench.written)
-    bench.worker_thread.post(Halt())
+    bench.worker_thread.post(RunCall(None, Run.halt))
     bench.settle()
     assert bench.written == [shown.result]
 
@@ -549,14 +538,14 @@ def test_before_there_are_contours_an_export_is_refused_in_words(bench: Bench) -
     assert bench.written == []
 
 
-def test_no_forces_are_told_of_a_particle_that_a_new_region_takes_away(bench: Bench) -> None:
+def test_no_forces_are_reported_of_a_particle_that_a_new_region_deletes(bench: Bench) -> None:
     image = Image(disc())
     engine = Engine(image, Parameters(scales=1))
-    bench.worker_thread.post(Adopt(1, Opened(image, engine, None, Path("disc.png"), Parameters(scales=1), ())))
+    bench.worker_thread.post(RunCall(None, Run.use, 1, engine, Parameters(scales=1)))
     document = Document(shapes=(Points(((32.0, 20.0), (32.0, 44.0), (20.0, 40.0))),), parameters=Parameters(scales=1))
     bench.worker_thread.post(Start(2, 1, document))
     right = Regions(interest=(((1, 30), (1, 62), (62, 62), (62, 30)),))
-    bench.worker_thread.post(Limit(2, right))
+    bench.worker_thread.post(RunCall(2, Run.limit, right))
     for place in ((32.0, 20.0), (20.0, 40.0)):
         bench.worker_thread.post(Probe(2, place, 3.0))
         bench.settle()

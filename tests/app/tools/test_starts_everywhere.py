@@ -78,7 +78,7 @@ def test_it_is_selected_in_turn_and_deleted_like_any_shape(ready, hand) -> None:
     assert "takes back" in ready.canvas_area.hint.text()
     hand.key(KEY.Key_Up)
     hand.key(KEY.Key_Delete)
-    assert not ready.session.document.sowable
+    assert not ready.session.document.image_starts
     assert not ready.actions_by_name["start_grid"].isChecked()
     assert hand.canvas.layers.drawing.everywhere == 0
 

@@ -1,4 +1,4 @@
-"""The forces on one particle, asked for by a place and worked out on the worker thread."""
+"""The forces on one particle, requested by a position and computed on the worker thread."""
 
 from __future__ import annotations
 
@@ -10,27 +10,26 @@ import numpy as np
 
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Report
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command
+from app.session.worker.commands.run import Command, CommandContext
 from cpm_core.numerics.types import Array, Position
 from cpm_core.segmentation.method import Steerable
 
 NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
-"""Forces that are told of: attributes of the core's `Forces`."""
+"""Forces that are reported: attributes of the core's `Forces`."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Probed(Report):
-    """What pulls at a particle.
+    """The forces on a particle.
 
     Attributes
     ----------
     generation, step : int
-        The moment of the run.
+        Run and step.
     identity : int
-        Which particle, -1 where there is none near the place asked for.
+        The particle, -1 where there is none near the position.
     position : tuple of float
-        Where it is [px of the image].
+        Its position [px of the image].
     forces : mapping
         By name, (row, col) [px of the image / unit of time^2].
     """
@@ -44,17 +43,7 @@ class Probed(Report):
 
 @dataclass(frozen=True, slots=True)
 class Probe(Command):
-    """Tell the forces on the particle nearest to a place.
-
-    Attributes
-    ----------
-    generation : int
-        The run.
-    place : tuple of float
-        (row, col) [px of the image].
-    reach : float
-        Distance within which a particle counts [px of the image].
-    """
+    """Report the forces on the particle nearest to a place (row, col), within `reach` [px of the image]."""
 
     generation: int
     place: Position
@@ -64,7 +53,7 @@ class Probe(Command):
     activity = "working out the forces on a particle"
 
     def execute(self, context: CommandContext) -> None:
-        """Find it and ask the method."""
+        """Find the particle and report its forces."""
         method, state = context.run.method, context.run.state
         if not isinstance(method, Steerable) or state is None or self.generation != context.run.generation:
             context.report(Probed(self.generation, -1))
@@ -76,7 +65,7 @@ class Probe(Command):
             context.report(Probed(self.generation, state.step))
             return
         found = method.forces(state, context.run.parameters, context.run.charges, [nearest])
-        if np.isnan(found.total).any():  # new regions take it away at the next step
+        if np.isnan(found.total).any():  # new regions delete it at the next step
             context.report(Probed(self.generation, state.step))
             return
         size = 2.0**state.scale
@@ -85,6 +74,6 @@ class Probe(Command):
         context.report(Probed(self.generation, state.step, int(state.particles.identity[nearest]), at, forces))
 
     def failure_report(self, error: Exception) -> Report:
-        """There is none; who points would be told so in every frame, so that nothing is said."""
+        """There is none; the error is only logged, because it would be repeated in every display frame."""
         logging.getLogger(__name__).error("%s", sentence(error, self.activity))
         return Probed(self.generation, -1)

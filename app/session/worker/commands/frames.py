@@ -1,4 +1,4 @@
-"""Moments of the run for a film, one after the other."""
+"""Steps of the run as animation frames."""
 
 from __future__ import annotations
 
@@ -8,27 +8,15 @@ from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Reconstruction, Report, Snapshot
 from app.session.tasks.tasks import Task
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command
+from app.session.worker.commands.run import Command, CommandContext
 from app.session.worker.commands.timeline import Compared
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TakeFrame(Command):
-    """Find all that is to be seen of one step of a branch; the run itself goes on.
+    """Report all that is shown of one step of a branch, and of a `compared` one; the run itself goes on.
 
-    Attributes
-    ----------
-    task : Task
-        The film that it is for; nothing is done once that is over.
-    generation : int
-        The run.
-    branch, step : int
-        Which step.
-    contours : bool
-        Whether contours are to be seen.
-    compared : int or None
-        A branch to be seen beside it.
+    Nothing is done once the task is over.
     """
 
     task: Task
@@ -39,7 +27,7 @@ class TakeFrame(Command):
     compared: int | None = None
 
     def execute(self, context: CommandContext) -> None:
-        """Find it."""
+        """Recover the step and report it."""
         run = context.run
         if self.task.over:
             return
@@ -51,7 +39,7 @@ class TakeFrame(Command):
             return not (self.task.over or context.closing())
 
         moment = run.moment(self.branch, self.step, wanted)
-        other = run.recorded.state(self.compared, self.step, wanted) if self.compared is not None else None
+        other = run.recorded.timeline.state(self.compared, self.step, wanted) if self.compared is not None else None
         if moment is None or not wanted():
             return
         contours, beside = None, Compared(self.generation)
@@ -64,27 +52,13 @@ class TakeFrame(Command):
         context.report(FrameTaken(self.task, moment, contours, beside))
 
     def failure_report(self, error: Exception) -> Report:
-        """The film cannot be made."""
+        """The animation cannot be made."""
         return FrameTaken(self.task, sentence=sentence(error, "taking a picture of a step"))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FrameTaken(Report):
-    """What is to be seen in one frame, or why nothing is.
-
-    Attributes
-    ----------
-    task : Task
-        The film that it is for.
-    moment : Snapshot or None
-        The particles; None when the run is another one by now, or when there has been trouble.
-    contours : Reconstruction or None
-        The contours.
-    compared : Compared or None
-        The branch beside it.
-    sentence : str
-        The trouble.
-    """
+    """All that is shown in one frame, or an error message; `moment` is None when the run has been replaced."""
 
     task: Task
     moment: Snapshot | None = None

@@ -1,4 +1,4 @@
-"""Shades of an image for another window of gray values, made on the worker thread where that takes long."""
+"""Display images for other intensity windows, made on the worker thread."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from dataclasses import dataclass
 
 from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window, percentile_window
 from app.session.exchange.messages import Report
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command
+from app.session.worker.commands.run import Command, CommandContext
 from cpm_core.image.image import Image
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class WindowFound(Report):
-    """The range of an image without so many per cent of its pixels at either end."""
+    """The range of gray values of an image without `percent` per cent of its pixels at either end."""
 
     image: Image
     percent: float
@@ -23,7 +22,7 @@ class WindowFound(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Shaded(Report):
-    """An image as it looks in a window of gray values."""
+    """An image in an intensity window."""
 
     image: Image
     window: IntensityWindow
@@ -32,7 +31,7 @@ class Shaded(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FindWindow(Command):
-    """Find the range of an image without so many per cent of its pixels at either end."""
+    """Find the range of gray values of an image without `percent` per cent of its pixels at either end."""
 
     image: Image
     percent: float
@@ -41,14 +40,14 @@ class FindWindow(Command):
     activity = "looking for the range of gray values"
 
     def execute(self, context: CommandContext) -> None:
-        """Find it."""
+        """Find the range."""
         low, high = percentile_window(self.image.values, self.percent)
         context.report(WindowFound(self.image, self.percent, low, high))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Shade(Command):
-    """Make the shades of an image in a window."""
+    """Make the display image for an intensity window."""
 
     image: Image
     window: IntensityWindow
@@ -57,5 +56,5 @@ class Shade(Command):
     activity = "changing the levels"
 
     def execute(self, context: CommandContext) -> None:
-        """Make them."""
+        """Make the display image."""
         context.report(Shaded(self.image, self.window, apply_window(self.image.values, self.window)))

@@ -1,82 +1,155 @@
-"""What goes down to the worker: commands, obeyed in order and never lost.
+"""Commands to the worker: executed in order between two steps, and never lost.
 
-Each says itself what is done on the worker thread, and what is reported when that cannot be done. A new one is a class
-here or in a module of its own; the worker does not know them.
+A command says what is done on the worker thread, and what is reported when that fails. A new kind is a class here or in
+a module of its own; the worker thread does not know the kinds.
 """
 
 from __future__ import annotations
 
 import gc
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Concatenate, ParamSpec
 
 from app.model.document.document import Document
+from app.session.core_functions import Core
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import (
     CommandFailed,
     Exported,
-    Opened,
     Reconstruction,
     Report,
     RunFailed,
     SeedsFound,
     WarmedUp,
+    WentOn,
 )
 from app.session.tasks.tasks import Task
-from app.session.worker.command_context import CommandContext
+from app.session.worker.run import Run
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark, apply
 from cpm_core.formats import encoded
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.parameters import Parameters
 from cpm_core.shapes.image_starts import NO_SEEDS
+
+P = ParamSpec("P")
+
+_ACTIVITIES: Mapping[Callable[..., object], str] = {
+    Run.use: "changing to another image",
+    Run.set_parameters: "changing parameters",
+    Run.set_overlays: "preparing what lies over the image",
+    Run.place: "placing charges",
+    Run.limit: "changing what limits the particles",
+    Run.join: "adding particles",
+    Run.erase: "erasing particles",
+    Run.rename_branch: "renaming a branch",
+    Run.drop_branch: "deleting a branch",
+    Run.set_timeline_budget: "making room",
+}
+"""What methods of the run do, as it stands after "while" in an error message."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CommandContext:
+    """What commands work with; only the worker thread touches it.
+
+    Attributes
+    ----------
+    core : Core
+        The core's functions.
+    run : Run
+        Method, state and parameters.
+    report : callable
+        Sends a report to the window.
+    closing : callable
+        Whether the program is about to end, so that long work is no longer useful.
+    """
+
+    core: Core
+    run: Run
+    report: Callable[[Report], None]
+    closing: Callable[[], bool]
 
 
 class Command:
-    """Something to be done on the worker thread between two steps."""
+    """Work for the worker thread between two steps."""
 
     __slots__ = ()
 
     latest_only: ClassVar[bool] = False
-    """Whether of many in a row, as while a slider is moved, only the last is worth the work."""
+    """Whether only the last of many in a row is worth the work, as while a slider is moved."""
 
     activity: ClassVar[str] = "working"
-    """What it does, as it stands after "while" in a sentence on trouble."""
+    """What it does, as it stands after "while" in an error message."""
+
+    @property
+    def kind(self) -> object:
+        """Only the newest posted command of a kind is executed; None where each one is."""
+        return type(self) if self.latest_only else None
 
     def execute(self, context: CommandContext) -> None:
-        """Do it."""
+        """Do the work."""
         raise NotImplementedError
 
     def failure_report(self, error: Exception) -> Report:
-        """What is reported when it cannot be done."""
+        """What is reported when the work fails."""
         return CommandFailed(sentence(error, self.activity))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Adopt(Command):
-    """Change to an image that has been opened; see `app.session.tasks.opening`."""
+class RunCall(Command):
+    """Calls a method of the run, unless the run has been replaced by then.
 
-    generation: int
-    opened: Opened
+    A method that returns True lets a run go on that had ended; this is reported.
 
-    activity = "changing to another image"
+    Parameters
+    ----------
+    generation : int or None
+        The run; None for any.
+    method : callable
+        Method of `Run`.
+    *arguments
+        Its arguments.
+    """
+
+    __slots__ = ("_call", "generation", "method")
+
+    def __init__(
+        self,
+        generation: int | None,
+        method: Callable[Concatenate[Run, P], bool | None],
+        *arguments: P.args,
+        **named: P.kwargs,
+    ) -> None:
+        self.generation = generation
+        self.method = method
+        self._call: Callable[[Run], bool | None] = lambda run: method(run, *arguments, **named)
+
+    @property
+    def kind(self) -> object:
+        """Of placed charges and of regions only the newest count."""
+        return self.method if self.method in (Run.place, Run.limit) else None
 
     def execute(self, context: CommandContext) -> None:
-        """Change to it."""
-        context.run.use(self.generation, self.opened.method, self.opened.parameters)
+        """Call the method."""
+        if self.generation in (None, context.run.generation) and self._call(context.run):
+            context.report(WentOn(context.run.generation))
+
+    def failure_report(self, error: Exception) -> Report:
+        """Nothing has changed."""
+        return CommandFailed(sentence(error, _ACTIVITIES.get(self.method, self.activity)))
 
 
 @dataclass(frozen=True, slots=True)
 class Start(Command):
-    """Begin a run from the drawing of a document, if the image it was drawn on is still the one in use."""
+    """Start a run from a document, if its image is still the current one."""
 
     generation: int
     image_generation: int
     document: Document
 
     def execute(self, context: CommandContext) -> None:
-        """Begin it; nothing moves yet."""
+        """Start the run, without a step."""
         if self.image_generation == context.run.image_generation:
             context.run.start(self.generation, self.document)
 
@@ -86,78 +159,8 @@ class Start(Command):
 
 
 @dataclass(frozen=True, slots=True)
-class Go(Command):
-    """Step until told otherwise, or `steps` times."""
-
-    generation: int
-    steps: int | None = None
-
-    def execute(self, context: CommandContext) -> None:
-        """Set the run going."""
-        if self.generation == context.run.generation:
-            context.run.go(self.steps)
-
-
-@dataclass(frozen=True, slots=True)
-class Halt(Command):
-    """Stop stepping and keep the particles."""
-
-    def execute(self, context: CommandContext) -> None:
-        """Stop."""
-        context.run.halt()
-
-
-@dataclass(frozen=True, slots=True)
-class Discard(Command):
-    """Stop stepping and forget the particles."""
-
-    generation: int
-
-    def execute(self, context: CommandContext) -> None:
-        """Forget them."""
-        context.run.discard(self.generation)
-
-
-@dataclass(frozen=True, slots=True)
-class SetParameters(Command):
-    """Use these parameters from the next step on."""
-
-    parameters: Parameters
-
-    activity = "changing parameters"
-
-    def execute(self, context: CommandContext) -> None:
-        """Use them."""
-        context.run.set_parameters(self.parameters)
-
-
-@dataclass(frozen=True, slots=True)
-class SetPace(Command):
-    """Take at most so many steps a second; None for no limit."""
-
-    steps_per_second: float | None
-
-    def execute(self, context: CommandContext) -> None:
-        """Keep to it."""
-        context.run.pacer.limit(self.steps_per_second)
-
-
-@dataclass(frozen=True, slots=True)
-class SetOverlays(Command):
-    """Keep the overlays of these names up to date for showing, and no others; see `app.session.worker.overlays`."""
-
-    names: frozenset[str]
-
-    activity = "preparing what lies over the image"
-
-    def execute(self, context: CommandContext) -> None:
-        """Send them up now and whenever they change."""
-        context.run.set_overlays(self.names)
-
-
-@dataclass(frozen=True, slots=True)
 class FindSeeds(Command):
-    """Find the positions of a document's starts that depend on the image, for showing them."""
+    """Find the seeds of a document that depend on the image, for showing them."""
 
     image_generation: int
     document: Document
@@ -165,7 +168,7 @@ class FindSeeds(Command):
     latest_only = True
 
     def execute(self, context: CommandContext) -> None:
-        """Find them."""
+        """Find the seeds."""
         if self.image_generation == context.run.image_generation:
             context.report(SeedsFound(self.image_generation, context.run.seeds_for(self.document)))
 
@@ -176,17 +179,10 @@ class FindSeeds(Command):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Deliver(Command):
-    """Give the contours that are seen, without those that have been rejected, to a file or to the clipboard.
+    """Write the contours that are seen, without the rejected ones, to a file or to the clipboard.
 
-    Attributes
-    ----------
-    task : Task
-        By which it can be given up.
-    shown : Reconstruction or None
-        The contours that the window shows, which count while the run goes on; of a run that is held those of its very
-        last state count, which the window shows as soon as they are made.
-    marks : tuple of Mark
-        What has been said about them.
+    During a run these are the contours `shown` in the window; of a paused run they are those of its last state, which
+    the window shows as soon as they are made.
     """
 
     task: Task
@@ -194,7 +190,7 @@ class Deliver(Command):
     marks: tuple[Mark, ...] = ()
 
     def execute(self, context: CommandContext) -> None:
-        """Deliver them, unless it has been given up."""
+        """Write the contours, unless the task has been cancelled."""
 
         def wanted() -> bool:
             return not (self.task.over or context.closing())
@@ -208,18 +204,18 @@ class Deliver(Command):
             self.task.end()
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
-        """Write them."""
+        """Write the contours."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Export(Deliver):
-    """Write the contours to a file whose suffix tells the format."""
+    """Write the contours to a file; the suffix gives the format."""
 
     path: Path = Path()
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
-        """Write them."""
+        """Write the contours."""
         context.core.export(result, self.path)
         context.report(Exported(self.path))
 
@@ -230,7 +226,7 @@ class Export(Deliver):
 
 @dataclass(frozen=True, slots=True)
 class Copied(Report):
-    """What is to be put on the clipboard, as a file of this suffix would hold it."""
+    """Content for the clipboard, as a file with this suffix would hold it."""
 
     suffix: str
     content: bytes
@@ -238,14 +234,14 @@ class Copied(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Copy(Deliver):
-    """Make the contours ready for the clipboard, as a file of this suffix would hold them."""
+    """Prepare the contours for the clipboard, as a file with this suffix would hold them."""
 
     suffix: str = ""
 
     activity = "copying contours"
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
-        """Make them ready."""
+        """Prepare the contours."""
         context.report(Copied(self.suffix, encoded(result, self.suffix)))
 
 
@@ -258,8 +254,7 @@ class WarmUp(Command):
     def execute(self, context: CommandContext) -> None:
         """Compile or load them."""
         context.core.warm_up(context.closing)
-        # All that is loaded by now stays; looking through it for garbage would hold up the window for frames, even a
-        # single time.
+        # What is loaded by now stays; a search through it for garbage would delay the window by several frames.
         gc.freeze()
         context.report(WarmedUp())
 

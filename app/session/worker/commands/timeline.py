@@ -1,4 +1,4 @@
-"""Commands and reports of the timeline: going to other steps, branches, and what they are compared by."""
+"""Commands and reports of the timeline: moves to other steps, and comparison of branches."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from app.session.exchange.messages import Report
-from app.session.worker.command_context import CommandContext
-from app.session.worker.commands.run import Command
+from app.session.worker.commands.run import Command, CommandContext
 from cpm_core.contours.agreement import Agreement, agreement
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -21,7 +20,7 @@ def _always() -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Seek(Command):
-    """Hold the run and go to a step of a branch, unless by then another step is wanted."""
+    """Pause the run and go to a step of a branch, unless by then another step is wanted."""
 
     generation: int
     branch: int
@@ -32,71 +31,16 @@ class Seek(Command):
     activity = "going to another step"
 
     def execute(self, context: CommandContext) -> None:
-        """Go there."""
+        """Go to the step."""
         if self.generation == context.run.generation:
             context.run.go_to(self.branch, self.step, lambda: self.wanted() and not context.closing())
 
 
 @dataclass(frozen=True, slots=True)
-class RenameBranch(Command):
-    """Give a branch another name."""
-
-    generation: int
-    branch: int
-    name: str
-
-    activity = "renaming a branch"
-
-    def execute(self, context: CommandContext) -> None:
-        """Rename it."""
-        if self.generation == context.run.generation:
-            context.run.recorded.rename(self.branch, self.name)
-            context.run.tell()
-
-
-@dataclass(frozen=True, slots=True)
-class DropBranch(Command):
-    """Forget a branch."""
-
-    generation: int
-    branch: int
-
-    activity = "deleting a branch"
-
-    def execute(self, context: CommandContext) -> None:
-        """Forget it."""
-        if self.generation == context.run.generation:
-            context.run.drop_branch(self.branch)
-
-
-@dataclass(frozen=True, slots=True)
-class SetTimelineBudget(Command):
-    """Let the states of the timeline take so many bytes at most."""
-
-    budget: int
-
-    activity = "making room"
-
-    def execute(self, context: CommandContext) -> None:
-        """Make room."""
-        context.run.recorded.set_budget(self.budget)
-        context.run.tell()
-
-
-@dataclass(frozen=True, slots=True)
 class Compare(Command):
-    """Find what a branch is at a step, for showing it beside another one.
+    """Report the state of a branch at a step, or at its last one; `branch` is None to end the comparison.
 
-    Attributes
-    ----------
-    generation : int
-        The run.
-    branch : int or None
-        The branch; None for nothing to compare with any more.
-    step : int
-        The step, or the last one of a branch that is shorter.
-    against : Result or None
-        Contours of what is shown, to tell the difference from; None to leave contours alone, which take longer.
+    Contours, which take longer, are compared only where `against` gives those that are shown.
     """
 
     generation: int
@@ -108,12 +52,12 @@ class Compare(Command):
     activity = "comparing branches"
 
     def execute(self, context: CommandContext) -> None:
-        """Find it."""
+        """Recover the state and compare it."""
         run = context.run
         if self.branch is None or self.generation != run.generation:
             context.report(Compared(self.generation))
             return
-        state = run.recorded.state(self.branch, self.step, lambda: not context.closing())
+        state = run.recorded.timeline.state(self.branch, self.step, lambda: not context.closing())
         if state is None:
             return
         result = run.result_of(state) if self.against is not None and state.step > 0 else None
@@ -125,22 +69,10 @@ class Compare(Command):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Compared(Report):
-    """Another branch at the step that is shown, or nothing.
+    """Another branch at the step that is shown; `branch` is None for no comparison.
 
-    Attributes
-    ----------
-    generation : int
-        The run.
-    branch : int or None
-        The branch; None for nothing.
-    state : MethodState or None
-        Its state.
-    position : ndarray, shape (N, 2), or None
-        Its particles (row, col) [px of the image].
-    result : Result or Skeleton or None
-        Its contours, where they were asked for.
-    apart : Agreement or None
-        How far they lie from those that are shown.
+    `position`, shape (N, 2), holds its particles (row, col) [px of the image]; `apart` is the distance of its contours
+    from those that are shown.
     """
 
     generation: int

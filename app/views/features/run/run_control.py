@@ -9,7 +9,8 @@ from PySide6.QtCore import QTimer
 from app.model.state.resolve import resolve
 from app.model.state.situation import can_step, has_image, is_running, is_started
 from app.model.text.language import tr
-from app.session.worker.commands.energy import WatchEnergy
+from app.session.worker.commands.run import RunCall
+from app.session.worker.run import Run
 from app.views.panels.run.run_panel import RunPanel
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.speed import SpeedControl
@@ -73,7 +74,7 @@ class RunControlFeature(Feature):
         watched = "potential" in shown
         if watched != self._watched:
             self._watched = watched
-            self.context.session.post(WatchEnergy(watched))
+            self.context.session.post(RunCall(None, Run.watch_energy, watched))
 
     def _show(self) -> None:
         running = is_running(self.context.session.situation)

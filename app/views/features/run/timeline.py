@@ -12,8 +12,9 @@ from PySide6.QtWidgets import QLabel, QSpinBox
 from app.model.state.situation import has_particles, is_running
 from app.model.text.language import tr
 from app.session.features.timeline_navigation import TimelineNavigation
-from app.session.worker.commands.timeline import SetTimelineBudget
+from app.session.worker.commands.run import RunCall
 from app.session.worker.recorded_run import MEGABYTE, MEGABYTES
+from app.session.worker.run import Run
 from app.views.panels.timeline.timeline_panel import TimelinePanel
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec
@@ -126,7 +127,7 @@ class TimelineFeature(Feature):
         return min(max(self.context.preferences.get(BUDGET, MEGABYTES), _LEAST), _MOST)
 
     def _use_budget(self) -> None:
-        self.context.session.post(SetTimelineBudget(self._preferred() * MEGABYTE))
+        self.context.session.post(RunCall(None, Run.set_timeline_budget, self._preferred() * MEGABYTE))
 
 
 class _Keys(QObject):

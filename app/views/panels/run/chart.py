@@ -8,9 +8,8 @@ from PySide6.QtCore import QEvent, QPointF, QSize, Qt
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
-from app.model.display.plots import PLOTS, Plot, figure
+from app.model.display.plots import PLOTS, Plot, RunMetrics, figure
 from app.model.text.language import tr
-from app.session.exchange.messages import RunMetrics
 from app.views.panels.run.chart_painter import ChartPainter, sides
 
 _PAGE = 10

@@ -9,9 +9,8 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPalette, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
-from app.model.display.plots import Axis, Plot, figure
+from app.model.display.plots import Axis, Plot, RunMetrics, figure
 from app.model.text.language import tr
-from app.session.exchange.messages import RunMetrics
 from cpm_core.numerics.types import Array
 
 _GAP, _RIGHT = 9.0, 8.0

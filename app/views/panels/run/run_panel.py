@@ -5,10 +5,9 @@ from __future__ import annotations
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
-from app.model.display.plots import PLOTS
+from app.model.display.plots import PLOTS, RunMetrics
 from app.model.state.resolve import Resolved
 from app.model.text.language import tr
-from app.session.exchange.messages import RunMetrics
 from app.views.panels.run.chart import Chart
 from app.views.widgets.space_key import own_space
 

@@ -134,7 +134,7 @@ class DrawingLayer(Layer):
         # A selected circle shows its handles; a selected stroke is recognized only by its particles.
         lines = [*rest, *([chosen] if isinstance(chosen, Circle | Ellipse | Polygon) else [])]
         self._seeds.show(_particles([] if started else [line for line in lines if isinstance(line, _Line)]))
-        self._image_starts = () if started else document.sowable
+        self._image_starts = () if started else document.image_starts
         self._draw_everywhere()
         x, y = to_xy(np.array(chosen.handles() if chosen else (), dtype=float).reshape(-1, 2))
         self._handles.setData(x=x, y=y)
