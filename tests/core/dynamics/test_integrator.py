@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cpm_core import Parameters
 from cpm_core.dynamics.edge_contact.plane import contact_at
 from cpm_core.dynamics.equations import damped_series, damping, is_stuck, repulsion_left
-from cpm_core.dynamics.integrator import Moved, is_asleep, plane
+from cpm_core.dynamics.integrator import Moved, is_at_rest, plane
 from cpm_core.dynamics.integrator.plane import mesh_force_for, move
 from cpm_core.field.scale_field import GATE, build_scale_field
 from cpm_core.numerics import parallel
@@ -97,7 +97,7 @@ class TestIntegrator:
         before, idle = without_off_edge(cloud(80, 1, shape), speed=0.0), np.repeat([20, 100], 40)
         before.velocity[::3] = 0.01
         before.distance[::5, -1] = np.nan
-        asleep = is_asleep(before, idle)
+        asleep = is_at_rest(before, idle)
         np.testing.assert_array_equal(asleep, (idle == 100) & (np.arange(80) % 3 > 0) & (np.arange(80) % 5 > 0))
         after = self.stepped(kernels, shape, before, idle, DEFAULT, np.eye(len(shape))[0])
         np.testing.assert_array_equal(after.motion == 0.0, asleep)

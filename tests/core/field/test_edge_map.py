@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import edge_map, electric_field
+from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.edge_map import automatic_smoothing, background_strength, gradient, magnitude, prepared
-from cpm_core.field.potential import convolved_potential
 from cpm_core.image.denoising import noise_level
 
 from ..scenes import disk

@@ -6,9 +6,9 @@ from scipy import ndimage, special
 
 from cpm_core import Engine, Parameters, Regions, circle, edge_map, electric_field, segment
 from cpm_core.field import scale_field as scale_field_module
+from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.edge_map import magnitude
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.potential import convolved_potential
 from cpm_core.field.scale_field import WEAKEST_EDGE, build_scale_field, lorentz_force
 
 from ..scenes import disk, outline_distance, ring, u_shape

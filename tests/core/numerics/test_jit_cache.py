@@ -180,7 +180,7 @@ def test_each_platform_has_its_place(monkeypatch, platform, environment, expecte
 def test_the_setting_of_numba_is_put_back(monkeypatch):
     monkeypatch.setattr(numba.config, "CACHE_DIR", "as it was")
     monkeypatch.setattr(jit_cache, "folder", lambda package, chosen: Path("elsewhere"))
-    with pytest.raises(ZeroDivisionError), jit_cache.kept_with_the_sources():
+    with pytest.raises(ZeroDivisionError), jit_cache.cached_by_version():
         assert numba.config.CACHE_DIR == "elsewhere"
         raise ZeroDivisionError
     assert numba.config.CACHE_DIR == "as it was"
