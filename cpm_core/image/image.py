@@ -47,7 +47,7 @@ class Image:
     def __post_init__(self) -> None:
         given = np.asarray(self.values)
         if given.dtype.kind not in "buif":
-            raise ValueError(f"{self.source} holds values of type {given.dtype}, but grey levels must be real numbers.")
+            raise ValueError(f"{self.source} holds values of type {given.dtype}, but gray levels must be real numbers.")
         if given.ndim not in (2, 3) or (given.ndim == 3 and min(given.shape) < MINIMUM_SIDE):
             raise _not_a_plane(self.source, given.shape)
         if min(given.shape) < MINIMUM_SIDE:

@@ -11,7 +11,7 @@ import numpy as np
 from cpm_core.numerics.types import Array
 
 _LEVELS = 256
-"""Classes of grey levels."""
+"""Classes of gray levels."""
 
 _PRIOR = 16.0
 """Pixels of the mean gray level that are added to each class."""

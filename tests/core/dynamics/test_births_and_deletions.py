@@ -19,9 +19,9 @@ from cpm_core.field.scale_field import build_scale_field
 from cpm_core.numerics import parallel
 from cpm_core.particles.state import Particles
 
-from ..moving import cloud, even_scale_field, survey
-from ..moving import crowds as crowded
 from ..scenes import disk, ring
+from .moving import cloud, even_scale_field, survey
+from .moving import crowds as crowded
 
 SHAPE = (40, 48)
 EDGE = 21.3

@@ -11,8 +11,8 @@ from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate
 from cpm_core.segmentation.completion import idle_steps_of
 
-from ..moving import repulsion
 from ..scenes import antialiased, disk
+from .moving import repulsion
 
 PARAMETERS = Parameters(scales=2)
 SCENE = disk((64, 60), (31.4, 29.7), 17.0)

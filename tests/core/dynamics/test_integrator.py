@@ -18,8 +18,8 @@ from cpm_core.numerics import parallel
 from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force
 from cpm_core.particles.state import MEMORY, Particles
 
-from ..moving import coulomb, even_scale_field, repulsion, spacing, survey
-from ..moving import crowds as crowded
+from .moving import coulomb, even_scale_field, repulsion, spacing, survey
+from .moving import crowds as crowded
 
 SHAPE = (70, 90)
 LORENTZ = (0.6, -0.8)

@@ -12,8 +12,8 @@ from cpm_core.dynamics.time_step import displaced, populated
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.particles.coverage.plane import idle_at
 
-from ..moving import cloud
 from ..scenes import disk
+from .moving import cloud
 
 PARAMETERS = Parameters(scales=1)
 SCENE = disk((56, 60), (27.4, 30.2), 15.0)

@@ -24,7 +24,7 @@ from cpm_core.image.pyramid import to_image
 from cpm_core.particles.coverage.plane import idle_at
 from cpm_core.particles.state import Particles
 
-from ..moving import even_scale_field
+from ..dynamics.moving import even_scale_field
 from ..scenes import antialiased, disk
 
 SHAPE = (160, 160)

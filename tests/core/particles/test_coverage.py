@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cpm_core.particles.coverage import no_coverage, plane, renewed, renewed_near
 from cpm_core.particles.coverage.plane import cover, idle_at
 
-from ..moving import cloud
+from ..dynamics.moving import cloud
 
 SHAPE = (50, 38)
 SIDE, ACROSS = 4.0, 9

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cpm_core.particles.coulomb.mesh_force import nodes, plane, spline
 from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force, mesh_force_at
 
-from ..moving import coulomb, offsets
+from ..dynamics.moving import coulomb, offsets
 
 REACH = 10.0
 SHAPE = (121, 150)

@@ -10,7 +10,7 @@ from cpm_core.particles.cell_list import plane as plane_cells
 from cpm_core.particles.coulomb.mesh_force import softening
 from cpm_core.particles.coulomb.pair_force import LANES, plane, two_nearest
 
-from ..moving import cloud, coulomb, crowds, offsets
+from ..dynamics.moving import cloud, coulomb, crowds, offsets
 
 SINGLE = 3e-5
 """Error of single precision, relative to the sizes of the terms."""
