@@ -156,8 +156,8 @@ _TABLE = (
     ),
     ParameterInfo(
         "min_contrast", "c_min", "", 0.0, 0.99, 0.0, 0.9, 0.01, "Least contrast",
-        "Contrast of the regions on both sides, from 0 for equal ones to 1 for two uniform ones, under which a contour, "
-        "or a part of one with a loose end, is left out.",
+        "Contrast of the regions on both sides, from 0 for equal ones to 1 for uniform ones, under which a contour, or "
+        "a part of one with a loose end, is left out.",
         "More of it leaves out texture, whose edges have the same on both sides.",
         "", "contours", True,
     ),

@@ -34,7 +34,7 @@ INVERSE = 1.0 / np.maximum(np.arange(SIDE), 1)
 def gather_moments(
     y: Array, x: Array, box: Array, moments: Array, first: int, last: int, levels: int, leaves: int, side: int
 ) -> None:
-    """Moments of the boxes `first` to `last` - 1 of a generation and of `levels` generations below them, from below."""
+    """Moments of the boxes `first` to `last` - 1 of a level and of `levels` levels below them, from below."""
     widest = max(y.size // leaves + 1, 2)
     u, v = np.empty((side, widest)), np.empty((side, widest))
     for down in range(levels + 1):

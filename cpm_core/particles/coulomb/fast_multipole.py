@@ -36,7 +36,7 @@ _WIDEST = 0.7
 """Square of the largest theta at which a series is used, at any tolerance."""
 
 _BRANCH = 6
-"""Generations of the subtrees that are processed one after the other, so that lists stay short."""
+"""Levels of the subtrees that are processed one after the other, so that lists stay short."""
 
 _LEAST_RADIUS = 1e-15
 """Radius of the smallest leaf whose own unit of length is used: in a smaller one, single precision could not represent

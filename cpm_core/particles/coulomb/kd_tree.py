@@ -1,7 +1,7 @@
 """Particles sorted into a tree of boxes, each of which holds half the particles of its parent.
 
-Boxes are numbered from 1, and the children of box k are 2 k and 2 k + 1; the `leaves` boxes of the last generation come
-last. Box k of a generation of n boxes holds the particles from N k / n to N (k + 1) / n of the sorted ones: a tree only
+Boxes are numbered from 1, and the children of box k are 2 k and 2 k + 1; the `leaves` boxes of the last level come
+last. Box k of a level of n boxes holds the particles from N k / n to N (k + 1) / n of the sorted ones: a tree only
 needs their order. Halving by number and not by length keeps the tree as deep for clusters as for a grid.
 """
 
@@ -16,7 +16,7 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask
 
 TOP = 3
-"""Generation whose boxes are shared among the cores."""
+"""Level whose boxes are shared among the cores."""
 
 _WORTH_A_THREAD = 1000
 """Particles from which a thread pays."""
@@ -34,7 +34,7 @@ class Tree(NamedTuple):
     box : ndarray, shape (2 leaves, 4)
         Center and radius of every box, and how many particles it holds; the first row is not used.
     depth : int
-        Generations below the first; there are 2^depth leaves.
+        Levels below the first; there are 2^depth leaves.
     """
 
     y: Array
@@ -76,7 +76,7 @@ def flag_boxes(tree: Tree, wanted: Index | None) -> Mask:
 
 @compiled
 def _split(points: Array, order: Index, box: Array, first: int, last: int, level: int, end_level: int) -> None:
-    """Measure and halve the boxes `first` to `last` - 1 of a generation, and those below down to another one."""
+    """Measure and halve the boxes `first` to `last` - 1 of a level, and those below down to another one."""
     total, deepest = order.size, box.shape[0] // 2
     for down in range(end_level - level):
         for node in range(first << down, last << down):

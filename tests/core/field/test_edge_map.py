@@ -117,7 +117,7 @@ def test_light_noise_is_left_to_the_chosen_gaussian():
     np.testing.assert_array_equal(edge_map(image, "auto"), edge_map(image, automatic_smoothing(image)))
 
 
-def test_heavy_noise_is_taken_out_before_edges_are_looked_for():
+def test_heavy_noise_is_removed_before_the_search_for_edges():
     scene = disk((128, 128), (63.0, 65.0), 35.0).values
     image = scene + np.random.default_rng(8).normal(0.0, 150.0, scene.shape)
     ready = prepared(image)
