@@ -59,7 +59,7 @@ class Regions:
                 size = " x ".join(map(str, shape))
                 raise ValueError(
                     f"region of interest {number} holds no pixel of the image ({size} pixels): "
-                    "draw it inside the image, around what is to be found."
+                    "draw it inside the image, around an object."
                 )
 
     def at_scale(self, scale: int, shape: tuple[int, ...]) -> Regions:
