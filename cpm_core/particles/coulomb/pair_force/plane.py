@@ -16,15 +16,15 @@ def gather(cells: Cells, row: int, col: int, near_y: Single, near_x: Single) -> 
 
     Return how many they are, filled up to lanes, and the offset of the particles of the cell from their sorted order.
     """
-    middle_y, middle_x = row * cells.size, col * cells.size
+    origin_y, origin_x = row * cells.size, col * cells.size
     length, own = 0, 0
-    top, bottom, left, right = cells_around(cells, middle_y, middle_x, cells.size)
+    top, bottom, left, right = cells_around(cells, origin_y, origin_x, cells.size)
     for r in range(top, bottom + 1):
         first, last = row_of_cells(cells, r, left, right)
         own = length - first if r == row else own
         for k in range(first, last):
-            near_y[length] = cells.y[k] - middle_y
-            near_x[length] = cells.x[k] - middle_x
+            near_y[length] = cells.y[k] - origin_y
+            near_x[length] = cells.x[k] - origin_x
             length += 1
     while length % LANES:
         near_y[length] = near_x[length] = FILLER
