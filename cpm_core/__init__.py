@@ -1,59 +1,63 @@
 """CPM: contours by charged particles.
 
-The charged-particle model of Jalba, Wilkinson and Roerdink (2004): arrays in, arrays out, nothing of a window.
+The charged-particle model of Jalba, Wilkinson and Roerdink (2004): arrays in, arrays out, without any window.
 
 The model on one page
 ---------------------
 1. The image is smoothed by a Gaussian of width sigma; the length of its gradient is the **edge map** f. Every pixel
-   carries a **fixed charge** -f (`edge_map`). Automatic smoothing chooses sigma by the noise, and takes heavy noise out
-   beforehand (`noise`); the edge of a dark or bright rim can be left out (`frame`).
+   carries a **fixed charge** -f (`field.edge_map`). Automatic smoothing chooses sigma by the noise, and removes heavy
+   noise first (`image.denoising`); the edge of a dark or bright image border can be left out (`image.border`).
 2. The fixed charges make an **electric field**, E(r) = sum_k -f_k (r - R_k) / |r - R_k|^3, eq. (8), which pulls
-   positive charges to edges (`electric_field`). Its direction is the **Lorentz force** F_l; on an edge it falls
-   linearly through zero (`level`).
-3. The **particles**, all of one positive charge, repel one another: the **Coulomb force** F_c, eq. (9)
-   (`coulomb_force`), scaled by the local spacing and cut at one. Where a run has many of them, near pairs are summed at
-   every step, and a mesh, made anew every few steps, carries what comes from afar (`mesh_force`).
+   positive charges to edges (`field.electric_field`). Its direction is the **Lorentz force** F_l; across an edge it
+   falls linearly through zero (`field.scale_field`).
+3. The **particles** all have the same positive charge and repel each other: the **Coulomb force** F_c, eq. (9)
+   (`particles.coulomb`), scaled by the local spacing and cut at one. In a run with many particles, near pairs are
+   summed at every step, and a mesh, computed every few steps, carries the rest (`particles.coulomb.mesh_force`).
 4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), the last term being the **damping**; one **step** advances
-   them by eq. (14)-(15) (`dynamics`, `motion`). Who leaves the image is removed.
-5. **Insertion**: two neighbours at rest on an edge, d_min < d <= d_min + d_max apart, get a particle between them if
-   the crest of the edge is free there, and a particle that sees its edge go on without anybody on it gets one ahead.
-   **Deletion**: of two nearer than d_min / 2 one goes. **Annealing**: d_max is multiplied by a at every step
-   (`insertion`, `deletion`, `contact`).
-6. Where no new ground is gained, repulsion fades and friction grows, more slowly for those that are still under way far
-   from all ground; who has come to rest where nothing is new sleeps, passed over until something is (`ground`,
-   `motion`). A run is in **equilibrium** when eq. (23) holds and hardly anything has moved, appeared or vanished for
-   twenty steps (`equilibrium`). Before a run ends, particles are launched beside boundaries that nobody has reached of
-   whatever is enclosed and has been reached on another boundary: the outline around a hole, or a hole in an object
-   (`enclosure`). Who is at rest on no edge then is removed.
-7. All this happens on one **scale** after the other, from coarse to fine; each begins with what the coarser one found
-   and with the **initialization**, the particles that were drawn (`multiscale`, `initialization`).
-8. The **reconstruction** moves points to the crest of the edge, joins them by walking along the crest, leaves out what
-   is weak or has the same on both sides (`contrast`), builds **bridges** across gaps when asked to, and walks along the
-   edges to closed and open **contours** with **junctions** (`reconstruction`).
-9. All of it happens inside the **regions of interest** and on this side of the **barriers**, if there are any
-   (`regions`); at each scale they are the walls that no move, birth, contour or bridge crosses (`barrier_map`).
+   them by eq. (14)-(15) (`dynamics.equations`, `dynamics.integrator`). Particles that leave the image are removed.
+5. A particle has **edge contact** where the Lorentz force is weak and the edge strong enough (`dynamics.edge_contact`).
+   **Insertion**: two neighbors with edge contact, d_min < d <= d_min + d_max apart, get a particle between them if the
+   **ridge** of the edge is free there; a particle whose edge continues without other particles gets one ahead.
+   **Deletion**: of two nearer than d_min / 2 one is deleted. **Annealing**: every step multiplies d_max by a
+   (`dynamics.insertion`, `dynamics.deletion`, `dynamics.time_step`).
+6. **Coverage** records the cells in which particles have had edge contact (`particles.coverage`). Where no cells are
+   newly covered, repulsion fades and damping grows, more slowly for particles that still move far from all covered
+   cells; a particle that is at rest there is skipped until that changes. A run is in **equilibrium** when eq. (23)
+   holds and hardly any particle has moved, been inserted or been deleted for twenty steps (`dynamics.equilibrium`).
+   **Completion**: before a run ends, **reseeding** puts particles beside the boundaries that have none, of enclosed
+   regions that have been reached on another boundary: the outline around a hole, or a hole in an object
+   (`segmentation.completion`, `segmentation.enclosed_regions`). Particles at rest off the edges are then removed.
+7. All this happens on one **scale** of the image after the other, from coarse to fine (`image.pyramid`,
+   `field.scale_space`, `segmentation.scale_schedule`). Each scale begins with the particles of the coarser one and with
+   the **initialization**: the seeds, drawn or automatic (`particles.initialization`).
+8. The **reconstruction** moves points to the ridge of the edge and joins them by following the ridge to closed and open
+   **contours** with **junctions**. It leaves out what is weak or has the same gray levels on both sides
+   (`field.region_contrast`), and builds **bridges** across gaps if `max_gap` allows them (`reconstruction.curve`).
+9. Particles stay inside the **regions of interest** and on their side of the **barriers** (`image.regions`); at each
+   scale no move, insertion, contour or bridge crosses a barrier (`image.barriers`).
 10. **Placed charges** attract or repel the particles around them, as strongly as the edges or up to four times so;
-    their force is added to the Lorentz force (`charges`). They, the parameters, regions and barriers may be changed at
-    any step, and particles added or erased (`steering`): what has come to rest and is concerned is set going again.
-11. What a step adds up can be looked at: the **forces** on each particle, by name (`forces`), the **potential** of the
-    charges, and the kinetic and potential **energy**, which the damping takes out of a run until it is at rest
-    (`energies`).
+    their force is added to the Lorentz force (`field.placed_charges`). An **intervention** changes charges, parameters,
+    regions or barriers, or adds or erases particles, at any step; particles at rest that it concerns are reactivated
+    (`segmentation.interventions`).
+11. The terms of a step can be examined: the **forces** on each particle, by name (`dynamics.forces`), the **potential**
+    of the charges, and the kinetic and potential **energy**, which the damping takes out of a run until it is at rest
+    (`dynamics.energies`).
 
-`Engine` composes 1 to 7 and 9 to 11, step by step; `segment` is all of it in one call. What is known about each
-contour, and which lies in which, is a row of `measure`'s table (`contour_table`). Where the **truth** is known, as a
-mask or as contours, `compare` tells how well they agree with it and where they do not (`truth`, `comparison`). Files of
-all of this are the business of `formats`: `export` writes contours by suffix, `encoded` makes the same without a file,
-`load_contours` reads them back; `write_animation` and `strip` show a run that was drawn frame by frame.
+`Engine` composes all of them, step by step (`segmentation.engine`); `segment` is a whole run in one call.
+`contours.measurements` measures each contour and finds which lies in which. Where the **ground truth** is known, as a
+mask or as contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`).
+`formats` reads and writes files: `export` chooses the format of contours by the suffix, `encoded` returns the same
+without a file, `load_contours` reads them; `write_animation` and `strip` show a run frame by frame.
 
-Between the contours lies the **skeleton**: the middle line of an object with the distance to its boundary, from which
-the object can be rebuilt (`skeleton`, `medial_axis`). It needs no start. Both ways are a `Method`, which is run step by
-step without knowing which it is; `METHODS` has them by name.
+The **skeleton** is the middle line of an object with the distance to its boundary, from which the object can be
+reconstructed (`medial_axis`). It needs no seeds. Contours and skeletons both come from a `Method`, which the same loop
+runs step by step; `METHODS` has them by name.
 
 Words
 -----
-Positions are (row, col) in pixels, pixel centres at integers. A *seated* particle sits on an edge. *Idle* counts steps
-without new ground. A `State` is a moment of a run, from which the next follows without any other memory; a `Result` is
-what a run has found; a `ScaleField` is what particles feel at one scale.
+Positions are (row, col) in pixels, pixel centers at integers. *Idle* counts steps without newly covered cells. A
+`State` is a moment of a run, from which the next one follows without any other memory; a `Result` is what a run has
+found; a `ScaleField` holds the fields of one scale.
 """
 
 from cpm_core.contours.agreement import Comparison, compare

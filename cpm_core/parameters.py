@@ -1,7 +1,7 @@
-"""The parameters of the charged-particle model, each of them said once.
+"""The parameters of the charged-particle model, each defined once.
 
-`Parameters` holds the values; `PARAMETERS` tells, for every field, its symbol, unit, range and meaning, and what has to
-be built anew when it changes. The window's sliders, the command line's flags and the error messages are all made from
+`Parameters` holds the values; `PARAMETERS` describes every field: its symbol, unit, range and meaning, and what a
+change of it makes out of date. The window's sliders, the command line's flags and the error messages are all made from
 it.
 """
 
@@ -15,7 +15,7 @@ Invalidates = Literal["nothing", "contours", "field", "run"]
 
 @dataclass(frozen=True, slots=True)
 class ParameterInfo:
-    """What a person is told about one parameter.
+    """Description of one parameter, for the user.
 
     Attributes
     ----------
@@ -28,20 +28,20 @@ class ParameterInfo:
     low, high : float
         Allowed range, both ends included.
     slider_low, slider_high, step : float
-        Range and increment that make sense on a slider.
+        Useful range and increment of a slider.
     title : str
         Short name for a label.
     meaning : str
         One sentence: what it is.
     more : str
-        One sentence: what more of it does.
+        One sentence: the effect of a larger value.
     equation : str
-        Where it stands in the published model; empty where it is ours.
+        Place in the published model; empty for parameters that the model does not have.
     invalidates : {"nothing", "contours", "field", "run"}
-        What a change makes stale: nothing (the next step obeys), the contours that are made of the particles, which do
-        not feel it themselves, the edge map and field, or the whole run.
+        What a change makes out of date: nothing (the next step uses the value), the contours but not the particles, the
+        edge map and field, or the whole run.
     advanced : bool
-        Whether a window may tuck it away.
+        Whether a window may hide it at first.
     """
 
     name: str
@@ -61,7 +61,7 @@ class ParameterInfo:
 
     @property
     def default(self) -> float | str:
-        """Value that the parameter has unless told otherwise."""
+        """Default value of the parameter."""
         return DEFAULTS[self.name]
 
 
@@ -105,7 +105,7 @@ _TABLE = (
     ),
     ParameterInfo(
         "d_max", "d_max,0", "px", 0.0, 50.0, 0.0, 10.0, 0.1, "Insertion range",
-        "Two neighbours at rest on an edge, further apart than d_min by at most this, get a particle between them; "
+        "Two neighbors at rest on an edge, farther apart than d_min by at most this, get a particle between them; "
         "it shrinks by the annealing factor.",
         "More of it fills wider gaps.",
         "section 3.6", "nothing", True,
@@ -118,21 +118,21 @@ _TABLE = (
     ),
     ParameterInfo(
         "scales", "S", "", 1, 8, 1, 5, 1, "Scales",
-        "Number of levels of the image pyramid, each half the size of the one before; a run goes from coarse to fine.",
+        "Number of scales of the image, each half the size of the one before; a run goes from coarse to fine.",
         "More of it finds large objects sooner and ignores finer noise on the way.",
         "section 4.2", "run", True,
     ),
     ParameterInfo(
         "edge_floor", "f_min", "", 0.0, 0.99, 0.0, 0.6, 0.01, "Edge floor",
-        "Fraction of the largest edge strength under which no fixed charge is placed; at 0 all are placed, and what is "
-        "too weak for an edge is told by the background.",
+        "Fraction of the largest edge strength under which no fixed charge is placed; at 0 all are placed, and the "
+        "background decides what is too weak for an edge.",
         "More of it leaves out weak edges and texture.",
         "", "field", True,
     ),
     ParameterInfo(
         "max_border", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Widest border",
-        "A dark or bright rim of the image up to this wide, as a fraction of its shorter side, is taken for its "
-        "border, and the edge of it for no edge.",
+        "A dark or bright rim of the image up to this wide, as a fraction of its shorter side, counts as its border, "
+        "whose edge is left out.",
         "More of it finds wider borders; 0 leaves every edge in.",
         "", "field", True,
     ),
@@ -144,7 +144,7 @@ _TABLE = (
     ),
     ParameterInfo(
         "min_strength", "s_min", "grey/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Least strength",
-        "Mean edge strength under which a contour, or a stretch of one that ends loose, is left out.",
+        "Mean edge strength under which a contour, or a part of one with a loose end, is left out.",
         "More of it keeps only the contours of strong edges.",
         "", "contours", True,
     ),
@@ -156,8 +156,8 @@ _TABLE = (
     ),
     ParameterInfo(
         "min_contrast", "c_min", "", 0.0, 0.99, 0.0, 0.9, 0.01, "Least contrast",
-        "Contrast of the regions on both sides, from 0 for two alike to 1 for two even ones, under which a contour, or "
-        "a stretch of one that ends loose, is left out.",
+        "Contrast of the regions on both sides, from 0 for equal ones to 1 for uniform ones, under which a contour, or "
+        "a part of one with a loose end, is left out.",
         "More of it leaves out texture, whose edges have the same on both sides.",
         "", "contours", True,
     ),
@@ -177,7 +177,7 @@ FORMER_NAMES: dict[str, str] = {"max_frame": "max_border"}
 
 @dataclass(frozen=True, slots=True)
 class Parameters:
-    """Parameters of a run; the defaults are the paper's (section 4.1).
+    """Parameters of a run; the defaults are the paper's (section 4.1). `PARAMETERS` has the range of each.
 
     Parameters
     ----------
@@ -186,35 +186,35 @@ class Parameters:
     w1 : float
         Weight of the Coulomb force, eq. (12).
     w2 : float
-        Weight of the Lorentz force, eq. (12); larger than `w1`, for the repulsion of a curved contour's particles has
-        unit size outwards and only a stronger attraction holds them on the edge.
+        Weight of the Lorentz force, eq. (12); larger than `w1`, since the repulsion on a curved contour has unit size
+        outward and only a stronger attraction holds the particles on the edge.
     annealing : float
         Annealing factor a: ``d_max`` is multiplied by it at every step.
     time_step : float
         Δt of eq. (14).
     d_min : float
-        Spacing of particles [px]; nearer than half of it, one of two is deleted.
+        Spacing of particles [px]; of two nearer than half of it, one is deleted.
     d_max : float
         Range beyond `d_min` in which a gap is filled, at the start of each scale [px].
     smoothing : float or "auto"
         Standard deviation σ of the Gaussian before the gradient [px], or ``"auto"`` to choose it from the image's
         noise.
     scales : int
-        Levels of the pyramid.
+        Number of scales.
     edge_floor : float
-        Fraction of the largest edge strength under which no fixed charge is placed.
+        Fraction of the largest edge strength below which no fixed charge is placed.
     max_border : float
-        Width up to which a rim of the image is taken for its border, as a fraction of the shorter side; 0 for no
-        border.
+        Largest width of the image border, as a fraction of the shorter side; 0 for no border.
     max_gap : float
         Loose ends of contours up to this far apart are joined along the edge map [px]; at 0 gaps stay open.
     min_strength : float
-        Contours of a lower mean edge strength are left out, and such stretches of contours that end loose [grey
-        levels / px].
+        Contours of a lower mean edge strength are left out, and such parts of contours with a loose end [gray levels /
+        px].
     sure_edge : float
-        Contours whose edge strength is under this fraction of the largest stay only if they are connected to one above.
+        Contours whose edge strength is below this fraction of the largest stay only if they are connected to a stronger
+        one.
     min_contrast : float
-        Contours between regions of a lower contrast are left out, and such stretches of contours that end loose.
+        Contours between regions of a lower contrast are left out, and such parts of contours with a loose end.
     min_length : float
         Shorter contours are left out [px].
 
@@ -252,7 +252,7 @@ class Parameters:
 
     @property
     def steering(self) -> tuple[object, ...]:
-        """Values that the motion of the particles depends on: all but those for the start and for choosing contours."""
+        """Values that the motion of the particles depends on: all but those for the start and the contours."""
         acting = (name for name, info in PARAMETERS.items() if info.invalidates in ("nothing", "field"))
         return tuple(getattr(self, name) for name in acting)
 
@@ -271,7 +271,7 @@ def _check(info: ParameterInfo, value: object) -> None:
 
 
 DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in PARAMETERS}
-"""The value of every parameter unless told otherwise: the paper's."""
+"""The default value of every parameter: the paper's."""
 
 PRESETS: dict[str, Parameters] = {
     "shape": Parameters(),

@@ -1,1 +1,1 @@
-"""How particles move, appear and disappear: eq. (12)-(15), insertion, deletion and equilibrium (sections 3.2, 3.3)."""
+"""How particles move, are inserted and are deleted: eq. (12)-(15) and equilibrium (sections 3.2, 3.3, 3.6)."""

@@ -1,4 +1,4 @@
-"""What happens at a barrier: a particle whose step would cross one slides along it, or stays where it is."""
+"""Contact with a barrier: a particle whose step would cross one slides along it, or stays where it is."""
 
 from __future__ import annotations
 
@@ -15,22 +15,10 @@ from cpm_core.particles.state import Particles
 
 
 def held_back(barrier_map: BarrierMap, before: Particles, after: Particles) -> Particles:
-    """Hold back the particles whose step crosses a barrier or a rim.
+    """Particles after a step, held back where they cross a barrier or the boundary of a region of interest.
 
-    Such a particle keeps that part of its step and of its velocity that is along the barrier, if this part crosses no
-    other; else it stays where it is, at rest.
-
-    Parameters
-    ----------
-    barrier_map : BarrierMap
-        What cannot be crossed at this scale.
-    before, after : Particles
-        The particles before and after a step.
-
-    Returns
-    -------
-    Particles
-        After a step that crosses nothing.
+    Such a particle keeps the part of its step and of its velocity that is along the barrier, if this part crosses no
+    other barrier; otherwise it stays where it was before, at rest.
     """
     blocked = barrier_map.crossed(before.position, after.position)
     if not blocked.any():
@@ -42,19 +30,19 @@ def held_back(barrier_map: BarrierMap, before: Particles, after: Particles) -> P
 
 @compiled
 def _hold(barrier_map: BarrierMap, blocked: NDArray[np.int64], before: Array, position: Array, velocity: Array) -> None:
-    """Let blocked particles slide along the wall, in place."""
+    """Let blocked particles slide along the barrier, in place."""
     for n in range(len(blocked)):
         i = blocked[n]
-        first, wall = np.inf, -1
+        first, barrier = np.inf, -1
         for s in range(len(barrier_map.segments)):
             if meet(barrier_map.segments[s], before[i], position[i]):
                 here = side(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], before[i])
                 there = side(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], position[i])
                 way = here / (here - there) if here != there else 0.0
                 if way < first:
-                    first, wall = way, s
-        row = barrier_map.segments[wall, 2] - barrier_map.segments[wall, 0]
-        col = barrier_map.segments[wall, 3] - barrier_map.segments[wall, 1]
+                    first, barrier = way, s
+        row = barrier_map.segments[barrier, 2] - barrier_map.segments[barrier, 0]
+        col = barrier_map.segments[barrier, 3] - barrier_map.segments[barrier, 1]
         squared = row**2 + col**2
         slide = ((position[i, 0] - before[i, 0]) * row + (position[i, 1] - before[i, 1]) * col) / squared
         speed = (velocity[i, 0] * row + velocity[i, 1] * col) / squared

@@ -1,14 +1,14 @@
-"""Kinetic and potential energy of the particles: what the damping takes out of a run until it is at rest.
+"""Kinetic and potential energy of the particles, which the damping takes out of a run until it is at rest.
 
-The forces of the model are normalized and have no potential of their own. Its energy is computed from the potentials
-that they come from, in their measure:
+The forces of the model are normalized and have no potential. The energy is computed from the potentials of the forces
+before they are normalized, scaled to match:
 
-- The Lorentz force has unit size away from edges, however steep the potential of the fixed charges is there: it counts
-  in units of its mean slope, so that it pulls with w2 on average. That of placed charges is exact, but for the cut of
-  their sum.
+- The Lorentz force has unit size away from edges, however steep the potential of the fixed charges is there. This
+  potential counts in units of its mean slope, so that its force is w2 on average. That of placed charges is exact, but
+  for the cut of their sum.
 - The Coulomb force of two particles ``d_min`` apart is half of w1: a pair counts as ``0.5 w1 d_min^2 (1/r - 1/R)``, up
-  to the distance ``R = d_min + d_max`` to which particles have neighbors. Farther ones make little difference, since
-  the force on a particle is scaled by the distance to its neighbors.
+  to the distance ``R = d_min + d_max`` of neighbors. Farther pairs make little difference, since the force on a
+  particle is scaled by the distance to its neighbors.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Energies:
     kinetic : float
         Sum of ``v^2 / 2``.
     potential : float
-        In the field of the fixed charges and of the placed ones, and of near pairs of particles.
+        In the field of the fixed and placed charges, and of pairs of near particles.
     """
 
     kinetic: float
@@ -46,17 +46,7 @@ class Energies:
 
 
 def energies(state: State, scale_field: ScaleField, parameters: Parameters) -> Energies:
-    """Energies of the particles of a state; see `Engine.energies`.
-
-    Parameters
-    ----------
-    state : State
-        With the placed charges that count.
-    scale_field : ScaleField
-        Fields of its scale, without placed charges.
-    parameters : Parameters
-        For the weights, `d_min` and `d_max`.
-    """
+    """Energies of a state with its placed charges; `scale_field` is without them. See `Engine.energies`."""
     particles = state.particles
     in_image = 4.0**state.scale
     reach = parameters.d_min + parameters.d_max
@@ -69,6 +59,6 @@ def energies(state: State, scale_field: ScaleField, parameters: Parameters) -> E
 
 
 def kinetic_energy(state: State) -> float:
-    """Kinetic energy of the particles of a state [px^2 of the image / unit of time^2]; next to no work."""
+    """Kinetic energy of the particles of a state [px^2 of the image / unit of time^2]; fast."""
     velocity = state.particles.velocity
     return 0.5 * 4.0**state.scale * float(np.einsum("ni,ni->", velocity, velocity))

@@ -1,7 +1,7 @@
 """The laws of motion of a particle: total force of eq. (12) and one step of eq. (14)-(15).
 
-All of them are compiled, of single numbers, for the loop in `integrator` that applies them to every particle, in any
-number of dimensions.
+All of them are compiled functions of single numbers, for the loop in `integrator` that applies them to every particle,
+in any number of dimensions.
 """
 
 from __future__ import annotations
@@ -11,51 +11,38 @@ import numpy as np
 from cpm_core.numerics.jit import compiled
 
 _SOFTNESS = 0.5
-"""Slope of the normalized Coulomb force near equilibrium; with it the stiffest mode of a chain of particles, neighbors
-moving against each other, stays within what the integrator keeps stable at the default time step."""
+"""Slope of the normalized Coulomb force near equilibrium; with it the integrator keeps the stiffest mode of a chain of
+particles, neighbors moving against each other, stable at the default time step."""
 
 _STICTION, _STICTION_GROWTH = 0.25, 0.02
-"""Force along an edge, as a fraction of w1, that a particle at rest on it withstands, and how much more of it for each
-step since cells were last newly covered."""
+"""Largest force along an edge, as a fraction of w1, under which a particle on it stays at rest, and its growth for each
+step without newly covered cells."""
 
 _FADING = 0.04
-"""Fraction of the repulsion that goes with each step since cells were last newly covered."""
+"""Fraction of the repulsion that is lost for each step without newly covered cells."""
 
 _COOLING, _LONGEST_COOLING, _LEAST_DAMPING = 12.0, 200.0, 0.1
-"""Steps after which damping has doubled once the repulsion is gone, those for which it goes on doubling, and what it
-starts from at least."""
+"""Steps in which damping doubles once the repulsion has faded, those during which it continues to double, and its least
+initial value."""
 
 FADED = round(1.0 / _FADING)
-"""Steps without news after which the repulsion is gone."""
+"""Steps without newly covered cells after which no repulsion is left."""
 
 LATEST = FADED + int(_LONGEST_COOLING)
-"""Steps without news from which on the damping is the same."""
+"""Steps without newly covered cells after which the damping is constant."""
 
 _STUCK_SPEED = 0.3
-"""Speed along an edge under which a particle counts as at rest for that [px / unit of time]."""
+"""Largest speed along an edge at which static friction acts [px / unit of time]."""
 
 
 @compiled
 def coulomb_scale(size: float, spacing: float, d_min: float) -> float:
     """Factor that normalizes the Coulomb force: of unit size on a sparse front, falling to zero near equilibrium.
 
-    The unit vector of the sum never rests: its direction flips around equilibrium. Scaled by the squared local spacing
-    the sum is a pure number, of order one on a particle with neighbors on one side only and small where they balance;
-    only what exceeds one is cut.
-
-    Parameters
-    ----------
-    size : float
-        Length of the sum of eq. (9).
-    spacing : float
-        Mean distance to the two nearest particles [px].
-    d_min : float
-        Spacing [px] below which the force softens further.
-
-    Returns
-    -------
-    float
-        What the sum is multiplied by, for a force of at most unit size.
+    The unit vector of the sum never comes to rest: its direction flips around equilibrium. Scaled by the squared local
+    spacing the sum is a pure number, of order one on a particle with neighbors on one side only and small where they
+    balance; only what exceeds one is cut. `size` is the length of the sum of eq. (9), `spacing` the mean distance to
+    the two nearest particles [px]; below `d_min` [px] the force softens further.
     """
     scale = _SOFTNESS * spacing**2 * min(1.0, spacing / d_min)
     scale /= max(1.0, size * scale)
@@ -64,43 +51,20 @@ def coulomb_scale(size: float, spacing: float, d_min: float) -> float:
 
 @compiled
 def repulsion_left(idle: int) -> float:
-    """Fraction of the Coulomb force that acts on a particle with no newly covered cells around it for long.
+    """Fraction of the Coulomb force on a particle, from 1 to 0, `idle` steps after cells around it were newly covered.
 
-    As long as coverage grows the repulsion is whole. Afterwards it can only keep particles creeping, on edges
-    from bays to tips and in flight against those that already sit, and it is let fade, so that everything lands and
-    rests.
-
-    Parameters
-    ----------
-    idle : int
-        Steps since cells around it were newly covered.
-
-    Returns
-    -------
-    float
-        From 1 down to 0.
+    As long as coverage grows the repulsion is not reduced. Afterwards it could only make particles creep, on edges from
+    bays to tips and off edges against those on them, so it fades, and all particles reach an edge and come to rest.
     """
     return max(0.0, 1.0 - _FADING * idle)
 
 
 @compiled
 def damping(beta: float, idle: int) -> float:
-    """Damping coefficient of a particle: beta, and more where nothing new has been found for long.
+    """Damping coefficient of a particle, `idle` steps after cells around it were newly covered: beta, later more.
 
-    Once the repulsion is gone what still moves follows the field along some valley where there is nothing to find. The
-    growing damping brings it to rest.
-
-    Parameters
-    ----------
-    beta : float
-        Damping coefficient of eq. (12).
-    idle : int
-        Steps since cells around it were newly covered.
-
-    Returns
-    -------
-    float
-        Coefficient.
+    A particle that still moves without repulsion follows the field where there is no edge. The growing damping brings
+    it to rest.
     """
     late = min(max(idle - float(FADED), 0.0), _LONGEST_COOLING)
     return max(beta, _LEAST_DAMPING) * 2.0 ** (late / _COOLING) if late > 0.0 else beta
@@ -130,27 +94,12 @@ def advance(
     dt: float,
     series: tuple[float, float, float, float],
 ) -> tuple[float, float]:
-    """Advance one coordinate of a particle by one time step, eq. (14)-(15).
+    """Position and velocity of one coordinate of a particle after a time step, eq. (14)-(15).
 
-    The undamped force is carried on by its Taylor series, whose derivative is eq. (15): the quadratic through the last
-    three forces. Damping is linear and therefore integrated exactly, which keeps every beta stable; as beta goes to
-    zero the coefficients become those of eq. (14). Of second order.
-
-    Parameters
-    ----------
-    place, velocity : float
-        Before the step [px, px / unit of time].
-    force, last, before : float
-        ``w1 F_c + w2 F_l`` now and at the two steps before.
-    dt : float
-        Time step.
-    series : tuple of float
-        `damped_series` of ``beta dt``.
-
-    Returns
-    -------
-    float, float
-        Place and velocity after the step.
+    The undamped force is continued by its Taylor series, whose derivative is eq. (15): the quadratic through the last
+    three forces ``w1 F_c + w2 F_l``, now and at the two steps before. Damping is linear and therefore integrated
+    exactly, which keeps every beta stable; as beta goes to zero the coefficients become those of eq. (14). Of second
+    order. `series` is `damped_series` of ``beta dt``.
     """
     keep, one, two, three = series
     slope = (3.0 * force - 4.0 * last + before) / (2.0 * dt)
@@ -162,21 +111,11 @@ def advance(
 
 @compiled
 def is_stuck(pull: float, speed: float, w1: float, idle: int) -> bool:
-    """Whether static friction holds a particle that sits on an edge: if it is slow and the force along the edge small.
+    """Whether static friction holds a particle on an edge: its speed and the force `pull` along the edge are small.
 
-    Like charges on a conductor the particles would go on creeping for ever from bays to tips; an equilibrium that keeps
-    the spacing within some ten percent from one neighbor to the next is all that a contour needs, and this makes it
-    one. Once the particles have stopped covering new cells, friction grows until all of them rest.
-
-    Parameters
-    ----------
-    pull : float
-        Size of the force along the edge.
-    speed : float
-        Speed along the edge [px / unit of time].
-    w1 : float
-        Coulomb weight, the measure of the force.
-    idle : int
-        Steps since cells around it were newly covered.
+    Like charges on a conductor, particles would creep without end from bays to tips. A contour only needs an
+    equilibrium whose spacing differs by some ten percent from one neighbor to the next, and friction stops the
+    particles there. Once they have stopped covering new cells, `idle` steps ago, it grows until all of them are at
+    rest.
     """
     return pull < (_STICTION + _STICTION_GROWTH * idle) * w1 and speed < _STUCK_SPEED

@@ -1,4 +1,4 @@
-"""When a run is at rest: eq. (23), and what else must hold before it may stop."""
+"""Equilibrium: eq. (23), and the other conditions under which a run may stop."""
 
 from __future__ import annotations
 
@@ -12,33 +12,26 @@ EPSILON = 0.001
 """Bound of eq. (23) [px]."""
 
 QUIET_STEPS = 20
-"""Consecutive quiet steps that make rest."""
+"""Consecutive quiet steps of an equilibrium."""
 
 IDLE_STEPS = 10
-"""Steps without newly covered cells after which a coarser scale has nothing more to give."""
+"""Steps without newly covered cells after which a coarser scale is finished."""
 
 STILL = 0.02
-"""Motion in a step under which a particle counts as still [px]."""
+"""Motion in a step under which a particle does not count as moving [px]."""
 
 _CHURN = 0.002
-"""Fraction of the particles that may move, be born or be deleted in a quiet step."""
+"""Fraction of the particles that may move, be inserted or be deleted in a quiet step."""
 
-_NEWS = 0.003
-"""Fraction of the coverage that a step must add to count as finding some."""
+_GROWTH = 0.003
+"""Fraction of the coverage that a step must add to count as progress."""
 
 
 def epsilon(distance: Array) -> float:
-    """Left side of eq. (23): ``|sum_i (-1)^i sum_j |r_j(t_k-i)|| / N``.
+    """Left side of eq. (23), ``|sum_i (-1)^i sum_j |r_j(t_k-i)|| / N`` [px].
 
-    Parameters
-    ----------
-    distance : ndarray, shape (N, T)
-        ``|r|`` of every particle at the last T steps, newest first; rows with NaN are of particles too young to count.
-
-    Returns
-    -------
-    float
-        The mean difference [px]; NaN without any particle that has been there for T steps.
+    `distance`, shape (N, T), is ``|r|`` of every particle at the last T steps, newest first. Rows with NaN do not
+    count: their particles are too young. NaN if no particle is T steps old.
     """
     total, old = _alternating(distance)
     return abs(total) / old if old else float("nan")
@@ -46,7 +39,7 @@ def epsilon(distance: Array) -> float:
 
 @compiled
 def _alternating(distance: Array) -> tuple[float, int]:
-    """Sum of the alternating sums of all rows without NaN, and how many they are."""
+    """Sum of the alternating sums of all rows without NaN, and the number of these rows."""
     total, old = 0.0, 0
     for i in range(len(distance)):
         if not np.isnan(distance[i, MEMORY - 1]):
@@ -57,31 +50,11 @@ def _alternating(distance: Array) -> tuple[float, int]:
 
 
 def is_quiet(epsilon: float, moving: int, changed: int, count: int) -> bool:
-    """Whether a step hardly moved, inserted or deleted anything.
-
-    Parameters
-    ----------
-    epsilon : float
-        Eq. (23) [px].
-    moving : int
-        Particles that moved by more than `STILL`.
-    changed : int
-        Particles born and deleted.
-    count : int
-        Particles.
-    """
+    """Whether few of `count` particles moved or changed in a step; `epsilon` is that of eq. (23) [px]."""
     few = _CHURN * count
     return epsilon < EPSILON and moving <= few and changed <= few
 
 
 def is_idle(new: int, coverage: int) -> bool:
-    """Whether a step covered next to no new cells.
-
-    Parameters
-    ----------
-    new : int
-        Cells visited for the first time.
-    coverage : int
-        Cells visited so far.
-    """
-    return new <= _NEWS * coverage
+    """Whether a step newly covered next to no cells, compared with the covered cells so far."""
+    return new <= _GROWTH * coverage

@@ -1,4 +1,4 @@
-"""The forces of eq. (12) on particles, each by itself: what a step adds up without keeping it."""
+"""The forces of eq. (12) on particles, each separately: a step adds them up without keeping them."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.dynamics.equations import FADED, LATEST, damping
-from cpm_core.dynamics.integrator import is_asleep
+from cpm_core.dynamics.integrator import is_at_rest
 from cpm_core.dynamics.integrator.plane import mesh_force_of, undamped_force
-from cpm_core.field.plane import interpolate_felt
+from cpm_core.field.plane import interpolate_force
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
@@ -18,7 +18,7 @@ from cpm_core.particles.state import State
 
 _NO_EDGES = np.zeros((2, 2, 5), np.float32)
 _NO_EDGES[..., 0] = 1.0
-"""Packed field where there is no edge, hence no friction, and the Lorentz force is one downwards."""
+"""Packed force field without edges, hence without friction; its Lorentz force is one, downwards."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -34,9 +34,9 @@ class Forces:
     placed : ndarray
         ``w2`` times the force of the placed charges.
     friction : ndarray
-        What holds a particle that is slow, or asleep, on its edge: it cancels what the others have along the edge.
+        What holds a slow particle, or one at rest, on its edge: it cancels the part of the other forces along the edge.
     damping : ndarray
-        ``-beta v``, with the greater beta of particles that are made to rest; none of those that are asleep.
+        ``-beta v``, with a larger beta for particles that are brought to rest; zero for those that a step skips.
     """
 
     coulomb: Array
@@ -47,44 +47,34 @@ class Forces:
 
     @property
     def total(self) -> Array:
-        """Sum of them all: the acceleration with which the next step begins."""
+        """Sum of all forces: the acceleration with which the next step begins."""
         return self.coulomb + self.lorentz + self.placed + self.friction + self.damping
 
 
 def forces(
     state: State, scale_field: ScaleField, charged: ScaleField, idle: Index, parameters: Parameters, index: ArrayLike
 ) -> Forces:
-    """Forces on some particles; see `Engine.forces`.
+    """Forces on the particles `index`, shape (M,), of a state as the next step begins; see `Engine.forces`.
 
-    Parameters
-    ----------
-    state : State
-        As the next step takes it up.
-    scale_field, charged : ScaleField
-        Fields of its scale, without the placed charges and with them.
-    idle : ndarray of int64, shape (N,)
-        Steps since cells around each particle were newly covered.
-    parameters : Parameters
-        Of the next step.
-    index : array_like of int, shape (M,)
-        Which particles.
+    `scale_field` and `charged` are the fields of its scale without and with the placed charges, `idle`, shape (N,), the
+    steps since cells around each particle were newly covered.
     """
     particles, which = state.particles, np.atleast_1d(np.asarray(index, dtype=np.int64))
     chosen = particles.taken(which)
     mesh = mesh_force_of(state, idle, scale_field, parameters)
-    lorentz = parameters.w2 * interpolate_felt(scale_field.packed, chosen.position)
-    placed = parameters.w2 * interpolate_felt(charged.packed, chosen.position) - lorentz
+    lorentz = parameters.w2 * interpolate_force(scale_field.packed, chosen.position)
+    placed = parameters.w2 * interpolate_force(charged.packed, chosen.position) - lorentz
     coulomb = np.zeros_like(lorentz)
-    feeling = np.flatnonzero(idle[which] < FADED)
-    if len(feeling):
-        coulomb[feeling] = undamped_force(
-            particles, which[feeling], idle, mesh, _NO_EDGES, scale_field.shape, parameters
+    repelled = np.flatnonzero(idle[which] < FADED)
+    if len(repelled):
+        coulomb[repelled] = undamped_force(
+            particles, which[repelled], idle, mesh, _NO_EDGES, scale_field.shape, parameters
         )
-        coulomb[feeling, 0] -= parameters.w2
+        coulomb[repelled, 0] -= parameters.w2
     applied = undamped_force(particles, which, idle, mesh, charged.packed, scale_field.shape, parameters)
     late, kinds = np.unique(np.minimum(idle[which], LATEST), return_inverse=True)
     beta = np.array([damping(parameters.beta, int(steps)) for steps in late])[kinds]
     damped = -beta[:, None] * chosen.velocity
-    asleep = is_asleep(chosen, idle[which])
-    applied[asleep], damped[asleep] = 0.0, 0.0
+    at_rest = is_at_rest(chosen, idle[which])
+    applied[at_rest], damped[at_rest] = 0.0, 0.0
     return Forces(coulomb, lorentz, placed, applied - (coulomb + lorentz + placed), damped)

@@ -1,4 +1,4 @@
-"""The two halves of a step: motion, and the population that deletion, insertion and annealing make of it."""
+"""The two halves of a step: motion, then deletion, insertion and annealing."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from cpm_core.particles.coverage.plane import cover, idle_at
 from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.state import State
 
-_FRONT, _LOOK_EVERY, _LOOK_IDLY = 20, 4, 8
-"""Steps without newly covered cells around it up to which a particle looks for places at every step, for a front must
-not wait; how often others look, and how often ahead where nothing new has been found for longer."""
+_FRONT, _SEARCH_EVERY, _AHEAD_EVERY = 20, 4, 8
+"""Steps since newly covered cells up to which a particle belongs to a front and searches at every step; how often
+others search, and how often they search ahead."""
 
-_LATE_EVERY, _COLD_EVERY = 2, 4
-"""How often particles are deleted and inserted once next to nothing is newly covered, and once no repulsion is left."""
+_LATE_EVERY, _FADED_EVERY = 2, 4
+"""How often particles are deleted and inserted once coverage hardly grows, and once no repulsion is left."""
 
 
 def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> tuple[State, Moved]:
-    """Force and motion, and removal of what leaves the image."""
+    """Forces and motion, and removal of particles that leave the image."""
     particles, step = state.particles, state.step_of_scale
     mesh = mesh_force_of(state, idle, scale_field, parameters)
     moved = move(particles, idle, mesh, scale_field, parameters)
@@ -62,29 +62,29 @@ def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Pa
 def populated(
     state: State, moved: Moved, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
 ) -> State:
-    """Deletion, insertion and annealing; late in a run the first two only now and then."""
+    """Deletion, insertion and annealing; late in a run the first two happen only at some steps."""
     annealed = state.annealed * parameters.annealing
-    every = _COLD_EVERY if repulsion_gone else _LATE_EVERY if state.idle >= IDLE_STEPS else 1
+    every = _FADED_EVERY if repulsion_gone else _LATE_EVERY if state.idle >= IDLE_STEPS else 1
     if state.step % every:
         return replace(state, annealed=annealed, idle=state.idle + 1)
-    particles, step, stirred = state.particles, state.step_of_scale, moved.motion > 0.0
+    particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
     cells = build_cells(particles.position, scale_field.shape, search_range(parameters))
     contact = EdgeContact(moved.strength, moved.on_edge, cells)
-    kept = thinned(contact, stirred, parameters.d_min)
+    kept = thinned(contact, has_moved, parameters.d_min)
     coverage, new = cover(state.coverage, particles.position, contact.on_edge & kept, step)
     round_ = state.step // every
     turn = particles.identity + round_
     front = idle_at(coverage, particles.position, step, state.idle) < _FRONT
-    thorough = (turn % _LOOK_EVERY == 0) | particles.young | repulsion_gone
-    looking = (thorough | front) & stirred
-    ahead = (turn % _LOOK_IDLY == 0) | front
+    thorough = (turn % _SEARCH_EVERY == 0) | particles.young | repulsion_gone
+    looking = (thorough | front) & has_moved
+    ahead = (turn % _AHEAD_EVERY == 0) | front
     d_max = state.annealed * parameters.d_max
     search = Search(kept, looking, thorough, ahead)
     births = insertion(contact, search, scale_field, d_max, parameters, round_)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
     if born:
         particles = particles.joined_by(births.position, births.parent, births.other, state.next_identity)
-    if deleted:  # those who stay, in the order of their cells: what is near in space is then near in memory
+    if deleted:  # in the order of their cells: what is near in space is then near in memory
         stay = contact.cells.order[kept[contact.cells.order]]
         particles = particles.taken(np.concatenate([stay, np.arange(len(kept), len(kept) + born)]))
     return replace(

@@ -1,4 +1,4 @@
-"""The electric field of the fixed charges, eq. (7) and (8), and how particles between the pixels feel it.
+"""The electric field of the fixed charges, eq. (7) and (8): edge map, Lorentz force, potential and placed charges.
 
-`electric_field` asks one of the methods, `convolution` (exact) or `pppm` (as published).
+`electric_field` uses one of two methods, `convolution` (exact) or `pppm` (as published).
 """

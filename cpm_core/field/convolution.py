@@ -1,12 +1,13 @@
-"""The electric field of eq. (8), exact, as one zero-padded convolution.
+"""The electric field of eq. (8) and the potential of eq. (7), exact, by zero-padded convolutions.
 
-The transforms are done axis by axis, so that rows of zeros are not transformed on the way there and what is cut off is
-not transformed on the way back: it takes about as long as the three plain transforms that it consists of.
+The transforms of the field are done axis by axis: rows of zeros are not transformed forward, and what is cut off is not
+transformed back. It takes about as long as the three plain transforms that it consists of.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
+from functools import reduce
 from itertools import product
 from threading import Lock
 
@@ -18,39 +19,23 @@ from cpm_core.numerics.types import Array
 
 _KEPT_BYTES = 128 * 2**20
 """Memory for kernel spectra that are kept for the next image of the same size: enough for the three scales of one of
-2048 x 2048 pixels in double precision (93 MB). What is larger by itself is computed anew each time [bytes]."""
+2048 x 2048 pixels in double precision (93 MB). Larger spectra are computed each time [bytes]."""
 
 
 def convolved_field(edge_map: ArrayLike, exponent: float | None = None, precision: DTypeLike = np.float64) -> Array:
-    r"""Electric field of the fixed charges, exact to rounding.
+    r"""Electric field of the fixed charges, exact to rounding, shape (D, \*shape); it points towards the charges.
 
     The sum of eq. (8) is a convolution; computed with Fourier transforms on a grid padded with zeros to at least twice
-    the size, nothing wraps around.
-
-    Parameters
-    ----------
-    edge_map : array_like, shape (\*shape)
-        Edge strength ``f`` of every pixel.
-    exponent : float, optional
-        Power of the distance with which the force of one charge decays; by default the dimension ``D``.
-    precision : dtype
-        Of the transforms and the field: double gives 1e-14 of the largest vector, single 1e-6.
-
-    Returns
-    -------
-    ndarray, shape (D, \*shape)
-        Field, pointing towards the charges.
-
-    Raises
-    ------
-    ValueError
-        For an exponent that is not positive.
+    the size, nothing wraps around. `edge_map` is the edge strength ``f`` of every pixel, shape (\*shape); the force of
+    one charge decays with the power `exponent` of the distance, by default the dimension ``D``. In double precision the
+    error is 1e-14 of the largest vector, in single precision 1e-6. Raises `ValueError` for an exponent that is not
+    positive.
     """
     f = np.asarray(edge_map, dtype=precision)
     power = float(f.ndim if exponent is None else exponent)
     if not power > 0:
         raise ValueError(f"exponent is {power:g} but must be above 0.")
-    # half of an even size is where the kernel's mirror image begins, and must lie beyond all differences of two pixels
+    # the kernel's mirror image begins at half of an even size, which must exceed all differences of two pixels
     padded = tuple(2 * scipy.fft.next_fast_len(max(n, 2), real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
     spectrum = scipy.fft.rfft(f, padded[-1], axis=-1, workers=-1)
     for axis in reversed(range(f.ndim - 1)):
@@ -68,10 +53,29 @@ def convolved_field(edge_map: ArrayLike, exponent: float | None = None, precisio
     return out
 
 
+def convolved_potential(edge_map: Array) -> Array:
+    r"""Potential of the fixed charges of an image, shape (\*shape), whose slope is the field of eq. (8).
+
+    ``V(r) = sum_k -f_k / ((D - 1) |r - R_k|^(D - 1))``, which is eq. (7) in the plane: below zero everywhere, and
+    lowest on edges. No pixel acts on itself. `edge_map` is the edge strength ``f`` of every pixel [gray levels / px],
+    of at least two axes. The transforms are done in single precision, with an error of 1e-6 of the largest value.
+    """
+    dimension, last = edge_map.ndim, edge_map.ndim - 1
+    padded = tuple(scipy.fft.next_fast_len(2 * n - 1, axis == last) for axis, n in enumerate(edge_map.shape))
+    offsets = np.meshgrid(*(size * np.fft.fftfreq(size) for size in padded), indexing="ij", sparse=True)
+    away = reduce(np.hypot, offsets).astype(np.float32)
+    away[(0,) * dimension] = np.inf
+    spectrum = scipy.fft.rfftn(edge_map.astype(np.float32), padded, workers=-1)
+    spectrum *= scipy.fft.rfftn(1.0 / ((dimension - 1) * away ** (dimension - 1)), workers=-1)
+    inner = tuple(slice(n) for n in edge_map.shape)
+    potential: Array = scipy.fft.irfftn(spectrum, padded, workers=-1)[inner].astype(float)
+    return -potential
+
+
 def _multiply(
     spectrum: NDArray[np.complexfloating], kernel: Array, component: int, out: NDArray[np.complexfloating]
 ) -> None:
-    """Multiply a spectrum by a kernel known at frequencies that are not negative: odd along `component`, else even."""
+    """Multiply a spectrum by a kernel at the frequencies that are not negative: odd along `component`, else even."""
     last = spectrum.ndim - 1
     for mirrored in product((False, True), repeat=last):
         half = [

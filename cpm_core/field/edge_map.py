@@ -1,6 +1,6 @@
 """The edge map: how strongly each pixel attracts the particles.
 
-A fixed charge ``-f`` sits on every pixel, with ``f = |grad(G_sigma * I)|`` (section 3.1).
+Every pixel carries a fixed charge ``-f`` with ``f = |grad(G_sigma * I)|`` (section 3.1).
 """
 
 from __future__ import annotations
@@ -26,31 +26,21 @@ _WIDE = 2.0
 """Gaussian beyond which noise counts as heavy [px]."""
 
 _FAINT = 0.05
-"""Noise, as a part of the spread of grey levels, up to which it is something else that takes up the background."""
+"""Noise, as a fraction of the standard deviation of the gray levels, up to which it does not explain the background."""
 
 _STRONG_PERCENTILE = 99.0
 _CLEAR = 0.25
-"""Share of the strong edges under which the background is clear of them."""
+"""Fraction of the strong edges under which the background is weak enough."""
 
 _LEAST_LINES = 64
 """Lines of an image that are worth a thread."""
 
 
 def gradient(values: ArrayLike, smoothing: float) -> Array:
-    r"""Gradient of the smoothed image.
+    r"""Gradient of the smoothed image, shape (D, \*shape) [gray levels / px].
 
-    Parameters
-    ----------
-    values : array_like, shape (\*shape)
-        Image.
-    smoothing : float
-        Standard deviation of the Gaussian [px]; 0 leaves the image as it is.
-
-    Returns
-    -------
-    ndarray, shape (D, \*shape)
-        Derivative along each axis [gray levels / px]: central differences of the Gaussian-smoothed image, which is
-        continued beyond its border by its outermost pixels, so that the border is no edge.
+    Central differences of `values`, shape (\*shape), after a Gaussian of standard deviation `smoothing` [px]; 0 leaves
+    the image as it is. The image is continued beyond its border by its outermost pixels, so that the border is no edge.
     """
     image = np.asarray(values, dtype=float)
     if smoothing > 0:
@@ -93,12 +83,12 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
     values : array_like, shape (\*shape)
         Image.
     smoothing : float or "auto"
-        Standard deviation of the Gaussian [px], or ``"auto"`` to let `automatic_smoothing` choose it.
+        Standard deviation of the Gaussian [px], or ``"auto"`` to choose it by the noise of the image.
 
     Returns
     -------
     ndarray, shape (\*shape)
-        Edge strength [gray levels / px]; minus it is the fixed charge.
+        Edge strength [gray levels / px]; the fixed charge is its negative.
     """
     image = np.asarray(values, dtype=float)
     if smoothing == "auto":
@@ -107,41 +97,22 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
 
 
 def background_strength(strength: Array) -> float:
-    r"""Edge strength that what is no edge hardly exceeds.
+    r"""Edge strength that the background, free of edges, rarely exceeds [gray levels / px]; 0 for a flat background.
 
-    Away from edges noise and texture leave a gradient whose components are about normal, so that its magnitude follows
-    a Rayleigh distribution; wherever edges take up less than a good half of an image, the lower quartile of the edge
-    map tells its width. Four standard deviations of a component are exceeded by chance once in three thousand pixels.
-
-    Parameters
-    ----------
-    strength : ndarray, shape (\*shape)
-        Edge map.
-
-    Returns
-    -------
-    float
-        Four standard deviations of a component [gray levels / px]; 0 for an image with a flat background.
+    In the background noise and texture give a gradient with normally distributed components, so that its magnitude
+    follows a Rayleigh distribution. Where edges cover less than about half of an image, the lower quartile of the edge
+    map, shape (\*shape), gives its width. The result is four standard deviations of a component, which one in three
+    thousand pixels exceeds by chance.
     """
     return float(_DEVIATIONS * np.percentile(strength, 25.0) / _RAYLEIGH_QUARTILE)
 
 
 def prepared(values: Array) -> Cleaned:
-    r"""Prepare an image for its edges to be found in spite of noise.
+    """Prepare a noisy image for its edges: the image to smooth, its sigma, and the noise that remains.
 
-    Light noise is left to a Gaussian. Where that would have to be wide, the noise is first taken out by total variation
-    and averages along edges (`clean`), which leave edges in their place.
-
-    Parameters
-    ----------
-    values : ndarray, shape (\*shape)
-        Image.
-
-    Returns
-    -------
-    Cleaned
-        The image to smooth, by how much, and what remains of the noise: the very image, with a floor of 0, where noise
-        is light. Volumes are left to the Gaussian: the averages along edges are those of a plane.
+    Light noise is left to a Gaussian, and the image is returned as it is, with a floor of 0. Where the Gaussian would
+    have to be wide, total variation and averages along edges (`clean`) first remove the noise and keep the position of
+    edges. Volumes, shape (P, H, W), are left to the Gaussian: the averages along edges exist in the plane only.
     """
     sigma = automatic_smoothing(values)
     if values.ndim != 2 or sigma <= _WIDE or noise_level(values) <= _FAINT * float(values.std()):
@@ -150,18 +121,10 @@ def prepared(values: Array) -> Cleaned:
 
 
 def automatic_smoothing(values: ArrayLike) -> float:
-    r"""Smoothing that lifts the edges of a noisy image above its background.
+    r"""Least sigma [px] that raises the edges of a noisy image, shape (\*shape), above its background.
 
-    Parameters
-    ----------
-    values : array_like, shape (\*shape)
-        Image.
-
-    Returns
-    -------
-    float
-        The least sigma of a series [px] at which `background_strength` falls under a quarter of the image's strong
-        edges, or the one that comes nearest to it.
+    With it `background_strength` is below a quarter of the strong edges; where no sigma of the series reaches this, the
+    one that comes closest.
     """
     image = np.asarray(values, dtype=float)
     shares = []

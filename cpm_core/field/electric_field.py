@@ -1,4 +1,4 @@
-"""The electric field of eq. (8), by whichever method is asked for."""
+"""The electric field of eq. (8), by one of two methods."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cpm_core.field.pppm import pppm_field
 from cpm_core.numerics.types import Array
 
 METHODS = ("convolution", "pppm")
-"""Ways to compute the field."""
+"""Methods for the computation of the field."""
 
 
 def electric_field(
@@ -22,19 +22,19 @@ def electric_field(
 ) -> Array:
     r"""Electric field of the fixed charges, eq. (8).
 
-    Every pixel carries the charge ``-f``; the field on a pixel is the sum over all the others,
-    ``E(r) = sum_k -f_k (r - R_k) / |r - R_k|^(exponent + 1)``.
+    Every pixel carries the charge ``-f``; the field on a pixel is the sum over all the others, ``E(r) = sum_k -f_k (r -
+    R_k) / |r - R_k|^(exponent + 1)``.
 
     Parameters
     ----------
     edge_map : array_like, shape (\*shape)
         Edge strength ``f`` of every pixel.
     method : {"convolution", "pppm"}
-        How the sum is carried out: exactly, as one Fourier convolution, or as published, by direct sums over near
-        charges and Poisson's equation on a mesh for far ones (`cpm_core.field.pppm` compares the two).
+        How the sum is computed: exactly, as one Fourier convolution, or as published, by direct sums over near charges
+        and Poisson's equation on a mesh for far ones (`cpm_core.field.pppm` compares the two).
     exponent : float, optional
-        Power of the distance with which the force of one charge decays; by default the dimension ``D``, which is the
-        paper's inverse square in the plane; the inverse square in space would leave almost no field inside a closed
+        Power of the distance with which the force of one charge decays; by default the dimension ``D``. In the plane
+        this is the paper's inverse square; in space the inverse square would leave almost no field inside a closed
         surface. The PPPM method has the inverse square only.
     cutoff : float
         Reach of the direct sums of the PPPM method [px]; not used by the convolution.
@@ -49,8 +49,8 @@ def electric_field(
     Raises
     ------
     ValueError
-        For an unknown method, an exponent that is not positive, and what the PPPM method cannot do: volumes, other
-        exponents than 2, a cut-off or a number of sweeps out of range.
+        For an unknown method, an exponent that is not positive, and what the PPPM method does not support: volumes,
+        other exponents than 2, a cut-off or a number of sweeps out of range.
     """
     if method == "convolution":
         return convolved_field(edge_map, exponent)

@@ -1,4 +1,4 @@
-"""The fields of one image: edge map, Lorentz force and potential at every scale, built when they are asked for."""
+"""The fields of one image: edge map, Lorentz force and potential at every scale, built on first use."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cpm_core.parameters import Parameters
 
 
 class ImageFields:
-    """An image and what it makes particles feel.
+    """An image and the fields that act on particles in it.
 
     Parameters
     ----------
@@ -28,12 +28,13 @@ class ImageFields:
     parameters : Parameters, optional
         For the number of scales, and the fields to prepare at once.
     regions : Regions, optional
-        Regions of interest, which particles stay in, and barriers, which they do not cross; the whole image by default.
+        Regions of interest, which particles do not leave, and barriers, which they do not cross; the whole image by
+        default.
 
     Raises
     ------
     ValueError
-        When the image has no edges in the regions of interest, or fewer scales than asked for.
+        When the image has no edges in the regions of interest, or allows fewer scales than `parameters` asks for.
     """
 
     def __init__(
@@ -45,7 +46,7 @@ class ImageFields:
         if array.min() == array.max():
             raise ValueError(
                 f"{self.image.source} is constant ({array.flat[0]:g} everywhere) and has no edges: "
-                "open an image that shows something."
+                "open an image with objects."
             )
         self.regions = regions
         if regions is not None:
@@ -58,24 +59,15 @@ class ImageFields:
             self._check_edges()
 
     def with_regions(self, regions: Regions | None) -> Self:
-        """The same for other regions.
+        """The same with other regions of interest and barriers, and as many scales.
 
-        Parameters
-        ----------
-        regions : Regions or None
-            Regions of interest and barriers. Where only the barriers are others, nothing of the fields is built anew;
-            where the regions of interest are others, the image's gradient is taken over. A state of a run in the former
-            regions can be stepped in the new ones.
-
-        Returns
-        -------
-        Self
-            For as many scales.
+        With other barriers only, no field is built again; with other regions of interest the image gradient is taken
+        over. A state of a run in the former regions can be stepped in the new ones.
 
         Raises
         ------
         ValueError
-            When the image has no edges in the regions of interest, or one of them holds no pixel.
+            When the image has no edges in the regions of interest, or one of them contains no pixel.
         """
         others = regions is not None and (self.regions is None or regions.interest != self.regions.interest)
         if regions is not None and others:
@@ -90,7 +82,7 @@ class ImageFields:
 
     @property
     def scales(self) -> int:
-        """Levels of the pyramid."""
+        """Number of scales."""
         return len(self._scale_space)
 
     def suits(self, parameters: Parameters) -> bool:
@@ -98,7 +90,7 @@ class ImageFields:
         return parameters.scales == self.scales
 
     def scale_field(self, parameters: Parameters, scale: int = 0) -> ScaleField:
-        """Fields of a scale, built when they are first asked for."""
+        """Fields of a scale, built on first use."""
         self._latest = parameters
         return self._scale_space.at(scale, parameters)
 
@@ -109,17 +101,17 @@ class ImageFields:
     def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Lorentz force on the pixels of a scale, shape (2, H, W), with that of placed charges.
 
-        Without any the vectors have at most unit length. The charges are in px of the image, whatever the scale.
+        Without charges the vectors have at most unit length. The charges are in px of the image, at every scale.
         """
         return charged_force(
             self.scale_field(parameters, scale), at_scale(in_order(charges), scale, self.image.shape), scale
         )
 
     def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
-        """Potential on the pixels of the image, shape (H, W) [grey levels], lowest where particles are drawn to.
+        """Potential on the pixels of the image, shape (H, W) [gray levels], lowest where it attracts particles most.
 
-        That of the fixed charges, eq. (7), and that of placed ones, whose unit of force counts as the mean slope of the
-        former. The former is made when it is first asked for, and kept as long as the field.
+        The sum of the potential of the fixed charges, eq. (7), which is computed on first use and kept with the field,
+        and of the potential of placed charges, whose unit of force counts as the mean slope of the former.
         """
         return charged_potential(self.scale_field(parameters), at_scale(in_order(charges), 0, self.image.shape))
 
@@ -129,4 +121,4 @@ class ImageFields:
 
     def _check_edges(self) -> None:
         if not self.scale_field(self._latest).edge_map.any():
-            raise ValueError("there are no edges in the regions of interest: draw them around what is to be found.")
+            raise ValueError("there are no edges in the regions of interest: draw them around the objects.")

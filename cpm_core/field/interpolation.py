@@ -1,4 +1,4 @@
-"""Fields between the pixels, whatever the number of axes; `plane` has the same for the inner loops of a run."""
+"""Fields between the pixels, for any number of axes; `plane` has the same for the inner loops of a run."""
 
 from __future__ import annotations
 
@@ -10,19 +10,9 @@ from cpm_core.numerics.types import Array
 
 
 def interpolate(field: NDArray[np.floating], positions: Array) -> Array:
-    r"""Multilinear interpolation of a field at positions between its nodes.
+    r"""Multilinear interpolation of a field, shape (C, \*shape), at positions, shape (N, D), into shape (N, C).
 
-    Parameters
-    ----------
-    field : ndarray, shape (C, \*shape)
-        Values on the pixels, `C` to each.
-    positions : ndarray, shape (N, D)
-        Where; positions beyond the outermost pixels feel the value of the nearest point of the border.
-
-    Returns
-    -------
-    ndarray, shape (N, C)
-        Interpolated values.
+    A position beyond the outermost pixels takes the value of the nearest point of the border.
     """
     out = np.empty((len(positions), len(field)))
     shape = np.array(field.shape[1:], dtype=np.int64)
@@ -37,7 +27,7 @@ def _interpolate(flat: Array, shape: NDArray[np.int64], positions: Array, out: A
     for i in range(len(positions)):
         for corner in range(1 << shape.size):
             weight, index = 1.0, 0
-            for k in range(shape.size):  # the bits of `corner` say which of the pixels around the place is meant
+            for k in range(shape.size):  # the bits of `corner` select one of the pixels around the position
                 x = min(max(positions[i, k], 0.0), shape[k] - 1.0)
                 low = min(np.int64(x), max(shape[k] - 2, 0))
                 up = (corner >> k) & 1

@@ -1,8 +1,8 @@
-"""A level as it is felt with placed charges.
+"""Scale fields with placed charges.
 
-Their force is added to the Lorentz force on the pixels, around each of them alone. A run copies what it feels once, and
-when charges are dragged writes anew what they leave and what they reach; it may have no more than a thousandth of a
-second for it. Each thread has a copy of its own, so that nobody sees one half written.
+Their force is added to the Lorentz force on the pixels within their reach. A run copies the packed force field once;
+when charges are dragged, it writes only the pixels around their old and new positions, which may take no more than a
+millisecond. Each thread has its own copy, so that none reads a field that is partly written.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from cpm_core.numerics.types import Array
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Kept:
-    """The last level with charges, without them, and what they were."""
+    """The last scale field, without and with charges, and the charges."""
 
     plain: ScaleField
     charged: ScaleField
@@ -27,34 +27,16 @@ class _Kept:
 
 
 class PlacedChargeCache:
-    """Levels with placed charges, for a thread the one that it has last asked for.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Shape of the image.
-    """
+    """Scale fields of an image of this shape with placed charges; for each thread, the last one it has used is kept."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._shape = shape
         self._local = local()
 
     def of(self, scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
-        """A level with charges; what has been returned to this thread before is no longer valid.
+        """Scale field of a scale with charges, in px of the image; the field itself when there are none.
 
-        Parameters
-        ----------
-        scale_field : ScaleField
-            Without charges.
-        scale : int
-            Of the level.
-        charges : tuple of PlacedCharge
-            In px of the image.
-
-        Returns
-        -------
-        ScaleField
-            The level itself when there are no charges.
+        What this thread has received before is no longer valid.
         """
         if not charges:
             self._local.kept = None
@@ -75,7 +57,7 @@ class PlacedChargeCache:
 
 
 def charged_force(scale_field: ScaleField, charges: Array, scale: int) -> Array:
-    """Lorentz force on the pixels of a level with that of charges, shapes (K, 3) and (2, H, W)."""
+    """Lorentz force on the pixels of a scale, shape (2, H, W), with that of charges, shape (K, 3)."""
     force = scale_field.lorentz.astype(float)
     if len(charges):
         box = box_of(charges, radius_at(scale), scale_field.shape)
@@ -84,7 +66,7 @@ def charged_force(scale_field: ScaleField, charges: Array, scale: int) -> Array:
 
 
 def charged_potential(scale_field: ScaleField, charges: Array) -> Array:
-    """Potential on the pixels of the image with that of charges, shapes (K, 3) and (H, W); see `Engine.potential`."""
+    """Potential on the pixels of the image, shape (H, W), with that of charges, shape (K, 3); see `ImageFields`."""
     potential = scale_field.potential.copy()
     for number in range(len(charges)):
         charge = charges[number : number + 1]

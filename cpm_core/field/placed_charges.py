@@ -1,16 +1,16 @@
-r"""Charges that a person places in the image, and the force by which they act on the particles.
+"""Charges that the user places in the image, and the force by which they act on the particles.
 
-The fixed charges of the image act by their field's direction alone: away from edges the Lorentz force has unit size,
-however strong the edges. A placed charge is measured by that. At the distance ``d`` from it, in units of `RADIUS`, a
+The fixed charges of the image act by the direction of their field alone: away from edges the Lorentz force has unit
+size, however strong the edges. This is the unit for placed charges. At the distance ``d``, in units of `RADIUS`, a
 charge of strength ``q`` has the potential of a charge that is softened, and faded out at `REACH`,
 
     U(d) = -c q RADIUS (1 - (d / 4)^3)^3 / (1 + d^4)^(1/4),
 
-and pulls by its slope. The well is flat at its bottom, so that a crowd finds room in it; at `RADIUS` the pull is ``q``,
-about the most, at twice as far 0.7 q, and 0.3 q at three times. A charge of one thus pulls at its radius as strongly as
-edges do, and one of two draws particles off edges there. The forces of several charges add up; their sum is cut at
-`MOST`, beyond which a step would carry particles across what they should feel. It counts in eq. (12) as a part of the
-Lorentz force, with the weight w2.
+and its force is the slope of it. The potential is flat at the center, so that many particles have room there. The force
+is about ``q`` at `RADIUS`, near its maximum, 0.7 q at twice the distance, and 0.3 q at three times. A charge of one
+thus pulls at its radius as strongly as edges do, and a charge of two draws particles off edges there. The forces of
+several charges add up. Their sum is cut at `MOST`: beyond it a step would carry particles across edges. It counts in
+eq. (12) as a part of the Lorentz force, with the weight w2.
 """
 
 from __future__ import annotations
@@ -33,25 +33,25 @@ RADIUS = 16.0
 """Distance at which a charge of one pulls as strongly as the field of the edges [px of the image]."""
 
 _RADII = 4.0
-"""Radii from which on a charge is not felt."""
+"""Radii beyond which a charge has no effect."""
 
 REACH = _RADII * RADIUS
-"""Distance from which on a charge is not felt [px of the image]."""
+"""Distance beyond which a charge has no effect [px of the image]."""
 
 MOST = 4.0
-"""Size at which the sum of all placed charges' forces is cut, in units of the Lorentz force away from edges."""
+"""Largest size of the sum of the forces of all placed charges, in units of the Lorentz force away from edges."""
 
 STRONGEST = 10.0
-"""Largest strength of a charge, either way."""
+"""Largest strength of a charge, attracting or repelling."""
 
 _REST = 1.0 - _RADII**-3
 _NORM = 1.0 / (9.0 * _REST**2 / _RADII**3 * 2.0**-0.25 + _REST**3 * 2.0**-1.25)
-"""What makes the force of a charge of one be one at its radius."""
+"""Factor that makes the force of a charge of one equal to one at its radius."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlacedCharge:
-    """A charge that a person places.
+    """A charge that the user places.
 
     Parameters
     ----------
@@ -94,12 +94,12 @@ Charges = tuple[PlacedCharge, ...]
 
 
 def in_order(charges: Sequence[PlacedCharge]) -> Charges:
-    """The same charges, in an order that does not depend on that in which they were placed."""
+    """The same charges, in an order that does not depend on the order in which they were placed."""
     return tuple(sorted(charges, key=lambda charge: (charge.position, charge.strength)))
 
 
 def changed(before: Charges, after: Charges) -> Charges:
-    """Charges that were there before and are not there after, and the other way round."""
+    """Charges that are in one of two sets only."""
     one, other = Counter(before), Counter(after)
     return in_order([*(one - other).elements(), *(other - one).elements()])
 
@@ -120,7 +120,7 @@ def radius_at(scale: int) -> float:
 def within_reach(
     positions: Array, charges: Sequence[PlacedCharge], scale: int, shape: tuple[int, ...]
 ) -> NDArray[np.bool_]:
-    """Which of positions, shape (N, 2) [px of a scale], one of the charges at least is felt at."""
+    """Which of positions, shape (N, 2) [px of a scale], lie within the reach of at least one charge."""
     near = np.zeros(len(positions), np.bool_)
     if charges:
         _reach(at_scale(charges, scale, shape), _RADII * radius_at(scale), positions, near)
@@ -128,7 +128,7 @@ def within_reach(
 
 
 def box_of(charges: Array, radius: float, shape: tuple[int, ...]) -> Box:
-    """The pixels of an image of this shape at which some charges, shape (K, 3), may be felt; none if none are."""
+    """The pixels of an image of this shape within the reach of charges, shape (K, 3); an empty box without charges."""
     if not len(charges):
         return 0, 0, 0, 0
     low = np.floor(charges[:, :2].min(axis=0) - _RADII * radius)
@@ -139,21 +139,10 @@ def box_of(charges: Array, radius: float, shape: tuple[int, ...]) -> Box:
 
 
 def placed_force(charges: Array, radius: float, box: Box) -> Array:
-    """Force of charges on the pixels of a box.
+    """Force of charges on the pixels of a box, shape (h, w, 2), in units of the Lorentz force away from edges.
 
-    Parameters
-    ----------
-    charges : ndarray, shape (K, 3)
-        Row, column and strength of each [px of the scale].
-    radius : float
-        `RADIUS` in px of the scale.
-    box : Box
-        Pixels of the scale.
-
-    Returns
-    -------
-    ndarray, shape (h, w, 2)
-        In units of the Lorentz force away from edges.
+    `charges` holds row, column and strength of each, shape (K, 3), `radius` is `RADIUS`, both in px of the scale of the
+    box.
     """
     top, bottom, left, right = box
     force = np.zeros((bottom - top, right - left, 2))
@@ -162,22 +151,11 @@ def placed_force(charges: Array, radius: float, box: Box) -> Array:
 
 
 def placed_potential(charges: Array, radius: float, points: Array) -> Array:
-    """Potential of charges, of which the force is the slope.
+    """Potential of charges at points, shape (N, 2), whose slope is the force; shape (N,).
 
-    Parameters
-    ----------
-    charges : ndarray, shape (K, 3)
-        Row, column and strength of each [px of the scale].
-    radius : float
-        `RADIUS` in px of the scale.
-    points : ndarray, shape (N, 2)
-        Where [px of the scale].
-
-    Returns
-    -------
-    ndarray, shape (N,)
-        Below 0 where particles are attracted [px of the scale, by units of the Lorentz force]. What is cut from a sum
-        of forces does not show.
+    `charges` holds row, column and strength of each, shape (K, 3), `radius` is `RADIUS`, all in px of the scale. The
+    unit is px of the scale, times that of the Lorentz force; below 0 where particles are attracted. The cut of a sum of
+    forces does not appear in it.
     """
     potential = np.zeros(len(points))
     if len(charges):
@@ -205,7 +183,7 @@ def _add_potentials(charges: Array, radius: float, points: Array, potential: Arr
 
 @inlined
 def _pull(squared: float) -> float:
-    """Force of a charge of one by the distance, both in radii, at a squared distance."""
+    """Force of a charge of one at a squared distance, in units of the radius."""
     away = np.sqrt(squared)
     left = max(1.0 - squared * away / _RADII**3, 0.0)
     soft = 1.0 + squared**2

@@ -11,18 +11,18 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Single
 
 
-def interpolate_felt(packed: Single, positions: Array) -> Array:
-    """Lorentz force at positions, shape (N, 2), by what is packed on the pixels, shape (H, W, C): its first components.
+def interpolate_force(packed: Single, positions: Array) -> Array:
+    """Lorentz force at positions, shape (N, 2): the first components of a packed force field, shape (H, W, C).
 
-    As a step does it, and without a look at other pixels than those around the positions.
+    The interpolation is that of a step; only the pixels around the positions are read.
     """
     out = np.empty((len(positions), 2))
-    _interpolate_felt(packed, np.ascontiguousarray(positions, dtype=float), out)
+    _interpolate_force(packed, np.ascontiguousarray(positions, dtype=float), out)
     return out
 
 
 @compiled
-def _interpolate_felt(packed: Single, positions: Array, out: Array) -> None:
+def _interpolate_force(packed: Single, positions: Array, out: Array) -> None:
     for i in range(len(positions)):
         place = between(packed, positions[i, 0], positions[i, 1])
         out[i, 0], out[i, 1] = component(packed, 0, place), component(packed, 1, place)
@@ -30,7 +30,7 @@ def _interpolate_felt(packed: Single, positions: Array, out: Array) -> None:
 
 @compiled
 def between(packed: Single, y: float, x: float) -> tuple[int, int, float, float]:
-    """Pixel before a place in an image, shape (H, W, ...), and how far beyond it the place lies, along both axes."""
+    """Pixel before a position in an image, shape (H, W, ...), and the distance of the position from it, by axis."""
     y = min(max(y, 0.0), packed.shape[0] - 1.0)
     x = min(max(x, 0.0), packed.shape[1] - 1.0)
     row, col = min(int(y), packed.shape[0] - 2), min(int(x), packed.shape[1] - 2)
@@ -39,7 +39,7 @@ def between(packed: Single, y: float, x: float) -> tuple[int, int, float, float]
 
 @compiled
 def component(packed: Single, c: int, place: tuple[int, int, float, float]) -> float:
-    """Component `c` of a packed field, shape (H, W, C), at a place as `between` returns it."""
+    """Component `c` of a packed force field, shape (H, W, C), at a position as `between` returns it."""
     row, col, down, right = place
     upper = packed[row, col, c] * (1.0 - right) + packed[row, col + 1, c] * right
     lower = packed[row + 1, col, c] * (1.0 - right) + packed[row + 1, col + 1, c] * right

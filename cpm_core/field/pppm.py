@@ -1,18 +1,18 @@
 """The electric field as published: particle-particle particle-mesh (section 3.5.2, eq. (16)-(22)).
 
-The potential of a charge, ``1 / R``, is split in two by the error function, eq. (22). What is left of it close by,
-``(1 - erf(R / sigma)) / R``, has died away at the cut-off and is summed directly, eq. (17). The rest,
-``erf(R / sigma) / R``, is the potential of the charge spread out to a Gaussian; it is smooth, and a mesh of a fifth of
-the cut-off can hold it. Charges are shared out linearly among mesh nodes, eq. (19), spread by steps of diffusion,
-``sigma = 2 sqrt(D N_t)``, and Poisson's equation, eq. (18), is solved by successive over-relaxation.
+The error function splits the potential of a charge, ``1 / R``, in two, eq. (22). The near part, ``(1 - erf(R / sigma))
+/ R``, has decayed at the cut-off and is summed directly, eq. (17). The rest, ``erf(R / sigma) / R``, is the potential
+of the charge spread to a Gaussian; it is smooth enough for a mesh of a fifth of the cut-off. Charges are shared
+linearly among mesh nodes, eq. (19), and spread by steps of diffusion, ``sigma = 2 sqrt(D N_t)``; Poisson's equation,
+eq. (18), is solved by successive over-relaxation.
 
-Poisson's equation in the plane would give the potential ``-log R``, which is not the one that was split. The mesh here
-is a slab of space instead, with the image in its middle plane: the force of charges in a plane, felt in that plane, is
-then the inverse square of eq. (8). The slab is thin, and what is beyond it is told by the potential on its faces, taken
-from the charges gathered into lumps; so the few sweeps have only a short way to carry news from face to face.
+Poisson's equation in the plane would give the potential ``-log R``, which is not the one that was split. The mesh is
+therefore a slab of space with the image in its middle plane: the force of charges in a plane on charges in that plane
+is then the inverse square of eq. (8). The slab is thin. The potential on its faces, computed from the charges gathered
+into lumps, represents the space beyond; so few sweeps are enough, since the distance between the faces is small.
 
-Angle between this field and the exact one (`convolution`), measured on six edge maps of 200 to 1000 px a side (a
-disk, several objects, two far apart, a spiral, noise, blocks):
+Angle between this field and the exact one (`convolution`), measured on six edge maps of 200 to 1000 px a side (a disk,
+several objects, two far apart, a spiral, noise, blocks):
 
 ============  ======================  ============
 sweeps        up to 3 px from edges   further away
@@ -22,16 +22,16 @@ sweeps        up to 3 px from edges   further away
 50            0.0 to 0.1, 95 %: 0.8   0.0 to 0.1, 95 %: 1.6
 ============  ======================  ============
 
-These are medians, and the angle that 95 % of the pixels stay under, in degrees. The fifty sweeps of the paper leave
-nothing unresolved: more of them change no digit. What remains is the mesh's: it smears a charge by up to a cell on
-the way there and back, which is felt where pulls from all sides cancel. The size of the vectors is off by 1 % (root
-mean square), that of one lonely charge by up to 13 %, at about the cut-off.
+These are medians, and the angle below which 95 % of the pixels are, in degrees. More than the paper's fifty sweeps
+change no digit. The remaining error is that of the mesh: it spreads a charge by up to a cell on the way to the mesh and
+back, which matters where forces from all sides cancel. The error of the size of the vectors is 1 % (root mean square);
+for a single charge up to 13 %, near the cut-off.
 
-Two things are read otherwise than to the letter. The direct part is differentiated on paper: the differences of
-algorithm 1 would run across a charge's own pixel, which eq. (7) leaves out of the potential. And the faces of the
-slab are held at the potential of the charges. Grounded, they would screen it: the angle is then 8 to 17 degrees
-away from edges, 95 %: 37 to 56, wherever there is more than one object; and on a mesh as fine as the pixels, which
-fifty sweeps cannot cross, it is 9 to 15 and 42 to 90.
+There are two deviations from the published text. The direct part is differentiated analytically: the differences of
+algorithm 1 would include the pixel of the charge itself, which eq. (7) leaves out of the potential. And the faces of
+the slab have the potential of the charges. Faces at zero would screen it: the angle is then 8 to 17 degrees away from
+edges, 95 %: 37 to 56, wherever there is more than one object; and on a mesh as fine as the pixels, which fifty sweeps
+cannot cross, it is 9 to 15 and 42 to 90.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ _DIFFUSION, _DIFFUSION_STEPS = 5.0 / 48.0, 8
 """Coefficient D [cells^2 / step] and number N_t of the steps of diffusion."""
 
 _SHARED_OUT = 1.0 / 6.0
-"""What sharing out among nodes, there and back, spreads a charge by in the mean; in the units of D N_t."""
+"""Mean spread of a charge by the sharing among nodes, to the mesh and back; in the units of D N_t."""
 
 _SIGMA = 2.0 * math.sqrt(_DIFFUSION * _DIFFUSION_STEPS + _SHARED_OUT)
 """Width sigma = 2 sqrt(D N_t) of the Gaussians: two cells."""
@@ -64,31 +64,17 @@ _LUMP = 4
 """Mesh cells from one lump of charge to the next."""
 
 _MARGIN = 8
-"""Mesh cells from the image to the faces of the slab, up and sideways: two lumps, for these to look like the charges
-that they stand for."""
+"""Mesh cells from the image to the faces of the slab, up and sideways: two lumps, so that the lumps act like the
+charges that they represent."""
 
 
 def pppm_field(edge_map: ArrayLike, cutoff: float = 20.0, iterations: int = 50) -> Array:
-    """Electric field of the fixed charges of an image, by the published PPPM method.
+    """Electric field of the fixed charges of an image by the published PPPM method, shape (2, H, W).
 
-    Parameters
-    ----------
-    edge_map : array_like, shape (H, W)
-        Edge strength ``f`` of every pixel.
-    cutoff : float
-        Reach of the direct sums [px], from 5 to 100; the mesh is a fifth of it wide.
-    iterations : int
-        Sweeps of successive over-relaxation, from 1 on.
-
-    Returns
-    -------
-    ndarray, shape (2, H, W)
-        Field, pointing towards the charges.
-
-    Raises
-    ------
-    ValueError
-        When the edge map has not two dimensions, or for a cut-off or a number of sweeps out of range.
+    `edge_map` is the edge strength ``f`` of every pixel, shape (H, W); `cutoff` the reach of the direct sums, from 5 to
+    100 px, five times the cell of the mesh; `iterations` the number of sweeps of successive over-relaxation, at least
+    1. Raises `ValueError` when the edge map has not two dimensions, or for a cut-off or a number of sweeps out of
+    range.
     """
     f = np.asarray(edge_map, dtype=float)
     if f.ndim != 2:
@@ -103,19 +89,9 @@ def pppm_field(edge_map: ArrayLike, cutoff: float = 20.0, iterations: int = 50) 
 
 
 def short_range(f: Array, cutoff: float) -> Array:
-    """Field of the direct interaction, eq. (17), summed charge by charge.
+    """Field of the direct interaction, eq. (17), summed charge by charge, shape (2, H, W).
 
-    Parameters
-    ----------
-    f : ndarray, shape (H, W)
-        Edge strength.
-    cutoff : float
-        Reach of the sums [px].
-
-    Returns
-    -------
-    ndarray, shape (2, H, W)
-        Minus the gradient of ``-f (1 - erf(R / sigma)) / R``, summed over all other charges within the cut-off.
+    Minus the gradient of ``-f (1 - erf(R / sigma)) / R``, summed over all other charges within the cut-off [px].
     """
     sigma = _SIGMA * cutoff / _CELLS_A_CUTOFF
     reach = int(cutoff)
@@ -133,21 +109,9 @@ def short_range(f: Array, cutoff: float) -> Array:
 
 
 def mesh_part(f: Array, cutoff: float, iterations: int) -> Array:
-    """Field of the charges spread out to Gaussians, from Poisson's equation on a mesh.
+    """Field of the charges spread to Gaussians, shape (2, H, W), from Poisson's equation on a mesh.
 
-    Parameters
-    ----------
-    f : ndarray, shape (H, W)
-        Edge strength.
-    cutoff : float
-        Reach of the direct sums, five times the width of the mesh [px].
-    iterations : int
-        Sweeps of successive over-relaxation, from a potential of zero inside the slab.
-
-    Returns
-    -------
-    ndarray, shape (2, H, W)
-        Field on the pixels.
+    The sweeps of successive over-relaxation begin with a potential of zero inside the slab.
     """
     cell = cutoff / _CELLS_A_CUTOFF
     share_rows, share_cols = (_shares(n, cell) for n in f.shape)
@@ -166,9 +130,9 @@ def mesh_part(f: Array, cutoff: float, iterations: int) -> Array:
 def _shares(count: int, cell: float) -> Array:
     """Share of each of `count` pixels in a row of mesh nodes, eq. (19); shape (nodes, count).
 
-    The same shares carry charges to the mesh and the field back, so that no charge pulls at itself, eq. (20). The mesh
-    is centered on the image and its number of nodes is odd, so that a mirrored image has a mirrored mesh, the order of
-    relaxation included; and the lumps fit.
+    The same shares carry charges to the mesh and the field back, so that no charge acts on itself, eq. (20). The mesh
+    is centered on the image and has an odd number of nodes, so that a mirrored image has a mirrored mesh, including the
+    order of relaxation, and the lumps fit.
     """
     half = 0.5 * (count - 1)
     nodes = _LUMP * math.ceil((half / cell + _MARGIN) / _LUMP)
@@ -176,7 +140,7 @@ def _shares(count: int, cell: float) -> Array:
 
 
 def _hats(places: Array, count: int) -> Array:
-    """Weight ``max(0, 1 - |x - i|)`` of each place x at each of `count` nodes i; shape (count, places)."""
+    """Weight ``max(0, 1 - |x - i|)`` of each position x at each of `count` nodes i; shape (count, positions)."""
     return np.asarray(np.maximum(0.0, 1.0 - np.abs(places[None, :] - np.arange(count)[:, None])))
 
 
@@ -208,7 +172,7 @@ def _charge_faces(potential: Array, charge: Array) -> None:
 
 
 def _jacobi_radius(shape: tuple[int, ...]) -> float:
-    """Factor by which a sweep of Jacobi's would shrink the slowest error in a slab; it tunes over-relaxation."""
+    """Factor by which a Jacobi sweep reduces the slowest error in a slab; it sets the over-relaxation."""
     planes, rows, cols = shape
     angles = (0.5 * math.pi / (planes - 1), math.pi / (rows - 1), math.pi / (cols - 1))
     return sum(math.cos(angle) for angle in angles) / 3.0
@@ -216,7 +180,7 @@ def _jacobi_radius(shape: tuple[int, ...]) -> float:
 
 @compiled
 def _sum_near(f: Array, pull_row: Array, pull_col: Array, out: Array) -> None:
-    """Add to `out`, shape (2, H, W), the pull of every charge within the table, itself excluded by a zero there."""
+    """Add the force of every charge within the table to `out`, shape (2, H, W); a zero excludes the charge itself."""
     reach = len(pull_row) // 2
     height, width = f.shape
     for r in range(height):
@@ -231,7 +195,7 @@ def _sum_near(f: Array, pull_row: Array, pull_col: Array, out: Array) -> None:
 
 @compiled
 def _sum_lumps(held: Array, place: Array, charge: Array, out: Array) -> None:
-    """Add the potential of lumps at places (row, col) of the middle plane to nodes at (plane, row, col)."""
+    """Add the potential of lumps at positions (row, col) of the middle plane to nodes at (plane, row, col)."""
     for i in range(len(held)):
         total = 0.0
         for j in range(len(place)):

@@ -1,6 +1,7 @@
-"""Region information: what lies on the two sides of an edge.
+"""Region information: the gray levels on both sides of an edge.
 
-The edge of an object divides two regions that differ; an edge of texture has the same on both sides, dark and bright.
+The edge of an object divides two regions that differ; an edge of texture has the same mixture of dark and bright on
+both sides.
 """
 
 from __future__ import annotations
@@ -13,15 +14,15 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics.types import Array
 
 _RADIUS, _RADIUS_SMOOTHING = 4.0, 1.5
-"""Radius of the half disks that are compared: so much, and so many sigma [px]."""
+"""Radius of the half disks that are compared: a constant, and a multiple of sigma [px]."""
 
 _RINGS, _SPOKES = 4, 7
-"""Places in a half disk: distances, and directions at each."""
+"""Sampling points in a half disk: distances, and directions at each."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Sides:
-    """The two sides of a contour, kept so that their contrast need be measured only when somebody asks for it.
+    """The two sides of a contour, kept so that their contrast is computed only when it is needed.
 
     Attributes
     ----------
@@ -30,7 +31,7 @@ class Sides:
     points, normals : ndarray, shape (K, 2)
         Vertices of the contour [px], and its normals there, of any length.
     smoothing : float
-        Gaussian that it was found with [px].
+        Gaussian with which the contour was found [px].
     """
 
     values: Array
@@ -45,31 +46,17 @@ class Sides:
 
 
 def region_contrast(values: Array, points: Array, normals: Array, smoothing: float) -> Array:
-    r"""Contrast of the regions on both sides of an edge.
+    """Contrast of the regions on both sides of an edge at N points, shape (N,).
 
     In half disks on both sides, ``|m1 - m2| / (|m1 - m2| + s)`` with the means m1 and m2 and the root mean square s of
-    the two standard deviations.
-
-    Parameters
-    ----------
-    values : ndarray, shape (H, W)
-        Image.
-    points : ndarray, shape (N, 2)
-        Places on edges [px].
-    normals : ndarray, shape (N, 2)
-        Normals of the edges there, of any length.
-    smoothing : float
-        Gaussian that the edges were found with [px].
-
-    Returns
-    -------
-    ndarray, shape (N,)
-        From 0, where both sides are alike on average, to 1, where each is even and they differ.
+    the two standard deviations: from 0, where both sides have the same mean, to 1, where each is uniform and they
+    differ. `values` is the image, shape (H, W), `points` and `normals`, shape (N, 2), are positions on edges [px] and
+    the normals there, of any length, `smoothing` is the Gaussian with which the edges were found [px].
     """
     across = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
     along = np.stack([-across[:, 1], across[:, 0]], axis=1)
     radius = _RADIUS + _RADIUS_SMOOTHING * smoothing
-    # equal areas, and no place on the edge itself
+    # equal areas, and no point on the edge itself
     distance = radius * np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
     angle = np.pi * ((np.arange(_SPOKES) + 0.5) / _SPOKES - 0.5)
     ahead = np.outer(distance, np.cos(angle)).ravel()

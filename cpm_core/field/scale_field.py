@@ -1,4 +1,4 @@
-"""What the particles feel at one scale: edge map, image gradient and Lorentz force, ready for interpolation."""
+"""The field of one scale: edge map, image gradient and Lorentz force, ready for interpolation."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from cpm_core.field.convolution import convolved_field
+from cpm_core.field.convolution import convolved_field, convolved_potential
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.potential import convolved_potential
 from cpm_core.field.region_contrast import region_contrast
 from cpm_core.image.barriers import NO_BARRIERS, BarrierMap, build_barrier_map
 from cpm_core.image.border import inside_border, within
@@ -21,49 +20,50 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Single
 
 GATE = 0.93
-"""Interpolated |F_l| under which a particle sits on an edge: across an edge it falls linearly through zero."""
+"""Interpolated |F_l| under which a particle is on an edge: across an edge it falls linearly through zero."""
 
 WEAKEST_EDGE = 0.08
-"""Fraction of the largest edge strength that an edge must have for particles to breed on it."""
+"""Least strength of an edge on which particles are inserted, as a fraction of the largest edge strength."""
 
 FAINTEST = 0.35
-"""Fraction to which the strength of an edge may fall from one place on it to the next; below it the edge has ended."""
+"""Fraction to which the strength of an edge may fall from one position on it to the next; below it the edge has
+ended."""
 
 _MOST_BACKGROUND = 0.35
-"""Fraction of the largest edge strength beyond which an image that is full of edges is not taken for background."""
+"""Largest background, as a fraction of the largest edge strength; an image above it is full of edges."""
 
 _RIDGE, _SLOPE = 0.6, 0.4
-"""Fractions of the strongest neighbor: at the first a pixel is on an edge, under the second it is beside one."""
+"""Fractions of the strongest neighbor: above the first a pixel is on an edge, below the second it is beside one."""
 
 _MARGIN = 4
-"""Distance beyond the regions of interest to which the edge map is kept, so that an edge inside is seen whole [px]."""
+"""Distance beyond the regions of interest up to which the edge map is kept, so that edges inside are complete [px]."""
 
 _SUMMIT_REACH, _FIELD_REACH = 2, 1
-"""How far the ridge of an edge, and the largest field beside it, are looked for [px]."""
+"""Distance in which the ridge of an edge, and the largest field beside it, are searched [px]."""
 
 _OVERLAP = _SUMMIT_REACH + 1
-"""Lines beyond a part of the image that its forces depend on: a central difference within reach of a ridge."""
+"""Lines beyond a part of the image on which its forces depend: a central difference within reach of a ridge."""
 
 _PART, _LEAST_LINES = 2**15, 16
-"""Pixels of a part of the image, so that what is computed on the way stays in the cache, and lines of it at least."""
+"""Pixels of a part of the image, so that intermediate results stay in the cache, and its least number of lines."""
 
 _FIELD_PRECISION = np.float32
-"""The transforms of the field are done in single precision: only its direction and what it falls to on an edge are
-used. The force changes by about 1e-6, contours of shapes by less than a thousandth of a pixel."""
+"""The transforms of the field are done in single precision: only its direction and its values near edges are used. The
+force changes by about 1e-6, contours of shapes by less than a thousandth of a pixel."""
 
 SPLINE_MARGIN = 3
-"""Pixels by which spline coefficients go on beyond the border, so that none is missing for a place near it."""
+"""Pixels by which spline coefficients continue beyond the border, so that none is missing near it."""
 
 
 @dataclass(frozen=True, eq=False)
 class ScaleField:
-    r"""One scale of an image as the particles feel it.
+    r"""The fields of one scale of an image.
 
     Attributes
     ----------
     packed : ndarray of float32, shape (\*shape, 2 D + 1)
-        Normalised Lorentz force, `gradient` and `edge_map` of each pixel side by side, so that a particle finds all of
-        it in one place; single precision is as much as a particle can feel.
+        Packed force field: normalized Lorentz force, `gradient` and `edge_map` of each pixel side by side, so that a
+        particle reads one place in memory; single precision is enough for the force.
     gradient : ndarray, shape (D, \*shape)
         Gradient of the smoothed image [gray levels / px]; on an edge it is normal to it.
     edge_map : ndarray, shape (\*shape)
@@ -73,14 +73,14 @@ class ScaleField:
     strongest : float
         Largest edge strength [gray levels / px].
     fixed_charges : ndarray, shape (\*shape)
-        Size of the fixed charges that the field is made of: the edge map where it is not under the edge floor, inside
-        the regions of interest and the border.
+        Size of the fixed charges that make the field: the edge map where it is not below the edge floor, inside the
+        regions of interest and the image border.
     floor : float
-        Edge strength under which there is no edge for a particle to sit on.
+        Least edge strength for edge contact.
     smoothing : float
-        The sigma that was used [px].
+        Sigma of the Gaussian [px].
     barrier_map : BarrierMap
-        What particles do not cross.
+        Barriers, which particles do not cross.
     """
 
     packed: Single
@@ -95,7 +95,7 @@ class ScaleField:
 
     @property
     def lorentz(self) -> Single:
-        r"""Normalised Lorentz force on the pixels, shape (D, \*shape)."""
+        r"""Normalized Lorentz force on the pixels, shape (D, \*shape)."""
         return np.moveaxis(self.packed, -1, 0)[: self.packed.ndim - 1]
 
     def strength(self, points: Array) -> Array:
@@ -126,8 +126,8 @@ class ScaleField:
         slope = float(magnitude(gradient(self.potential, 0.0)).mean())
         return slope if slope > 0.0 else 1.0
 
-    def behind(self, barrier_map: BarrierMap) -> ScaleField:
-        """The same level with other walls; what has been derived of it is taken over."""
+    def with_barriers(self, barrier_map: BarrierMap) -> ScaleField:
+        """The same field with other barriers; what has been derived from it is taken over."""
         other = replace(self, barrier_map=barrier_map)
         for name in ("spline", "potential", "slope"):
             if name in self.__dict__:
@@ -148,7 +148,7 @@ def build_scale_field(
     max_border: float = 0.0,
     known: ScaleField | None = None,
 ) -> ScaleField:
-    r"""Compute what particles feel in an image.
+    r"""Fields of one scale.
 
     Parameters
     ----------
@@ -157,21 +157,15 @@ def build_scale_field(
     smoothing : float
         Gaussian before the gradient [px].
     edge_floor : float
-        Fraction of the largest edge strength under which no fixed charge is placed; 0 places all of them and leaves it
-        to the background to tell how weak an edge may be.
+        Fraction of the largest edge strength below which no fixed charge is placed; 0 places all of them, and the
+        background decides how weak an edge may be.
     regions : Regions, optional
         Regions of interest and barriers, in px of the scale. Outside the regions of interest there is no fixed charge,
-        and what is the largest edge strength and what is background is told by the inside.
+        and only the inside decides on the largest edge strength and the background.
     max_border : float
-        Width up to which a frame is looked for, as a fraction of the shortest side; 0 for none.
+        Width up to which an image border is searched, as a fraction of the shortest side; 0 for none.
     known : ScaleField, optional
-        A level of the same regions; its walls are taken over, and its gradient if it is that of the same image,
-        smoothed as much.
-
-    Returns
-    -------
-    ScaleField
-        Fields of the scale.
+        A field for the same regions: its barriers are taken over, and its gradient if image and smoothing are the same.
     """
     same = known is not None and known.values is values and known.smoothing == smoothing
     grad = known.gradient if known is not None and same else gradient(values, smoothing)
@@ -193,7 +187,7 @@ def build_scale_field(
 
 
 def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
-    """Edge strength under which there is no edge to sit on, by what there is inside; see `build_scale_field`."""
+    """Least edge strength for edge contact, from the strength inside; see `build_scale_field`."""
     if strongest == 0.0:  # a coarse scale may have no pixel inside
         return np.inf
     if edge_floor > 0.0:
@@ -202,33 +196,20 @@ def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float
 
 
 def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:
-    r"""Normalised Lorentz force on the pixels.
+    r"""Normalized Lorentz force on the pixels, shape (D, \*shape), of at most unit size.
 
-    Away from edges it is the unit vector of the field (section 3.3). On an edge three things are done otherwise:
+    Away from edges it is the unit vector of the field (section 3.3). On an edge there are three differences:
 
     - The field is divided by its largest size beside the edge and not by its own, so that the force falls linearly
-      through zero where the field does. Unit vectors would round that place to the middle between two pixels.
-    - The part along the edge is taken out. On the ridge it is all that is left of the field, and scaled up it would
-      drain particles from weak stretches towards strong ones and keep them circling; motion along an edge is the
-      Coulomb force's.
-    - Where the field leads off the ridge, as it does all across a weak edge beside a strong one, the slope of the edge
-      map takes its place, so that every edge holds what sits on it.
+      through zero where the field does. Unit vectors would round that position to the middle between two pixels.
+    - The part along the edge is removed. On the ridge it is all that is left of the field. Scaled up, it would pull
+      particles from weak to strong parts of the edge and keep them circling; motion along an edge is left to the
+      Coulomb force.
+    - Where the field points away from the ridge, as it does all across a weak edge beside a strong one, the slope of
+      the edge map takes its place, so that every edge holds its particles.
 
-    Parameters
-    ----------
-    field : ndarray, shape (D, \*shape)
-        Electric field.
-    grad : ndarray, shape (D, \*shape)
-        Image gradient.
-    strength : ndarray, shape (\*shape)
-        Its magnitude.
-    strongest : float
-        The largest edge strength that counts.
-
-    Returns
-    -------
-    ndarray, shape (D, \*shape)
-        The force, of at most unit size.
+    `field`, shape (D, \*shape), is the electric field, `grad` the image gradient, `strength`, shape (\*shape), the size
+    of the gradient, `strongest` the largest edge strength that counts.
     """
     tiny = 1e-12 * float(magnitude(field).max())
     force = np.empty(grad.shape)
@@ -245,7 +226,7 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
 
 
 def _force_of_lines(field: Array, grad: Array, strength: Array, strongest: float, tiny: float) -> Array:
-    """`lorentz_force` of some lines of the image; `tiny` is a size of the field that counts as none."""
+    """`lorentz_force` on some lines of the image; a field of size `tiny` or less counts as zero."""
     summit = running_maximum(strength, _SUMMIT_REACH)
     near = strength / np.maximum(summit, 1e-300)
     near -= _SLOPE
@@ -261,7 +242,7 @@ def _force_of_lines(field: Array, grad: Array, strength: Array, strongest: float
     force = field / beside
     normal = grad / np.maximum(strength, max(1e-12 * strongest, 1e-300))
     across = _dot(force, normal)
-    # uphill on the edge's own flank, of unit size where that is steepest
+    # towards the ridge on the flank of the edge, of unit size where the flank is steepest
     slope = _dot(gradient(strength, 0.0), normal)
     steepest = running_maximum(np.abs(slope), _SUMMIT_REACH)
     slope /= np.maximum(steepest, 1e-300, out=steepest)
@@ -279,18 +260,7 @@ def _dot(one: Array, other: Array) -> Array:
 
 
 def unit_vectors(vectors: Array) -> Array:
-    r"""Direction of a field: every vector scaled to length one, vanishing vectors left at zero.
-
-    Parameters
-    ----------
-    vectors : ndarray, shape (D, \*shape)
-        Field.
-
-    Returns
-    -------
-    ndarray, shape (D, \*shape)
-        Unit vectors.
-    """
+    r"""Direction of a field, shape (D, \*shape): every vector scaled to length one, vanishing vectors left at zero."""
     length = magnitude(vectors)
     tiny = 1e-12 * float(length.max(initial=0.0))
     scale = np.where(length > tiny, 1.0 / np.maximum(length, max(tiny, 1e-300)), 0.0)

@@ -1,7 +1,8 @@
-"""The levels of an image: what particles feel at each of its scales, built when it is first asked for.
+"""The scale space of an image: the fields of each of its scales, built on first use.
 
-A level depends on the smoothing, the edge floor and the widest frame. Another edge floor or frame needs another field,
-another smoothing also the gradient of what the pyramid holds; the pyramid and the walls stay whatever is asked for.
+A scale field depends on the smoothing, the edge floor and the largest width of the image border. With another edge
+floor or border only the field is built again, with another smoothing also the gradient of the pyramid's images. The
+pyramid and the barriers do not depend on parameters.
 """
 
 from __future__ import annotations
@@ -23,20 +24,13 @@ from cpm_core.parameters import Parameters
 _Key = tuple[int, float | str, float, float]
 
 _KEPT_SETTINGS = 2
-"""Settings whose levels are kept for reuse, so that going back to the last one costs nothing."""
+"""Settings whose scale fields are kept, so that a return to the last one costs nothing."""
 
 
 class ScaleSpace:
-    r"""Levels of an image for whatever parameters are asked for; safe to share between threads.
+    r"""Scale fields of an image, shape (\*shape), for any parameters; threads may share it.
 
-    Parameters
-    ----------
-    image : ndarray, shape (\*shape)
-        Image.
-    scales : int
-        Number of scales.
-    regions : Regions, optional
-        Regions of interest and barriers, in px of the image.
+    `scales` is the number of scales; `regions` holds regions of interest and barriers in px of the image.
     """
 
     def __init__(self, image: Array, scales: int, regions: Regions | None = None) -> None:
@@ -44,25 +38,25 @@ class ScaleSpace:
         self._regions = regions
         self._pyramid = pyramid(image, scales)
         self._prepared: tuple[tuple[Array, ...], Cleaned] | None = None
-        self._told: dict[int, float] = {}
+        self._sigmas: dict[int, float] = {}
         self._kept: OrderedDict[_Key, ScaleField] = OrderedDict()
         self._former: OrderedDict[_Key, ScaleField] = OrderedDict()
         self._lock = Lock()
 
     def with_regions(self, regions: Regions | None) -> ScaleSpace:
-        """Levels of the same image with other regions.
+        """Scale space of the same image with other regions.
 
-        Where the regions of interest are the same all levels that there are are taken over, but for the walls; where
-        they are others, what does not depend on them.
+        With the same regions of interest all scale fields are taken over, except for the barriers; with other ones,
+        only what does not depend on them.
         """
         other = copy(self)
         other._regions, other._lock = regions, Lock()
         with self._lock:
-            kept, former, other._told = self._kept, self._former, self._told.copy()
-            barrier_map = {scale: other._walls(scale) for scale, *_ in [*kept, *former]}
+            kept, former, other._sigmas = self._kept, self._former, self._sigmas.copy()
+            barrier_map = {scale: other._barriers(scale) for scale, *_ in [*kept, *former]}
             kept, former = (
-                OrderedDict((key, scale_field.behind(barrier_map[key[0]])) for key, scale_field in levels.items())
-                for levels in (kept, former)
+                OrderedDict((key, field.with_barriers(barrier_map[key[0]])) for key, field in fields.items())
+                for fields in (kept, former)
             )
         same = _interest(regions) == _interest(self._regions)
         other._kept = kept if same else OrderedDict()
@@ -73,18 +67,18 @@ class ScaleSpace:
         return len(self._pyramid)
 
     def at(self, scale: int, parameters: Parameters) -> ScaleField:
-        """Level of a scale for `smoothing`, `edge_floor` and `max_border`; no other parameter makes it stale."""
+        """Scale field for `smoothing`, `edge_floor` and `max_border`; it depends on no other parameter."""
         with self._lock:
             self._keep([scale], parameters)
             return self._kept[_key(scale, parameters)]
 
     def prepare(self, parameters: Parameters) -> None:
-        """Build the levels of all scales at once, side by side."""
+        """Build the fields of all scales at once, side by side."""
         with self._lock:
             self._keep(list(range(len(self))), parameters)
 
     def _keep(self, scales: list[int], parameters: Parameters) -> None:
-        """Build what is missing of some scales, and forget what has not been asked for the longest."""
+        """Build the missing fields of some scales, and drop those that have not been used for the longest time."""
         missing = [scale for scale in scales if _key(scale, parameters) not in self._kept]
         if missing and parameters.smoothing == "auto":
             self._ready()
@@ -108,25 +102,24 @@ class ScaleSpace:
         floor, smoothing = parameters.edge_floor, parameters.smoothing
         values = self._pyramid[scale]
         if smoothing == "auto":
-            levels, ready = self._ready()
-            values, floor = levels[scale], max(floor, ready.floor)
+            images, ready = self._ready()
+            values, floor = images[scale], max(floor, ready.floor)
             smoothing = self._smoothing(scale)
-        return build_scale_field(
-            values, smoothing, floor, regions, parameters.max_border, self._akin(scale, parameters)
-        )
+        known = self._similar(scale, parameters)
+        return build_scale_field(values, smoothing, floor, regions, parameters.max_border, known)
 
-    def _walls(self, scale: int) -> BarrierMap:
+    def _barriers(self, scale: int) -> BarrierMap:
         regions = self._regions and self._regions.at_scale(scale, self._image.shape)
         return build_barrier_map(regions, self._pyramid[scale].shape) if regions else NO_BARRIERS
 
-    def _akin(self, scale: int, parameters: Parameters) -> ScaleField | None:
-        """The kept level of a scale that has most in common with what is asked for: the smoothing, if there is one."""
+    def _similar(self, scale: int, parameters: Parameters) -> ScaleField | None:
+        """The kept field of a scale that has most in common with the one to build: the smoothing, if possible."""
         known = [*self._former.items(), *self._kept.items()]
         found = [(key[1] == parameters.smoothing, scale_field) for key, scale_field in known if key[0] == scale]
         return max(found, key=lambda one: one[0])[1] if found else None
 
     def _ready(self) -> tuple[tuple[Array, ...], Cleaned]:
-        """What the automatic smoothing makes of the image, at all scales."""
+        """The image as the automatic smoothing prepares it, at all scales."""
         if self._prepared is None:
             ready = prepared(self._image)
             same = ready.image is self._image
@@ -134,13 +127,13 @@ class ScaleSpace:
         return self._prepared
 
     def _smoothing(self, scale: int) -> float:
-        """What the automatic smoothing is at a scale."""
-        levels, ready = self._ready()
-        if scale == 0 or levels is not self._pyramid:  # else the smoothing told is that of the image itself
+        """Sigma of the automatic smoothing at a scale [px]."""
+        images, ready = self._ready()
+        if scale == 0 or images is not self._pyramid:  # a cleaned image needs the same smoothing at all scales
             return ready.sigma
-        if scale not in self._told:
-            self._told[scale] = automatic_smoothing(levels[scale])
-        return self._told[scale]
+        if scale not in self._sigmas:
+            self._sigmas[scale] = automatic_smoothing(images[scale])
+        return self._sigmas[scale]
 
 
 def _interest(regions: Regions | None) -> tuple[Line, ...]:
@@ -148,5 +141,5 @@ def _interest(regions: Regions | None) -> tuple[Line, ...]:
 
 
 def _key(scale: int, parameters: Parameters) -> _Key:
-    """What a level depends on."""
+    """What a scale field depends on."""
     return scale, parameters.smoothing, parameters.edge_floor, parameters.max_border

@@ -1,1 +1,1 @@
-"""The image: its pixels and their size, the pyramid, the border, regions of interest and barriers, and denoising."""
+"""The image: its pixels and their size, the pyramid, the image border, regions of interest, barriers, and denoising."""

@@ -1,9 +1,9 @@
-"""Walls: the barriers and the rims of the regions of interest at one scale, which nothing crosses.
+"""The barrier map: the barriers and the boundaries of the regions of interest at one scale, which nothing crosses.
 
-Whether a move crosses a wall is decided exactly, by the crossing of two segments; touching counts. Since a particle is
-never on a wall, the sides of a wall are told apart by the same sums at every step, and no speed, however great, and no
-barrier, however thin, lets anything through. How far away the nearest wall is at least is kept for every pixel, so that
-hardly any move needs to be looked at closely.
+Whether a move crosses a barrier is decided exactly, by the crossing of two segments; touching counts. A particle is
+never on a barrier, so the same formula at every step decides on which side it is: no speed is too high and no barrier
+too thin. A lower bound of the distance to the nearest barrier is stored for every pixel, so that the exact test is
+needed for few moves only.
 """
 
 from __future__ import annotations
@@ -19,32 +19,32 @@ from cpm_core.numerics.segments import meet
 from cpm_core.numerics.types import Array
 
 _SAMPLING = 0.5
-"""Distance of the places along a wall by which the pixels near it are told [px]."""
+"""Distance of the points along a barrier that mark its pixels [px]."""
 
 _FAR = 12
-"""Distance from which on nothing is nearer: hardly any move is that long [px]."""
+"""Largest distance that is measured [px]: few moves are as long."""
 
 _ROUNDING = 2.0
-"""What the distance of two pixels may exceed that of a place in one from a wall in the other by: half a diagonal twice,
-and half the sampling [px]."""
+"""Largest error of a distance that is measured between pixels instead of points: half a diagonal twice, and half the
+sampling [px]."""
 
 
 class BarrierMap(NamedTuple):
-    """The walls of one scale; a plain tuple for the compiled loops.
+    """The barriers of one scale; a plain tuple for the compiled loops.
 
     Attributes
     ----------
     segments : ndarray, shape (S, 4)
         Row and column of one end, then of the other [px of the scale].
     clearance : ndarray, shape (H, W)
-        Distance that anywhere in a pixel no wall is nearer than [px]; may be below 0.
+        Lower bound of the distance from any point of a pixel to the nearest barrier [px]; may be below 0.
     """
 
     segments: Array
     clearance: Array
 
     def crossed(self, start: Array, end: Array) -> NDArray[np.bool_]:
-        """Which of the straight ways from `start` to `end`, shapes (N, 2) [px], cross or touch a wall."""
+        """Which of the straight moves from `start` to `end`, shapes (N, 2) [px], cross or touch a barrier."""
         if not len(self.segments):
             return np.zeros(len(start), np.bool_)
         return _crossed(self, np.ascontiguousarray(start, dtype=float), np.ascontiguousarray(end, dtype=float))
@@ -54,20 +54,7 @@ NO_BARRIERS = BarrierMap(np.zeros((0, 4)), np.zeros((1, 1)))
 
 
 def build_barrier_map(regions: Regions, shape: tuple[int, ...]) -> BarrierMap:
-    """Walls of regions.
-
-    Parameters
-    ----------
-    regions : Regions
-        In px of the scale.
-    shape : tuple of int
-        Shape of the image at this scale.
-
-    Returns
-    -------
-    BarrierMap
-        Barriers and rims of the regions of interest.
-    """
+    """Barriers and boundaries of `regions`, in px of the scale, for an image of this shape."""
     segments = np.concatenate([regions.rims(), regions.lines()])
     if not len(segments):
         return NO_BARRIERS
@@ -79,9 +66,9 @@ def build_barrier_map(regions: Regions, shape: tuple[int, ...]) -> BarrierMap:
 
 @compiled
 def _clear(segments: Array, clearance: Array) -> None:
-    """Distance of every pixel to the nearest one that a wall runs through, as far as it is not far."""
+    """Distance of every pixel to the nearest pixel of a barrier, up to `_FAR`."""
     rows, cols = clearance.shape
-    walled = np.zeros((rows, cols), np.bool_)
+    marked = np.zeros((rows, cols), np.bool_)
     for s in range(len(segments)):
         down, right = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
         count = 1 + int(np.sqrt(down**2 + right**2) / _SAMPLING)
@@ -90,9 +77,9 @@ def _clear(segments: Array, clearance: Array) -> None:
             if y < -1 or y > rows or x < -1 or x > cols:
                 continue
             row, col = min(max(int(y), 0), rows - 1), min(max(int(x), 0), cols - 1)
-            if walled[row, col]:
+            if marked[row, col]:
                 continue
-            walled[row, col] = True
+            marked[row, col] = True
             for r in range(max(row - _FAR, 0), min(row + _FAR + 1, rows)):
                 for c in range(max(col - _FAR, 0), min(col + _FAR + 1, cols)):
                     clearance[r, c] = min(clearance[r, c], np.sqrt(float((r - row) ** 2 + (c - col) ** 2)))
@@ -100,7 +87,7 @@ def _clear(segments: Array, clearance: Array) -> None:
 
 @compiled
 def crosses(barrier_map: BarrierMap, a: Array, b: Array) -> bool:
-    """Whether the straight way from a to b crosses or touches a wall."""
+    """Whether the straight line from a to b crosses or touches a barrier."""
     if len(barrier_map.segments) == 0:
         return False
     rows, cols = barrier_map.clearance.shape

@@ -1,7 +1,7 @@
-"""The frame of an image: the dark or bright rim that apertures, scanners and mounts leave around what they show.
+"""The image border: the dark or bright rim that apertures, scanners and mounts leave around an image.
 
-Its edge is often the strongest of the image and belongs to no object. It is told by where it lies: along a side, near
-it, straight, and over more than half of its length.
+Its edge is often the strongest of the image and belongs to no object. It is recognized by its position: near a side of
+the image and along it, straight, and over more than half of its length.
 """
 
 from __future__ import annotations
@@ -16,39 +16,27 @@ from cpm_core.numerics.maximum_filter import running_maximum
 from cpm_core.numerics.types import Array
 
 _FAINT = 0.1
-"""Fraction of the largest edge strength that the edge of a frame must have."""
+"""Least strength of the edge of a border, as a fraction of the largest edge strength."""
 
 _ALONG = 0.94
-"""Cosine of the angle between the image gradient and the normal of the side, within which an edge runs along it."""
+"""Cosine of the angle between the image gradient and the normal of the side, above which an edge runs along the
+side."""
 
 _STRAIGHT = 0.02
-"""How far the edge of a frame may stray from a line, as a fraction of the shorter side."""
+"""Largest deviation of the edge of a border from a line, as a fraction of the shorter side."""
 
 _COVER = 0.5
-"""Fraction of a side along which its edge must be seen."""
+"""Fraction of a side along which its edge must be visible."""
 
 _FLANK = 3.0
 """Width of an edge's flank, in sigma."""
 
 
 def inside_border(grad: Array, strength: Array, smoothing: float, widest: float) -> NDArray[np.bool_]:
-    r"""Pixels that no frame covers.
+    r"""Pixels that do not belong to the image border, shape (\*shape): False on the border and on its edge.
 
-    Parameters
-    ----------
-    grad : ndarray, shape (D, \*shape)
-        Image gradient.
-    strength : ndarray, shape (\*shape)
-        Its magnitude.
-    smoothing : float
-        Gaussian that it was taken with [px].
-    widest : float
-        Width up to which a frame is looked for, as a fraction of the shortest side; 0 for none.
-
-    Returns
-    -------
-    ndarray of bool, shape (\*shape)
-        False on the frame, its edge included.
+    `grad`, shape (D, \*shape), is the image gradient after a Gaussian of `smoothing` px, `strength` its magnitude. A
+    border is searched up to the width `widest`, a fraction of the shortest side; 0 for none.
     """
     shape = strength.shape
     inside = np.ones(shape, bool)
@@ -57,9 +45,9 @@ def inside_border(grad: Array, strength: Array, smoothing: float, widest: float)
         return inside
     faint = _FAINT * strength.max()
     for axis in range(len(shape)):
-        for turned in (False, True):
+        for reverse in (False, True):
             rim, slope, length = (np.moveaxis(values, axis, 0) for values in (inside, grad[axis], strength))
-            if turned:
+            if reverse:
                 rim, slope, length = rim[::-1], slope[::-1], length[::-1]
             slope, length = slope[: reach + 2], length[: reach + 2]
             edge = np.where((length >= faint) & (np.abs(slope) >= _ALONG * length), slope, 0.0)
@@ -83,20 +71,7 @@ def _edge_of_border(edge: Array, stray: int) -> int:
 
 
 def within(inside: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
-    r"""Pixels no farther from some of them than a distance, by their centers.
-
-    Parameters
-    ----------
-    inside : ndarray of bool, shape (\*shape)
-        Some of the pixels.
-    reach : int
-        The distance [px].
-
-    Returns
-    -------
-    ndarray of bool, shape (\*shape)
-        Those and the ones around them.
-    """
+    r"""Pixels whose centers are at most `reach` px from the center of a pixel of the mask `inside`, shape (\*shape)."""
     out = inside.copy()
     leading = inside.shape[:-1]
     for offset in product(range(-reach, reach + 1), repeat=len(leading)):

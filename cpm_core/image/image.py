@@ -1,4 +1,4 @@
-"""Image: the grey levels that a run works on, and what is known about their origin."""
+"""Image: the gray levels that a run works on, and what is known about their origin."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 MINIMUM_SIDE = 8
-"""Least number of pixels along each axis [px]: below it no edge can be told from the border."""
+"""Least number of pixels along each axis [px]: in smaller images the edges cannot be separated from the border."""
 
 _COUNTS = {2: "two", 3: "three"}
 
@@ -21,15 +21,15 @@ class Image:
     Parameters
     ----------
     values : array_like of real numbers, shape (H, W) or (P, H, W)
-        Gray levels. They are copied to float64 and can then no longer be written to.
+        Gray levels. They are copied to float64 and are then read-only.
     spacing : tuple of float, optional
-        Size of a pixel along each axis, in `unit`; 1 px each where nothing is known.
+        Size of a pixel along each axis, in `unit`; 1 px each where it is not known.
     unit : str, optional
         Unit of length of `spacing`, such as ``"µm"``; None when the size of a pixel is not known.
     source : str, optional
-        Name of the image, for people.
+        Name of the image, for display.
     notes : tuple of str, optional
-        What a reader changed on the way from the file to `values`, one sentence each.
+        What a reader changed between the file and `values`, one sentence each.
 
     Raises
     ------
@@ -47,7 +47,7 @@ class Image:
     def __post_init__(self) -> None:
         given = np.asarray(self.values)
         if given.dtype.kind not in "buif":
-            raise ValueError(f"{self.source} holds values of type {given.dtype}, but grey levels must be real numbers.")
+            raise ValueError(f"{self.source} holds values of type {given.dtype}, but gray levels must be real numbers.")
         if given.ndim not in (2, 3) or (given.ndim == 3 and min(given.shape) < MINIMUM_SIDE):
             raise _not_a_plane(self.source, given.shape)
         if min(given.shape) < MINIMUM_SIDE:
@@ -83,13 +83,7 @@ class Image:
 
 
 def as_plane(values: ArrayLike | Image) -> Image:
-    """Take values for an image of two axes.
-
-    Raises
-    ------
-    ValueError
-        When they have another number of axes, or are no image at all.
-    """
+    """Image of two axes from values; `ValueError` when they have another number of axes, or are not an image."""
     image = values if isinstance(values, Image) else Image(np.asarray(values, dtype=float))
     if image.ndim != 2:
         raise _not_a_plane(image.source, image.shape)

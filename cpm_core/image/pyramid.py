@@ -1,4 +1,4 @@
-"""The pyramid of images, and the way between its scales (section 4.2).
+"""The pyramid of images, and the mapping between its scales (section 4.2).
 
 Scale 0 is the image itself, scale s has half the pixels of scale s - 1 along each axis. The grids of all scales share
 their center, so that a mirrored or turned image has a mirrored or turned pyramid.
@@ -15,11 +15,11 @@ LEAST_SIDE = 8
 """Pixels that the shortest side of the coarsest scale must have."""
 
 _REDUCTION_SMOOTHING = 1.0
-"""Gaussian before every second pixel is taken [px]; about that of the 5-tap kernel of the standard pyramid."""
+"""Gaussian before every second pixel is taken [px]; about that of the standard 5-tap kernel."""
 
 
 def most_scales(shape: tuple[int, ...]) -> int:
-    """Scales that an image of this shape admits."""
+    """Largest number of scales of an image of this shape."""
     side, scales = min(shape), 1
     while (side + 1) // 2 >= LEAST_SIDE:
         side, scales = (side + 1) // 2, scales + 1
@@ -34,40 +34,25 @@ def shape_of_scale(shape: tuple[int, ...], scale: int) -> tuple[int, ...]:
 
 
 def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
-    r"""Gaussian pyramid.
+    r"""Gaussian pyramid: the image, shape (\*shape), and its reductions, from fine to coarse, `scales` images in all.
 
-    Parameters
-    ----------
-    values : ndarray, shape (\*shape)
-        Image.
-    scales : int
-        Number of levels, the image itself among them.
-
-    Returns
-    -------
-    tuple of ndarray
-        The image and its reductions, from fine to coarse.
-
-    Raises
-    ------
-    ValueError
-        When the coarsest level would be smaller than 8 pixels.
+    Raises `ValueError` when the coarsest scale would be smaller than 8 pixels.
     """
     most = most_scales(values.shape)
     if scales > most:
         size = " x ".join(map(str, values.shape))
         raise ValueError(f"scales is {scales} but must be from 1 to {most} for an image of {size} pixels.")
-    levels = [values]
+    images = [values]
     for _ in range(scales - 1):
-        fine = scipy.ndimage.gaussian_filter(levels[-1], _REDUCTION_SMOOTHING, mode="nearest")
+        fine = scipy.ndimage.gaussian_filter(images[-1], _REDUCTION_SMOOTHING, mode="nearest")
         for axis in range(fine.ndim):
             across = (slice(None),) * axis
             even, odd = fine[(*across, slice(0, None, 2))], fine[(*across, slice(1, None, 2))]
             if fine.shape[axis] % 2 == 0:  # the centered coarse grid lies halfway between the pixels
                 even = 0.5 * (even + odd)
             fine = even
-        levels.append(np.ascontiguousarray(fine))
-    return tuple(levels)
+        images.append(np.ascontiguousarray(fine))
+    return tuple(images)
 
 
 def _center(shape: tuple[int, ...]) -> Array:

@@ -1,4 +1,4 @@
-"""Regions of interest, which particles stay in, and barriers, which they do not cross: what a person draws."""
+"""Regions of interest, which particles do not leave, and barriers, which they do not cross; the user draws both."""
 
 from __future__ import annotations
 
@@ -17,28 +17,27 @@ from cpm_core.numerics.types import Array
 Line = tuple[tuple[float, float], ...]
 
 _OFF = 1e-6
-"""Distance to either side of a polygon's side at which it is seen whether it is a rim, and within which a place counts
-as on a line [px]."""
+"""Distance from a side of a polygon at which both of its sides are tested, and within which a position counts as on a
+line [px]."""
 
 _KEPT = 8
-"""Polygons whose pixels and rims are kept: while a barrier is dragged the regions of interest are asked for again and
-again."""
+"""Polygons whose pixels and boundaries are cached: while a barrier is dragged they are needed again and again."""
 
 
 @dataclass(frozen=True, slots=True)
 class Regions:
     """Where particles may be.
 
-    They stay inside the union of the regions of interest, and never cross a barrier. What lies outside the regions of
-    interest carries no fixed charge and does not count when it is asked what a strong edge is.
+    They stay inside the union of the regions of interest, and never cross a barrier. Outside the regions of interest
+    pixels carry no fixed charge and do not count in the statistics of the edge strength.
 
     Parameters
     ----------
     interest : sequence of polygons
-        Corners (row, col) [px] of each, three at least; a polygon holds what it winds around, so that one that crosses
-        itself has no holes. Without any the whole image is of interest.
+        Corners (row, col) [px] of each, at least three. A polygon contains what it winds around, so that a polygon that
+        crosses itself has no holes. Without any, the whole image is of interest.
     barriers : sequence of polygonal lines
-        Vertices (row, col) [px] of each, two at least; they may reach out of the image.
+        Vertices (row, col) [px] of each, at least two; they may lie outside the image.
 
     Raises
     ------
@@ -54,13 +53,13 @@ class Regions:
         object.__setattr__(self, "barriers", _lines("barrier", self.barriers, 2))
 
     def check(self, shape: tuple[int, ...]) -> None:
-        """Raise a `ValueError` unless every region of interest holds a pixel of an image of this shape."""
+        """Raise a `ValueError` unless every region of interest contains a pixel of an image of this shape."""
         for number, polygon in enumerate(self.interest, start=1):
             if not _pixels(polygon, shape).any():
                 size = " x ".join(map(str, shape))
                 raise ValueError(
                     f"region of interest {number} holds no pixel of the image ({size} pixels): "
-                    "draw it inside the image, around what is to be found."
+                    "draw it inside the image, around an object."
                 )
 
     def at_scale(self, scale: int, shape: tuple[int, ...]) -> Regions:
@@ -69,7 +68,7 @@ class Regions:
         return Regions(*(tuple(_line(points) for points in part) for part in parts))
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
-        """Which of points, shape (N, 2) [px], lie in a region of interest; all, where there is none."""
+        """Which of points, shape (N, 2) [px], lie in a region of interest; all of them where there is none."""
         if not self.interest:
             return np.ones(len(points), np.bool_)
         found = np.zeros(len(points), np.bool_)
@@ -90,15 +89,10 @@ class Regions:
         return np.asarray(np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0))
 
     def rims(self) -> Array:
-        """Rim of the union of the regions of interest.
+        """Boundary of the union of the regions of interest as segments, shape (S, 4) [px].
 
-        The sides of the polygons are cut where they meet each other; of the pieces those are rims that have the outside
-        on one side and not on the other.
-
-        Returns
-        -------
-        ndarray, shape (S, 4)
-            Segments: row and column of one end, then of the other [px].
+        The sides of the polygons are cut where they meet each other. A piece belongs to the boundary if exactly one
+        side of it is outside.
         """
         return _rims(self.interest)
 
@@ -108,7 +102,7 @@ class Regions:
 
 
 def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:
-    """Check lines, and turn them into tuples."""
+    """Check lines, and convert them to tuples."""
     checked = []
     for number, line in enumerate(lines, start=1):
         what = f"{noun} {number}"
@@ -148,7 +142,7 @@ def _rims(interest: tuple[Line, ...]) -> Array:
     off = _OFF * along[:, ::-1] * (1.0, -1.0) / np.maximum(length, 1e-300)[:, None]
     middle = 0.5 * (pieces[:, :2] + pieces[:, 2:])
     rim = regions.contains(middle + off) != regions.contains(middle - off)
-    # of a piece that is shorter than the look to its sides nothing can be told
+    # a piece that is not much longer than the distance of the tests is kept: its sides cannot be tested
     return np.asarray(pieces[rim | (length < 10.0 * _OFF)])
 
 

@@ -1,9 +1,9 @@
-"""Where compiled loops are kept between runs: a folder of the user's for each version of the loops.
+"""The cache of compiled loops: a folder of the user for each version of the loops.
 
-Numba tells by the file of a loop alone whether what it has kept of it is still good. A loop that calls another keeps a
-copy of it, and names the classes of the tuples that it takes: when these change in a file of their own, what was kept
-is stale, or cannot be read and is not replaced either. Here the folder is named after the sources of all loops and the
-version of Numba, so that another version of the program never sees what this one has kept.
+Numba decides by the file of a loop alone whether its cached code is still valid. But a loop that calls another one
+holds a copy of it, and it names the tuple classes that it takes: when these change in another file, the cached code is
+out of date, or cannot be read and is not replaced. Here the folder is named after the sources of all loops and the
+version of Numba, so that one version of the program never reads the cache of another.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ import numba
 
 _IMPORT = re.compile(r"^(?:from ([\w.]+) )?import (\([^)]*\)|.*)", re.MULTILINE)
 
-_SETTINGS: Any = numba.config  # its names are made when it is loaded, so that no type checker knows them
+_SETTINGS: Any = numba.config  # its names are made when it is loaded, so that type checkers do not know them
 
 _PREFIX = "loops-"
 _UNUSED_DAYS = 30.0
-"""Days after which the folder of another version is removed if no program has started with it meanwhile."""
+"""Days after which the folder of another version is removed if no program has used it."""
 
 
 @contextmanager
-def kept_with_the_sources() -> Iterator[None]:
-    """While this lasts, loops that are declared are kept in the folder of their version.
+def cached_by_version() -> Iterator[None]:
+    """Within this context, loops that are declared are cached in the folder of their version.
 
-    Numba's setting is put back at once, so that loops of other packages stay where they are.
+    Numba's setting is restored at the end, so that loops of other packages are cached as usual.
     """
     before = _SETTINGS.CACHE_DIR
     kept = folder_of_this_package()
@@ -49,14 +49,14 @@ def kept_with_the_sources() -> Iterator[None]:
 
 
 def folder_of_this_package() -> Path | None:
-    """Folder in which the loops of this very program are kept; None where Numba chooses."""
+    """Cache folder of this program's loops; None where Numba chooses."""
     return folder(Path(__file__).parents[1], _SETTINGS.CACHE_DIR)
 
 
 def take_over(aside: Path, kept: Path) -> None:
-    """Move what another process has kept in `aside` to where it would have been, loops that are kept there excepted.
+    """Move the loops that another process has cached in `aside` to `kept`, except those that are already there.
 
-    Of each loop there is an index, which is moved last: it names the files that hold the loop.
+    Each loop has an index, which names the files that hold its code and is therefore moved last.
     """
     for source in aside.glob(f"{_PREFIX}*"):
         for index in sorted(source.rglob("*.nbi")):
@@ -69,20 +69,11 @@ def take_over(aside: Path, kept: Path) -> None:
 
 
 def digest(package: Path) -> str:
-    """Name of a version of the loops: changes with any source that one may depend on, with Numba and with Python.
+    """Name of a version of the loops: it changes with every source that a loop may depend on, with Numba and Python.
 
-    These are the modules of a package that have loops, those of it that they import, and so on: a loop takes over the
-    constants that it uses, which may be made of others, and the classes of tuples.
-
-    Parameters
-    ----------
-    package : Path
-        Folder of the package.
-
-    Returns
-    -------
-    str
-        Sixteen hexadecimal digits; empty when there are no sources to be read, as in a frozen program.
+    These are the modules of a package that have loops, the modules that they import, and so on: a loop holds copies of
+    the constants that it uses, which may depend on other constants, and of tuple classes. Returns sixteen hexadecimal
+    digits; an empty string when there are no sources to read, as in a frozen program.
     """
     paths = {_dotted(path, package): path for path in sorted(package.rglob("*.py"))}
     sources = {name: path.read_bytes() for name, path in paths.items()}
@@ -101,9 +92,9 @@ def digest(package: Path) -> str:
 
 
 def _imported(source: str) -> set[str]:
-    """Names of all that a source imports at its top, modules or what may be one of a package.
+    """Names of everything that a source imports at its top: modules, or what may be a module of a package.
 
-    Read as text: to parse all sources would take longer than to start the program.
+    The source is read as text: parsing all sources would take longer than the start of the program.
     """
     names: set[str] = set()
     for package, what in _IMPORT.findall(re.sub("#.*", "", source)):
@@ -119,13 +110,7 @@ def _dotted(path: Path, package: Path) -> str:
 
 
 def user_cache() -> Path:
-    """Folder in which programs of the user keep what they can make anew, by the rules of the platform.
-
-    Raises
-    ------
-    RuntimeError
-        When the user has no home.
-    """
+    """Folder for the user's caches, by the rules of the platform; `RuntimeError` when the user has no home."""
     if sys.platform == "win32":
         given = os.environ.get("LOCALAPPDATA", "")
         return Path(given) if given else Path.home() / "AppData" / "Local"
@@ -137,14 +122,9 @@ def user_cache() -> Path:
 
 @cache
 def folder(package: Path, chosen: str) -> Path | None:
-    """Folder of this version, made if need be; None leaves the choice to Numba.
+    """Cache folder of this version, made if it is missing; None leaves the choice to Numba.
 
-    Parameters
-    ----------
-    package : Path
-        Where the sources are.
-    chosen : str
-        Folder that the user has told Numba to keep everything in; empty for none.
+    `package` is the folder of the sources, `chosen` the cache folder that the user has set for Numba, empty for none.
     """
     try:
         name = digest(package)
@@ -154,7 +134,7 @@ def folder(package: Path, chosen: str) -> Path | None:
         is_new = not made.is_dir()
         made.mkdir(parents=True, exist_ok=True)
         os.utime(made)  # in use
-    except (OSError, RuntimeError):  # no home, or one that cannot be written to: Numba has places of its own
+    except (OSError, RuntimeError):  # no home, or one that cannot be written to: Numba has folders of its own
         return None
     if is_new:
         _remove_unused(made)

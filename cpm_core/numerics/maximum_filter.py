@@ -12,24 +12,11 @@ Values = TypeVar("Values", NDArray[np.float64], NDArray[np.bool_])
 
 
 def running_maximum(values: Values, reach: int, axes: Sequence[int] | None = None) -> Values:
-    r"""Maximum over a box around every pixel, cut off at the border.
+    """Maximum over a box around every pixel, cut off at the border; of a mask, whether any pixel of the box is true.
 
-    Whole arrays are compared with themselves moved by some pixels, one axis after the other, which for the small boxes
-    that are needed here is several times faster than a filter that visits every pixel.
-
-    Parameters
-    ----------
-    values : ndarray, shape (\*shape)
-        Values on the pixels; of truth values, the maximum tells whether any is true.
-    reach : int
-        How far the box reaches to both sides [px].
-    axes : sequence of int, optional
-        Axes along which it does; all of them by default.
-
-    Returns
-    -------
-    ndarray, shape (\*shape)
-        Maxima.
+    The box reaches `reach` pixels to both sides along `axes`, all of them by default. The result has the shape of
+    `values`. Whole arrays are compared with shifted copies, one axis after the other: for small boxes this is several
+    times faster than a filter that visits every pixel.
     """
     for axis in range(values.ndim) if axes is None else axes:
         before = values

@@ -1,9 +1,9 @@
 """Work on many items, shared among the cores.
 
-No loop of the model starts threads of its own, so that two callers can never meet inside one parallel region; a caller
-cuts its items into parts, and each part is written by one thread alone, whatever their number: the same input gives the
-same bits on any machine. Parts are smaller than a core's share, since some take longer than others, and a part that no
-thread has begun when the caller is done with its own is done by the caller: nobody waits behind another caller's work.
+No loop of the model starts threads of its own, so that two callers never meet inside one parallel region. A caller cuts
+its items into parts, and each part is written by one thread alone: the same input gives the same bits on any machine.
+There are more parts than threads, since some parts take longer than others. When the caller has finished its own part,
+it also does the parts that no thread has begun, so that no caller waits for the work of another one.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
 _PARTS = 2
-"""Parts to each thread."""
+"""Parts for each thread."""
 
 _MOST = 8
-"""Threads beyond which the parts get too small to be worth it."""
+"""Threads beyond which the parts get too small to pay."""
 
 
 @lru_cache(maxsize=1)
@@ -30,15 +30,9 @@ def cores() -> int:
 def share(work: Callable[[int, int], object], count: int, least: int) -> None:
     """Do some work on items 0 to `count` - 1, in parts that run side by side.
 
-    Parameters
-    ----------
-    work : callable
-        Called with the first item of a part and the one behind its last; must let go of the interpreter's lock to gain
-        anything, and write only what belongs to its items.
-    count : int
-        Number of items.
-    least : int
-        Items that a part must have to be worth a thread; what has fewer than two such parts is done by the caller.
+    `work` gets the first item of a part and the one behind its last. It must release the interpreter's lock for a gain
+    in time, and write only what belongs to its items. A part has `least` items or more; if there are not enough items
+    for two parts, the caller does all the work.
     """
     threads = min(cores(), count // max(least, 1))
     if threads < 2:

@@ -14,14 +14,14 @@ MOST_HANDLES = 24
 """Corners up to which each of them is a handle; freehand paths have more."""
 
 _TOLERANCE = 0.25
-"""Farthest that a path may be led away from where the hand went [px]: less than the pointer's own pixel."""
+"""Largest distance of a simplified path from the drawn one [px]: less than a pixel of the pointer."""
 
 _HALVINGS = 3
-"""How often every second corner of a path may be left out for drawing it."""
+"""How often every second corner of a path may be left out before it is painted."""
 
 
 def lengths_along(path: Array) -> Array:
-    """Length of the way along a path, shape (K, D), to each of its vertices, shape (K,) [px]; the first is at 0."""
+    """Length along a path, shape (K, D), up to each of its vertices, shape (K,) [px]; 0 at the first."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
 
 
@@ -38,22 +38,22 @@ def places_at(path: Array, lengths: Array) -> Array:
 
 
 def middles(path: Array, count: int) -> Array:
-    """Middles of so many equal parts of a path, shape (K, D), shape (count, D) [px]; its ends are none of them."""
+    """Midpoints of `count` equal parts of a path, shape (K, D), shape (count, D) [px]."""
     return places_at(path, (np.arange(count) + 0.5) * lengths_along(path)[-1] / count)
 
 
 def sampled(path: Array, spacing: float) -> Array:
-    """Middles of equal parts of a path that are no longer than `spacing`, shape (N, D) [px].
+    """Midpoints of equal parts of a path that are at most `spacing` long, shape (N, D) [px].
 
-    Each stands for the same length, so that averages over them are averages over the length.
+    Each stands for the same length, so that a mean over them is a mean over the length.
     """
     return middles(path, max(1, int(np.ceil(length(path) / spacing))))
 
 
 def resampled(path: Array, spacing: float) -> Array:
-    """A path, shape (K, D), with vertices at even distances of at most `spacing`, one at least between its ends [px].
+    """Path, shape (K, D), with vertices at equal distances of at most `spacing` [px] and at least one between its ends.
 
-    Both ends stay where they are to the bit.
+    Both ends are kept to the bit.
     """
     whole = float(lengths_along(path)[-1])
     count = max(2, int(np.ceil(whole / spacing)))
@@ -77,7 +77,7 @@ def distances(path: Array | Sequence[Position], positions: Array) -> Array:
 
 
 def inside(path: Array | Sequence[Position], positions: Array) -> Mask:
-    """Which positions, shape (N, 2), a path winds around whose last corner is joined to its first, shape (N,)."""
+    """Which positions, shape (N, 2), lie inside a path that is closed from its last corner to its first, shape (N,)."""
     places = np.ascontiguousarray(positions, dtype=float).reshape(-1, 2)
     return winds_around(np.ascontiguousarray(path, dtype=float), places)
 
@@ -89,11 +89,11 @@ def area(path: Array | Sequence[Position]) -> float:
 
 
 def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
-    """The same path without the corners that it can do without; both ends stay.
+    """Path without the corners that are not needed; both ends stay.
 
-    A freehand path has a corner for every movement of the pointer; a document is to stay small. Of the corners between
-    two that are kept, the one farthest off is kept as well, until none is off by more than the tolerance (Douglas and
-    Peucker 1973). scikit-image has the same, but takes longer to load than all of the window.
+    A freehand path has a corner for every movement of the pointer, but a document should stay small. Of the corners
+    between two that are kept, the farthest one is kept as well, until none is off by more than the tolerance (Douglas
+    and Peucker 1973). scikit-image has the same function, but takes longer to load than the whole window.
     """
     corners = np.array(path, dtype=float)
     kept = {0, len(corners) - 1}
@@ -109,17 +109,11 @@ def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
 
 
 def coarser(paths: Sequence[Array], off: float) -> list[Array]:
-    """Leave out corners that lie next to the line between their neighbors; the ends of each path stay.
+    """Leave out corners that lie close to the line between their neighbors; both ends of each path, shape (K, 2), stay.
 
-    Much faster than to thin them, though it leaves more: where it can, it leaves out every second corner, and that
-    `_HALVINGS` times.
-
-    Parameters
-    ----------
-    paths : sequence of ndarray, shape (K, 2)
-        Paths with at least one corner each.
-    off : float
-        How far off a corner may lie that is left out; in all, a path is led away by `_HALVINGS` times as much at most.
+    Much faster than `thinned`, but it leaves more corners: where possible it leaves out every second corner,
+    `_HALVINGS` times. A corner that is left out is at most `off` [px] from the line; in all, a path moves by at most
+    `_HALVINGS` times as much.
     """
     if not paths:
         return []
@@ -139,11 +133,11 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
 
 
 def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:
-    """The same path displaced by (rows, cols)."""
+    """Path displaced by (rows, cols)."""
     return tuple((row + by[0], col + by[1]) for row, col in path)
 
 
 def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> tuple[Position, ...]:
-    """The same path with the corner nearest to a position moved to another one."""
+    """Path with the corner nearest to a position moved to another position."""
     nearest = min(range(len(path)), key=lambda index: math.dist(path[index], corner))
     return tuple(to if index == nearest else position for index, position in enumerate(path))

@@ -1,7 +1,7 @@
-"""Straight segments in the plane: how far off places lie, where segments cross, and which places a polygon holds.
+"""Straight segments in the plane: distances, crossings, and which positions lie inside a polygon.
 
-Whether two segments meet and whether a polygon winds around a place is decided by the same signed area, `side`, in
-compiled loops: a step of a run asks for thousands of them.
+Whether two segments meet and whether a polygon winds around a position is decided by the same signed area, `side`, in
+compiled loops, since a step of a run asks thousands of times.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Mask
 
 _PIECE = 1.0
-"""Length that segments are cut down to, so that the nearest can be found by their middles [px]."""
+"""Length of the pieces that segments are cut into, so that the nearest can be found by their midpoints [px]."""
 
 
 def segments_of(path: Array) -> Array:
-    """Segments, shape (K - 1, 4), of a path of shape (K, 2), those without length left out.
+    """Segments of a path, shapes (K - 1, 4) and (K, 2), without those of zero length.
 
     A row holds row and column of one end, then of the other [px].
     """
@@ -29,17 +29,10 @@ def segments_of(path: Array) -> Array:
 
 
 def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
-    """Distance of each point from the segment that belongs to it.
+    """Distance of each point from the segment that belongs to it, shape (...) [px].
 
-    Parameters
-    ----------
-    points, begin, along : ndarray, shapes (..., 2) that go together
-        Places, one end of each segment, and the vector from it to the other end, which may be zero [px].
-
-    Returns
-    -------
-    ndarray, shape (...)
-        Distances [px].
+    `points`, `begin` and `along` have shapes (..., 2) that broadcast: the points, one end of each segment, and the
+    vector from it to the other end, which may be zero.
     """
     offset = points - begin
     square = np.einsum("...i,...i->...", along, along)
@@ -52,8 +45,7 @@ def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
 def nearest_distances(points: Array, segments: Array) -> Array:
     """Distance of each of points, shape (N, 2), from the nearest of segments, shape (S, 4), shape (N,) [px].
 
-    The loop over all pairs of what `distances_to_segments` does for given ones; `SegmentTree` is faster where there are
-    many of both.
+    The loop over all pairs of `distances_to_segments`; `SegmentTree` is faster where there are many of both.
     """
     nearest = np.full(len(points), np.inf)
     for i in range(len(points)):
@@ -68,13 +60,7 @@ def nearest_distances(points: Array, segments: Array) -> Array:
 
 
 class SegmentTree:
-    """Segments that many distances are measured to.
-
-    Parameters
-    ----------
-    begin, end : ndarray, shape (S, 2)
-        Ends of the segments [px].
-    """
+    """Segments with ends `begin` and `end`, shape (S, 2) [px], for many measurements of distances."""
 
     def __init__(self, begin: Array, end: Array) -> None:
         pieces = np.maximum(1, np.ceil(np.linalg.norm(end - begin, axis=1) / _PIECE)).astype(int)
@@ -95,30 +81,17 @@ class SegmentTree:
             middles, pieces = map(np.asarray, self._tree.query(points[left], k=np.arange(1, near + 1)))
             away = distances_to_segments(points[left][:, None], self._begin[pieces], self._along[pieces])
             least[left] = away.min(axis=1)
-            # A piece that was not looked at has its middle beyond the last one, and reaches half its length nearer.
+            # The midpoint of a piece that was not found is farther than the last one; its end is half a length nearer.
             left = left[middles[:, -1] - 0.5 * _PIECE < least[left]] if near < self._tree.n else left[:0]
             near *= 4
         return least
 
 
 def cut(segment: Array, others: Array, tolerance: float) -> Array:
-    """Pieces of a segment between the places where others cross or touch it.
+    """Pieces of a segment, shape (4,), between the places where others, shape (S, 4), cross or touch it, shape (P, 4).
 
-    `meet` only tells that segments cross; this tells where.
-
-    Parameters
-    ----------
-    segment : ndarray, shape (4,)
-        The segment to cut [px].
-    others : ndarray, shape (S, 4)
-        Segments that may cross it [px].
-    tolerance : float
-        Distance within which the end of another lies on its line [px].
-
-    Returns
-    -------
-    ndarray, shape (P, 4)
-        The pieces in order.
+    `meet` decides whether segments cross; this function finds where. The end of another segment lies on the line of
+    this one within the distance `tolerance` [px]. The pieces come in order.
     """
     a, along = segment[:2], segment[2:] - segment[:2]
     p, d = others[:, :2] - a, others[:, 2:] - others[:, :2]
@@ -127,7 +100,7 @@ def cut(segment: Array, others: Array, tolerance: float) -> Array:
         at = (p[:, 0] * d[:, 1] - p[:, 1] * d[:, 0]) / turn
         on_other = (p[:, 0] * along[1] - p[:, 1] * along[0]) / turn
     crossing = at[(turn != 0.0) & (on_other >= 0.0) & (on_other <= 1.0)]
-    # segments on one line do not cross: they part at their ends
+    # segments on one line do not cross: they are cut at their ends
     away = np.abs(p[:, 0] * along[1] - p[:, 1] * along[0]) / np.linalg.norm(along)
     ends = (p @ along / (along @ along))[away < tolerance]
     every = np.unique(np.concatenate([crossing, ends, [0.0, 1.0]]))
@@ -143,12 +116,12 @@ def _signed_area(p: Array, q: Array, a: Array) -> Any:
 
 
 side = compiled(_signed_area)
-"""On which side of the line through p and q a place a lies, by the sign."""
+"""On which side of the line through p and q a position a lies, by the sign."""
 
 
 @compiled
 def meet(segment: Array, a: Array, b: Array) -> bool:
-    """Whether a segment, shape (4,), and the straight way from a to b have a place in common; touching counts."""
+    """Whether a segment, shape (4,), and the straight line from a to b have a point in common; touching counts."""
     if (
         max(a[0], b[0]) < min(segment[0], segment[2])
         or min(a[0], b[0]) > max(segment[0], segment[2])
@@ -164,8 +137,8 @@ def meet(segment: Array, a: Array, b: Array) -> bool:
 def first_crossing(path: Array, segments: Array) -> tuple[int, int]:
     """First segment of a path, shape (K, 2), that crosses or touches one of others, shape (S, 4), and which; or -1.
 
-    By the formula of `side` as well, but in NumPy: compiled, a product and a sum may be rounded as one, so that a path
-    which ends on a vertex of the others is not always seen to touch them.
+    It uses the formula of `side`, but in NumPy: a compiled loop may round a product and a sum as one, so that it does
+    not always find that a path which ends on a vertex of the others touches them.
     """
     p, q = segments[:, :2].T, segments[:, 2:].T
     low, high = path.min(axis=0)[:, None], path.max(axis=0)[:, None]
@@ -181,9 +154,9 @@ def first_crossing(path: Array, segments: Array) -> tuple[int, int]:
 
 @compiled
 def winds_around(corners: Array, points: Array) -> Mask:
-    """Which points, shape (N, 2), a polygon of shape (K, 2) winds around, its last corner joined to its first.
+    """Which points, shape (N, 2), a polygon of shape (K, 2) winds around, closed from its last corner to its first.
 
-    By the winding number and not by the parity of crossings: a polygon that crosses itself has no holes.
+    The winding number decides, not the parity of crossings: a polygon that crosses itself has no holes.
     """
     inside = np.zeros(len(points), np.bool_)
     for i in range(len(points)):
@@ -191,7 +164,7 @@ def winds_around(corners: Array, points: Array) -> Mask:
         before = len(corners) - 1
         for k in range(len(corners)):
             below, above = corners[before, 0] <= points[i, 0], corners[k, 0] <= points[i, 0]
-            if below != above:  # hardly any side does, and only they are worth the call
+            if below != above:  # true for few sides, which saves most calls
                 left = side(corners[before], corners[k], points[i])
                 if below and left > 0.0:
                     turns += 1

@@ -1,4 +1,4 @@
-"""Array types that the whole program shares; shapes and units are told where they are used."""
+"""Array types of the whole program; shapes and units are given where the types are used."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-"""Positions, forces, images: whatever is computed in double precision."""
+"""Positions, forces, images: values in double precision."""
 
 Single = NDArray[np.float32]
 """Values in single precision, where that is enough and faster."""
@@ -15,10 +15,10 @@ Index = NDArray[np.int64]
 """Indices and counts."""
 
 Mask = NDArray[np.bool_]
-"""Which of some things are meant, or which pixels."""
+"""Which of some things are chosen, or which pixels."""
 
 Pixels = NDArray[np.uint8]
-"""Pixels as they are shown, (H, W) or (H, W, 3)."""
+"""Pixels for the screen, (H, W) or (H, W, 3)."""
 
 Position = tuple[float, float]
-"""A place (row, col) [px]."""
+"""A position (row, col) [px]."""

@@ -1,1 +1,1 @@
-"""The free particles: their state, starting points, neighbors and coverage, and the Coulomb force, eq. (9)."""
+"""The free particles: their state, initialization, neighbors and coverage, and the Coulomb force, eq. (9)."""

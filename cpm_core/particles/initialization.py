@@ -1,4 +1,4 @@
-"""Where particles start: along shapes that a person draws, at starts that need no drawing, and where it is allowed."""
+"""Initialization: particles along the shapes that the user draws, automatic seeds, and where seeds are allowed."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ STRONG = 0.10
 """Fraction of the largest edge strength above which an edge counts as strong."""
 
 _LARGEST_RADIUS = 1e5
-"""Radius beyond which a circle reaches out of any image that could be worked on [px]."""
+"""Largest radius of a circle, beyond any image that can be processed [px]."""
 
 _LONGEST_STROKE = 1e6
-"""Length beyond which a stroke is longer than a person could draw [px]."""
+"""Largest length of a stroke, longer than anything that can be drawn [px]."""
 
 _LEAST_DIVERGENCE = 0.15
-"""Divergence of the field's direction from which it counts as flowing apart [1/px]."""
+"""Least divergence of the direction of the field at a center [1/px]."""
 
 _BORDER_SPACING = 32.0
-"""Distance of particles along the border of an image that the field comes in over [px]."""
+"""Distance of particles along the border of an image where the field enters [px]."""
 
 _RIPPLE = 1.0
-"""Gaussian that takes the ripple of the pixels out of the divergence [px]."""
+"""Gaussian that removes the ripple of the pixels from the divergence [px]."""
 
 
 def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> Array:
@@ -45,7 +45,7 @@ def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> 
     radius : float
         Radius [px].
     spacing : float
-        Distance from particle to particle along the circle [px]; there are at least five.
+        Distance between particles along the circle [px]; there are at least five particles.
 
     Returns
     -------
@@ -69,14 +69,14 @@ def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> 
 
 
 def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
-    """Particles evenly along a stroke.
+    """Particles at equal distances along a stroke.
 
     Parameters
     ----------
     points : array_like, shape (K, D)
         Corners of the stroke, in order [px]; a single one gives a single particle.
     spacing : float
-        Distance from particle to particle along the stroke [px]; stretched or shrunk so that both ends get one.
+        Distance between particles along the stroke [px]; adapted so that there is a particle at both ends.
 
     Returns
     -------
@@ -106,24 +106,9 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
 
 
 def loop(points: ArrayLike, spacing: float = 2.0) -> Array:
-    """Particles evenly along a path that ends where it begins.
+    """Particles at equal distances along a closed path with corners of shape (K, 2), shape (N, 2) [px].
 
-    Parameters
-    ----------
-    points : array_like, shape (K, 2)
-        Corners, in order [px]; the last is joined to the first.
-    spacing : float
-        Distance from particle to particle along the path [px]; stretched or shrunk so that it comes out even.
-
-    Returns
-    -------
-    ndarray, shape (N, 2)
-        Positions (row, col), none of them twice.
-
-    Raises
-    ------
-    ValueError
-        As `stroke` does.
+    The last corner is joined to the first. Otherwise as `stroke`.
     """
     corners = np.asarray(points, dtype=float)
     if corners.ndim != 2 or 0 in corners.shape:
@@ -133,14 +118,14 @@ def loop(points: ArrayLike, spacing: float = 2.0) -> Array:
 
 
 def uniform_grid(shape: tuple[int, ...], spacing: float = 8.0) -> Array:
-    """Particles spread evenly over an image (section 5.2).
+    """Particles on a uniform grid over an image (section 5.2).
 
     Parameters
     ----------
     shape : tuple of int
         Shape of the image.
     spacing : float
-        Distance from particle to particle along each axis [px].
+        Distance between particles along each axis [px].
 
     Returns
     -------
@@ -178,32 +163,33 @@ def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: f
 
 
 def above(strength: Array, fraction: float) -> Array:
-    """Pixels, shape (N, D), whose edge strength is above a fraction of the largest there is."""
+    """Pixels, shape (N, D), whose edge strength is above a fraction of the largest."""
     return np.argwhere(strength > fraction * strength.max()).astype(float)
 
 
 def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
-    r"""Particles in the middle of what lies between edges: where the field flows apart.
+    """Particles in the middle between edges: where the field diverges.
 
-    Every particle follows the field to an edge; looked at backwards, the field comes from the medial axes of objects
-    and of the background between them, and its direction diverges there. A particle on each local maximum of that
-    divergence stands for all that would have come the same way. The field of edges that run out of the image comes in
-    over its border; if there are such edges, it gets a particle every 32 px wherever the field points inwards.
+    Every particle follows the field to an edge. In the opposite direction the field leads to the medial axes of objects
+    and of the background between them, where its direction diverges. A particle on each local maximum of that
+    divergence replaces all particles that would take the same way. Where edges cross the border of the image, their
+    field enters the image over the border; with such edges, there is a particle every 32 px along the border wherever
+    the field points inwards.
 
-    Measured beside a uniform grid of 8 px, with the preset "automatic": on clean and noisy drawings (several objects,
-    embedded ones, a comb, a spiral, cells) the same contours, with 2 to 16 % of the particles to start with, 42 to 73 %
-    at the peak, and 55 to 83 % of the steps. With shapes across one another and out of the image, and on photographs,
-    recall, precision and steps are about the same (recall within 0.02, F within 0.03; steps up to a third more), with 8
-    to 33 % of the particles to start with and 56 to 85 % at the peak.
+    Measured against a uniform grid of 8 px, with the preset "automatic": on clean and noisy test images (several
+    objects, nested ones, a comb, a spiral, cells) the same contours, with 2 to 16 % of the seeds, 42 to 73 % of the
+    particles at the maximum, and 55 to 83 % of the steps. With shapes that overlap or cross the image border, and on
+    photographs, recall, precision and steps are about the same (recall within 0.02, F within 0.03; steps up to a third
+    more), with 8 to 33 % of the seeds and 56 to 85 % of the particles at the maximum.
 
     Parameters
     ----------
     values : array_like, shape (H, W)
         Image.
     smoothing : float
-        Gaussian before the gradient [px]; more of it passes over finer detail.
+        Gaussian before the gradient [px]; a larger value ignores finer detail.
     spacing : float
-        Of two centers no further apart than this, along each axis, only the stronger stays [px].
+        Of two centers at most this far apart along each axis only the stronger is kept [px].
 
     Returns
     -------
@@ -233,7 +219,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
 
 
 def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:
-    """Check where particles are to start, and leave out those that may not be there."""
+    """Check seeds, shape (N, D) [px of the image], and leave out those in places where no particle may be."""
     points = np.asarray(seeds, dtype=float)
     if points.size == 0:
         raise ValueError("there are no particles to start with: draw a circle or click some points first.")
@@ -259,7 +245,7 @@ def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions |
 
 
 def inside_image(positions: Array, shape: tuple[int, ...]) -> Mask:
-    """Which positions lie on the image, its outermost pixels whole."""
+    """Which positions lie on the image, including the whole of its outermost pixels."""
     inside = np.ones(len(positions), np.bool_)
     for along, x in zip(shape, positions.T, strict=True):
         inside &= (x >= -0.5) & (x <= along - 0.5)
@@ -272,7 +258,7 @@ def allowed_by(positions: Array, regions: Regions | None) -> Mask:
 
 
 def _inflow(direction: Array) -> Array:
-    """Places along the border of an image, shape (N, 2), where the field of the given direction comes in over it."""
+    """Positions along the border of an image, shape (N, 2), where a field of the given direction enters."""
     shape = direction.shape[1:]
     found = [np.empty((0, 2))]
     for axis in range(2):

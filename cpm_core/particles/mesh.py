@@ -1,4 +1,4 @@
-"""The value that carries the smooth part of the Coulomb force from step to step; `coulomb.mesh_force` makes it."""
+"""The smooth part of the Coulomb force, which a state keeps for some steps; `coulomb.mesh_force` computes it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 from cpm_core.numerics.types import Single
 
 MESH_EVERY = 4
-"""Steps for which the force on a mesh serves: meanwhile particles move by a small part of its reach."""
+"""Steps for which the force on a mesh is used: during these, particles move by a small part of its reach."""
 
 
 class MeshForce(NamedTuple):
@@ -16,16 +16,16 @@ class MeshForce(NamedTuple):
     Attributes
     ----------
     force : ndarray of float32, shape (\*nodes, D)
-        The force; without any nodes when the pairs are summed whole.
+        The force; no nodes when the whole force is summed over pairs.
     first : tuple of float
-        Place of the first node [px].
+        Position of the first node [px].
     pitch : float
         Distance of the nodes [px].
     reach : float
-        Distance R up to which pairs add what the mesh leaves out [px]; infinite when they are summed whole.
+        Distance R up to which pairs add what the mesh leaves out [px]; infinite when there is no mesh.
     softening : ndarray of float32, shape (3,)
-        The polynomial that the inverse square is replaced by up to R, by powers of the squared distance; all of it
-        zero when the pairs are summed whole.
+        Coefficients of the polynomial that replaces the inverse square up to R, by powers of the squared distance; zero
+        when there is no mesh.
     """
 
     force: Single

@@ -16,7 +16,7 @@ from cpm_core.particles.coverage import Coverage
 from cpm_core.particles.mesh import MeshForce
 
 MEMORY = 4
-"""Steps T that eq. (23) looks back over."""
+"""Number T of steps in eq. (23)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -32,9 +32,9 @@ class Particles:
     force : ndarray, shape (N, 2, D)
         Undamped force on each at the last step and at the one before: the history of eq. (15).
     distance : ndarray, shape (N, T)
-        ``|r|`` at the last T steps, newest first: the history of eq. (23); NaN before a particle was there.
+        ``|r|`` at the last T steps, newest first: the history of eq. (23); NaN before the particle was inserted.
     identity : ndarray of int64, shape (N,)
-        Number of each, never given twice in a run.
+        Number of each, used once only in a run.
     """
 
     position: Array
@@ -60,15 +60,15 @@ class Particles:
 
     @property
     def young(self) -> NDArray[np.bool_]:
-        """Which have been there for less than T steps, shape (N,)."""
+        """Which were inserted less than T steps ago, shape (N,)."""
         return np.isnan(self.distance[:, -1])
 
     def where(self, kept: NDArray[np.bool_]) -> Particles:
-        """Those particles for which `kept`, shape (N,), is true."""
+        """The particles for which `kept`, shape (N,), is true."""
         return self.taken(np.flatnonzero(kept))
 
     def taken(self, index: NDArray[np.int64]) -> Particles:
-        """Those particles whose indices are given, shape (M,), in this order."""
+        """The particles with the given indices, shape (M,), in this order."""
         return Particles(
             self.position.take(index, axis=0),
             self.velocity.take(index, axis=0),
@@ -89,16 +89,10 @@ class Particles:
         )
 
     def joined_by(self, position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int) -> Particles:
-        """Add particles born between two parents, whose mean velocity and force history they inherit.
+        """Add particles at positions of shape (M, D), with the mean velocity and force history of their two parents.
 
-        Parameters
-        ----------
-        position : ndarray, shape (M, D)
-            Where the new ones are.
-        parent, other : ndarray of int64, shape (M,)
-            Indices of the parents; the same twice for a single parent.
-        first : int
-            Identity of the first new particle.
+        `parent` and `other`, shape (M,), are the indices of the parents, the same twice for a single parent; `first` is
+        the identity of the first new particle.
         """
         newborn = len(position)
         return Particles(
@@ -121,9 +115,9 @@ class State:
     Attributes
     ----------
     particles : Particles
-        The free particles, in px of the scale that they are on.
+        The free particles, in px of their scale.
     start : ndarray, shape (M, D)
-        Where the particles began [px of the image]; every scale begins from there as well.
+        The seeds [px of the image]; every scale begins with them as well.
     shape : tuple of int
         Shape of the image.
     scale : int
@@ -131,11 +125,11 @@ class State:
     coverage : Coverage
         When particles were first on an edge in each cell of the scale.
     mesh : MeshForce or None
-        Smooth part of the Coulomb force, which serves for some steps; None before the first step of a scale.
+        Smooth part of the Coulomb force, used for some steps; None before the first step of a scale.
     step : int
-        Steps done in all.
+        Number of steps of the run.
     step_of_scale : int
-        Steps done at this scale.
+        Number of steps at this scale.
     annealed : float
         Fraction of the insertion range d_max that annealing has left.
     steering : tuple
@@ -145,11 +139,11 @@ class State:
     charges : tuple of PlacedCharge
         Placed charges of the last step.
     erased : bool
-        Whether particles have been erased since all were last set going.
+        Whether particles have been erased since all were last reactivated.
     reactivated : int
-        Step of this scale at which the particles were last set going, by its beginning or by other parameters.
+        Step of this scale at which the particles were last reactivated, by its beginning or by other parameters.
     next_identity : int
-        Identity for the next particle to be born.
+        Identity of the next particle to be inserted.
     born, deleted : int
         Particles inserted and deleted in the last step.
     epsilon : float
@@ -159,13 +153,13 @@ class State:
     moving : int
         Particles that moved by more than `equilibrium.STILL` in the last step.
     idle : int
-        Consecutive steps that covered next to no new cells at this scale.
+        Consecutive steps with next to no newly covered cells at this scale.
     quiet : int
-        Consecutive steps in which hardly anything moved, was born or was deleted.
+        Consecutive steps in which hardly any particle moved, was inserted or was deleted.
     reseedings : int
-        Times that particles have been launched beside boundaries of enclosed regions at this scale.
+        Number of reseedings beside boundaries of enclosed regions at this scale.
     stop_reason : str
-        Why the run ended, in words; empty while it goes on.
+        Why the run ended, in words; empty while it continues.
     converged : bool
         Whether it ended at rest.
     """
@@ -198,7 +192,7 @@ class State:
 
     @property
     def position(self) -> Array:
-        """Positions in px of the image itself, whatever the scale; shape (N, D)."""
+        """Positions in px of the image itself, at every scale; shape (N, D)."""
         return to_image(self.particles.position, self.scale, self.shape)
 
     @property
@@ -207,7 +201,7 @@ class State:
         return len(self.particles)
 
     def arrays(self) -> list[NDArray[Any]]:
-        """The arrays that keeping this state costs, without the start, which the states of a run have in common."""
+        """The arrays that keeping this state costs, without the start, which all states of a run share."""
         particles, mesh = self.particles, self.mesh
         return [
             *(particles.position, particles.velocity, particles.force, particles.distance, particles.identity),
@@ -216,9 +210,9 @@ class State:
         ]
 
     def resumed(self) -> State:
-        """Return this state as one that goes on, for other parameters to act on."""
+        """State as this one that continues, for other parameters to act on."""
         return replace(self, stop_reason="", converged=False, quiet=0)
 
     def stopped(self, reason: str, converged: bool = False) -> State:
-        """Return this state as the last one of its run."""
+        """State as this one, the last one of its run."""
         return replace(self, stop_reason=reason, converged=converged)

@@ -1,4 +1,4 @@
-"""Parameters: every number said once, and refused when it makes no sense."""
+"""Parameters: every number defined once, and refused when it makes no sense."""
 
 import dataclasses
 import re
@@ -67,7 +67,7 @@ def test_a_bad_value_is_refused_by_name_value_and_range(name, value):
 
 
 @given(st.floats(0, 4), st.floats(0, 99), st.floats(0.01, 1))
-def test_whatever_is_in_range_is_taken_as_it_is(beta, w1, time_step):
+def test_values_in_range_are_kept_as_they_are(beta, w1, time_step):
     parameters = Parameters(beta=beta, w1=w1, w2=w1 + 1, time_step=time_step)
     assert (parameters.beta, parameters.w1, parameters.time_step) == (beta, w1, time_step)
 

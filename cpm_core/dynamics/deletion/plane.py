@@ -14,30 +14,17 @@ from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.particles.cell_list.plane import Cells, build_cells, cells_around, row_of_cells
 
 _LEAST_CELL = 4.0
-"""Side that cells must have to be worth their memory, however near the particles that are looked for [px]."""
+"""Least side of a cell, which limits the memory however small the distance of the search [px]."""
 
 _WORTH_A_THREAD = 10_000
-"""Particles from which on a second thread makes the search faster."""
+"""Particles from which a second thread makes the search faster."""
 
 
 def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: float) -> Mask:
-    """Choose the particles that stay: of two nearer than ``d_min / 2`` the one on the weaker edge goes.
+    """Which of the particles at `positions`, shape (N, 2), stay, shape (N,), on an image of this shape.
 
-    Parameters
-    ----------
-    positions : ndarray, shape (N, 2)
-        Particles [px].
-    strength : ndarray, shape (N,)
-        Edge strength at each; among equals the earlier particle stays.
-    shape : tuple of int
-        Shape of the image.
-    d_min : float
-        Spacing [px].
-
-    Returns
-    -------
-    ndarray of bool, shape (N,)
-        Whether each stays.
+    Of two nearer than ``d_min / 2`` [px] the one on the weaker edge is deleted; with equal `strength`, shape (N,), the
+    later one.
     """
     places = np.ascontiguousarray(positions, dtype=float)
     cells = build_cells(places, shape, max(d_min, _LEAST_CELL))
@@ -45,26 +32,14 @@ def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: f
     return thinned(EdgeContact(strength, every, cells), every, d_min)
 
 
-def thinned(contact: EdgeContact, stirred: Mask, d_min: float) -> Mask:
-    """Choose the particles that stay, as `deletion` does, where only some of them have moved since that was last done.
+def thinned(contact: EdgeContact, has_moved: Mask, d_min: float) -> Mask:
+    """Which particles stay, shape (N,), by the rule of `deletion`, where only some have moved since its last use.
 
-    Parameters
-    ----------
-    contact : EdgeContact
-        Edge contact of the particles.
-    stirred : ndarray of bool, shape (N,)
-        Which of them have moved, or are new.
-    d_min : float
-        Spacing [px].
-
-    Returns
-    -------
-    ndarray of bool, shape (N,)
-        Whether each stays.
+    `has_moved`, shape (N,), marks the particles that have moved or are new.
     """
     count = len(contact.strength)
     kept = np.ones(count, np.bool_)
-    share(partial(_find_close, contact.cells, stirred, NEAR * d_min, kept), count, _WORTH_A_THREAD)
+    share(partial(_find_close, contact.cells, has_moved, NEAR * d_min, kept), count, _WORTH_A_THREAD)
     close = np.flatnonzero(~kept)
     if len(close):
         _thin(contact.cells, by_strength(close, contact.strength), NEAR * d_min, kept)
@@ -72,10 +47,10 @@ def thinned(contact: EdgeContact, stirred: Mask, d_min: float) -> Mask:
 
 
 @compiled
-def _find_close(cells: Cells, stirred: Mask, distance: float, alone: Mask, first: int, last: int) -> None:
-    """Strike out the particles that have another one nearer than a distance; of each pair at least one has moved."""
+def _find_close(cells: Cells, has_moved: Mask, distance: float, alone: Mask, first: int, last: int) -> None:
+    """Mark the particles with another one nearer than a distance as not alone; one of each pair has moved."""
     for k in range(first, last):
-        if not stirred[cells.order[k]]:
+        if not has_moved[cells.order[k]]:
             continue
         y, x = cells.y[k], cells.x[k]
         top, bottom, left, right = cells_around(cells, y, x, distance)
@@ -89,7 +64,7 @@ def _find_close(cells: Cells, stirred: Mask, distance: float, alone: Mask, first
 
 @compiled
 def _thin(cells: Cells, order: Index, distance: float, kept: Mask) -> None:
-    """Of the particles in `order` keep those that have no other nearer than a distance that is kept."""
+    """Of the particles in `order` keep those that have no kept one nearer than a distance."""
     sorted_as = np.empty(len(cells.order), np.int64)
     for k in range(len(cells.order)):
         sorted_as[cells.order[k]] = k

@@ -1,4 +1,4 @@
-"""Edge contact of the particles of a step: which of them sit on an edge, and how strong it is there."""
+"""Edge contact of the particles of a step: which of them are on an edge, and how strong it is there."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class EdgeContact:
     strength : ndarray, shape (N,)
         Edge strength at each.
     on_edge : ndarray of bool, shape (N,)
-        Which sit on an edge; see `is_on_edge`.
+        Which are on an edge; see `is_on_edge`.
     cells : Cells
         The particles sorted into cells, for neighbors up to a distance.
     """
@@ -31,16 +31,9 @@ class EdgeContact:
 
 @compiled
 def is_on_edge(squared: float, strength: float, floor: float) -> bool:
-    """Whether a particle sits on an edge: the Lorentz force is weak, and the edge strong enough.
+    """Whether a particle is on an edge: the Lorentz force is weak, and the edge strength at least `floor`.
 
-    Parameters
-    ----------
-    squared : float
-        Squared length of the interpolated Lorentz force, which is of unit size away from edges and below the gate on
-        one.
-    strength : float
-        Edge strength at the particle.
-    floor : float
-        Weakest edge strength that counts.
+    `squared` is the squared length of the interpolated Lorentz force, which is of unit size away from edges and below
+    the gate on an edge.
     """
     return squared < GATE**2 and strength >= floor

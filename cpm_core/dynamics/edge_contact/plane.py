@@ -12,7 +12,7 @@ from cpm_core.numerics.types import Array, Mask, Single
 
 
 def contact_at(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask]:
-    """Edge strength at particles, shape (N, 2), and which of them sit on an edge."""
+    """Edge strength at particles, shape (N, 2), and which of them are on an edge."""
     strength, on_edge = np.empty(len(positions)), np.empty(len(positions), np.bool_)
     _contact_at(scale_field.packed, scale_field.floor, positions, strength, on_edge)
     return strength, on_edge
@@ -26,7 +26,7 @@ def _contact_at(packed: Single, floor: float, position: Array, strength: Array, 
 
 @compiled
 def on_edge_at(packed: Single, y: float, x: float, floor: float) -> tuple[float, bool]:
-    """Edge strength at a place, and whether a particle sits on an edge there."""
+    """Edge strength at a position, and whether a particle there is on an edge."""
     place = between(packed, y, x)
     f_y, f_x, strength = component(packed, 0, place), component(packed, 1, place), component(packed, 4, place)
     return strength, is_on_edge(f_y**2 + f_x**2, strength, floor)

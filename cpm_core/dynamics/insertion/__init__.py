@@ -1,10 +1,10 @@
-"""Insertion of particles (section 3.6): two rules by which an edge is covered.
+"""Insertion of particles (section 3.6): two rules by which particles cover an edge.
 
 Between: two particles on edges at ``d_min < d <= d_min + d_max`` with nothing between them get one at their midpoint,
-as in section 3.6, if the edge goes on there and its ridge is free beside the midpoint. Ahead: a particle on an edge
-that sees the edge go on within one spacing, with no other on it, gets one there. Annealing ends the first rule; the
-second one does not depend on it and carries a front along every edge that is connected to the one it is on, through
-bends and junctions. Neither of them reaches across a barrier.
+as in section 3.6, if the edge continues there and its ridge is free beside the midpoint. Ahead: a particle on an edge
+that continues within one spacing, without other particles there, gets one there. Annealing ends the first rule; the
+second one does not depend on it and moves a front along every edge that is connected to its own, through bends and
+junctions. Neither of them reaches across a barrier.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters import Parameters
 
 STRIDE, STRIDE_ROOM = 0.9, 0.8
-"""Distance, in d_min, of a place ahead of a particle, and what it must keep from all others."""
+"""Distance, in d_min, of a position ahead of a particle, and its distance from all others."""
 
 CROWD_RANGE, CROWD = 1.5, 3
-"""Distance, in d_min, within which a place may have at most so many particles: more are two rows on one edge."""
+"""Distance, in d_min, and the largest number of particles within it around a position: more are two rows on one
+edge."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Births:
-    """New particles, shape (M, D), and the two between which each is (the same twice for a place ahead of one)."""
+    """New particles, shape (M, D), and the two parents of each (the same twice for a position ahead of one)."""
 
     position: Array
     parent: Index
@@ -32,18 +33,18 @@ class Births:
 
 
 class Search(NamedTuple):
-    """Which particles look for places in a step; all of shape (N,).
+    """Which particles search for positions in a step; all of shape (N,).
 
     Attributes
     ----------
     present : ndarray of bool
-        Which of them are still there.
+        Which have not been deleted.
     looking : ndarray of bool
-        Which of them look for places in this step.
+        Which of them search in this step.
     thorough : ndarray of bool
-        Which of those do so even if they have others on both sides along their edge.
+        Which of those search even if they have others on both sides along their edge.
     ahead : ndarray of bool
-        Which of those look ahead as well.
+        Which of those also search ahead.
     """
 
     present: Mask
@@ -53,16 +54,16 @@ class Search(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """What a place must fulfil.
+    """Conditions on a position.
 
     Attributes
     ----------
     floor : float
-        Weakest edge strength that counts.
+        Least edge strength.
     d_min, reach : float
-        Spacing, and annealed distance up to which two get one between them [px].
+        Spacing, and annealed distance up to which two particles get one between them [px].
     range : float
-        How far off particles are looked at [px].
+        Distance up to which other particles are examined [px].
     """
 
     floor: float
@@ -72,6 +73,6 @@ class Rule(NamedTuple):
 
 
 def search_range(parameters: Parameters) -> float:
-    """Distance up to which a step looks at the particles around one [px]."""
+    """Distance up to which a step examines the particles around one [px]."""
     d_min, reach = parameters.d_min, parameters.d_min + parameters.d_max
     return max(reach, 0.5 * reach + CROWD_RANGE * d_min, (STRIDE + CROWD_RANGE) * d_min)

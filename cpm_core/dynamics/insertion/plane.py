@@ -20,40 +20,40 @@ from cpm_core.particles.cell_list import cell_of
 from cpm_core.particles.cell_list.plane import Cells, cells_around, row_of_cells
 
 Place = tuple[bool, float, float, float, int]
-"""Whether it is free, where, what it must keep from all others [px], and how many are about."""
+"""Whether it is free, where, its distance from all others [px], and the number of particles around it."""
 
 _DIRECTIONS = 2.0 * np.pi * np.arange(8) / 8
 _TURNS = np.stack([np.sin(_DIRECTIONS), np.cos(_DIRECTIONS)], axis=1)
-"""Unit vectors in which a particle looks for a place ahead, in opposite pairs."""
+"""Unit vectors in which a particle searches for a position ahead, in opposite pairs."""
 
 _ALONG = 0.36
-"""Square of the part of a direction across the edge up to which it counts as along the edge."""
+"""Largest square of the part across the edge of a direction along the edge."""
 
 _FLANK = 1.6
-"""Distance, in d_min, of others on both sides along an edge between which there is no place for a stride."""
+"""Distance, in d_min, of others on both sides along an edge between which there is no position ahead."""
 
 _SLIDES, _SLIDE = 6, 1.0
-"""Times that a place is moved by the Lorentz force, and by how much of it [px]; across an edge the force falls from one
-to zero within a pixel or more, so that each move takes off a good part of the distance."""
+"""Number of times that a position is moved by the Lorentz force, and by how much of it [px]; across an edge the force
+falls from one to zero within a pixel or more, so that each move removes a good part of the distance."""
 
 _RESTING, _RESTED = 0.2, 0.1
-"""Lorentz force under which a place then counts as one to rest on, and under which it need not be moved any more."""
+"""Lorentz force under which the position is then on an edge, and under which it need not be moved any more."""
 
 _MOST_PLACES = 8
-"""Places that one particle may offer in a step."""
+"""Positions that one particle may offer in a step."""
 
 _MOST_NEAR, _NEAR_RANGE = 64, 2.75
 """Particles within a distance from one, in d_min, beyond which there is certainly no room for more."""
 
 _FULL = 1_000_000
-"""More than any number of particles: what counts where one is nearer than the room that a place must have."""
+"""More than any number of particles: the count around a position where a particle is too near."""
 
 _WORTH_A_THREAD = 400
-"""Particles from which on a second thread makes the search faster."""
+"""Particles from which a second thread makes the search faster."""
 
 
 class _Offers(NamedTuple):
-    """Places that the particles offer, up to a number M each.
+    """Positions that the particles offer, up to a number M each.
 
     Attributes
     ----------
@@ -62,11 +62,11 @@ class _Offers(NamedTuple):
     place : ndarray, shape (N, M, 2)
         Where [px].
     other : ndarray of int64, shape (N, M)
-        The second of the two particles that each place is between; the first itself for a place ahead.
+        The second of the two particles beside each position; the first itself for a position ahead.
     room : ndarray, shape (N, M)
-        What each place must keep from all others [px].
+        Distance of each position from all other particles [px].
     crowd : ndarray of int64, shape (N, M)
-        Particles about each.
+        Particles around each.
     """
 
     number: Index
@@ -79,36 +79,19 @@ class _Offers(NamedTuple):
 def insertion(
     contact: EdgeContact, search: Search, scale_field: ScaleField, d_max: float, parameters: Parameters, turn: int = 0
 ) -> Births:
-    """Find places for new particles.
+    """Find positions for new particles.
 
-    Parameters
-    ----------
-    contact : EdgeContact
-        Edge contact of the particles.
-    search : Search
-        Which of them look for places.
-    scale_field : ScaleField
-        The scale's fields.
-    d_max : float
-        Annealed insertion range [px].
-    parameters : Parameters
-        For `d_min`.
-    turn : int
-        Which pair of opposite directions is looked into besides those along the edge; they take turns.
-
-    Returns
-    -------
-    Births
-        The new particles.
+    `search` selects the particles that take part, `d_max` is the annealed insertion range [px], `turn` the pair of
+    opposite directions that is searched besides those along the edge; the pairs take turns.
     """
     count, d_min = len(contact.strength), parameters.d_min
     rule = Rule(scale_field.floor, d_min, d_min + d_max, search_range(parameters))
     room = np.empty((count, _MOST_PLACES))
     other, crowd = np.empty(room.shape, np.int64), np.empty(room.shape, np.int64)
     offers = _Offers(np.empty(count, np.int64), np.empty((*room.shape, 2)), other, room, crowd)
-    breeding, there = contact.on_edge & search.present, search.present[contact.cells.order]
+    eligible, there = contact.on_edge & search.present, search.present[contact.cells.order]
     asked = search._replace(present=there, thorough=search.thorough & search.looking)
-    seen = (contact.cells, contact.strength, asked, breeding, scale_field.packed, scale_field.barrier_map)
+    seen = (contact.cells, contact.strength, asked, eligible, scale_field.packed, scale_field.barrier_map)
     share(partial(_find_places, *seen, rule, _TURNS, turn, offers), count, _WORTH_A_THREAD)
     most = int(offers.number.sum())
     position, parents = np.empty((most, 2)), np.empty((most, 2), np.int64)
@@ -121,7 +104,7 @@ def _find_places(
     cells: Cells,
     strength: Array,
     search: Search,
-    breeding: Mask,
+    eligible: Mask,
     packed: Single,
     barrier_map: BarrierMap,
     rule: Rule,
@@ -131,8 +114,8 @@ def _find_places(
     first: int,
     last: int,
 ) -> None:
-    """Let some of the sorted particles look for places, as if no others did; `present` is in their order."""
-    # a wider range holds more of them
+    """Let some of the sorted particles search for positions, each as if alone; `present` is in their order."""
+    # a wider range contains more particles
     most = min(int(_MOST_NEAR * max(1.0, rule.range / (_NEAR_RANGE * rule.d_min)) ** 2), len(cells.order) + 1)
     near_y, near_x, index = np.empty(most + 1), np.empty(most + 1), np.empty(most + 1, np.int64)
     here, there = np.empty(2), np.empty(2)
@@ -140,7 +123,7 @@ def _find_places(
     for k in range(first, last):
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         offers.number[i] = 0
-        if not (breeding[i] and search.looking[i]):
+        if not (eligible[i] and search.looking[i]):
             continue
         if not thorough[i] and _is_flanked(cells, present, y, x, packed, _FLANK * rule.d_min):
             continue
@@ -152,7 +135,7 @@ def _find_places(
             j, far_y, far_x = i, y, x
             if n < length:
                 j, far_y, far_x = index[n], near_y[n], near_x[n]
-                if not (breeding[j] and (j > i or not thorough[j])):
+                if not (eligible[j] and (j > i or not thorough[j])):
                     continue
                 found = _halfway(near_y, near_x, length, y, x, far_y, far_x, packed, faintest, rule)
             else:
@@ -170,7 +153,7 @@ def _find_places(
 
 @compiled
 def _offer(offers: _Offers, i: int, j: int, found: Place) -> None:
-    """Add a place to those that a particle offers."""
+    """Add a position to those that a particle offers."""
     n = offers.number[i]
     offers.place[i, n, 0], offers.place[i, n, 1] = found[1], found[2]
     offers.other[i, n], offers.room[i, n], offers.crowd[i, n] = j, found[3], found[4]
@@ -190,9 +173,9 @@ def _halfway(
     faintest: float,
     rule: Rule,
 ) -> Place:
-    """Place halfway between two particles, if there is one and the ridge beside it is not another row's."""
+    """Midpoint of two particles, if it is free and the ridge beside it does not belong to another row."""
     squared = (far_y - y) ** 2 + (far_x - x) ** 2
-    keep = 0.5 * np.sqrt(squared) - 1e-9  # nothing between: none in the circle over the pair
+    keep = 0.5 * np.sqrt(squared) - 1e-9  # nothing between: no particle in the circle over the pair
     p_y, p_x, about = 0.5 * (y + far_y), 0.5 * (x + far_x), _FULL
     free = rule.d_min**2 < squared <= rule.reach**2
     if free:
@@ -217,10 +200,10 @@ def _ahead(
     faintest: float,
     rule: Rule,
 ) -> Place:
-    """Place one stride from a particle, if its edge, or one that meets it, goes on there without others."""
+    """Position one stride from a particle, if its edge, or one that meets it, continues there and is free."""
     keep, about = STRIDE_ROOM * rule.d_min, _FULL
     p_y, p_x = y + STRIDE * rule.d_min * down, x + STRIDE * rule.d_min * right
-    free = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min) < _FULL  # cheap, and hardly any direction passes
+    free = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min) < _FULL  # cheap, and few directions pass
     if free:
         free, p_y, p_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
     if free:
@@ -231,7 +214,7 @@ def _ahead(
 
 @compiled
 def _is_flanked(cells: Cells, present: Mask, y: float, x: float, packed: Single, distance: float) -> bool:
-    """Whether a particle has others on both sides along its edge, so near that there is no place ahead of it."""
+    """Whether a particle has others on both sides along its edge, so near that there is no position ahead of it."""
     at = between(packed, y, x)
     n_y, n_x = component(packed, 2, at), component(packed, 3, at)
     before, behind = 0, 0
@@ -249,7 +232,7 @@ def _is_flanked(cells: Cells, present: Mask, y: float, x: float, packed: Single,
 
 @compiled
 def _is_along(packed: Single, y: float, x: float, down: float, right: float) -> bool:
-    """Whether a direction is along the edge at a place."""
+    """Whether a direction is along the edge at a position."""
     at = between(packed, y, x)
     n_y, n_x = component(packed, 2, at), component(packed, 3, at)
     return (down * n_y + right * n_x) ** 2 <= _ALONG * (n_y**2 + n_x**2)
@@ -259,14 +242,14 @@ def _is_along(packed: Single, y: float, x: float, down: float, right: float) -> 
 def _list_near(
     cells: Cells, present: Mask, y: float, x: float, distance: float, near_y: Array, near_x: Array, index: Index
 ) -> int:
-    """List the particles around a place; return how many they are, or one less than fit in if they are more."""
+    """List the particles around a position; return how many they are, or one less than fit in if they are more."""
     length = 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):
         first, last = row_of_cells(cells, row, left, right)
         for k in range(first, last):
             near_y[length], near_x[length], index[length] = cells.y[k], cells.x[k], cells.order[k]
-            # what does not count is written over by the next one: cheaper than to guess whether it will
+            # what does not count is overwritten by the next one, which is cheaper than a branch
             counts = ((cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2 < distance**2) & present[k]
             length += counts & (length < len(near_y) - 1)
     return length
@@ -274,7 +257,7 @@ def _list_near(
 
 @compiled
 def _crowd(near_y: Array, near_x: Array, length: int, y: float, x: float, room: float, d_min: float) -> int:
-    """Particles about a place; more than any number if one is nearer than the room that the place must have."""
+    """Number of particles around a position; more than any number if one is nearer than `room`."""
     crowd = 0
     for n in range(length):
         squared = (near_y[n] - y) ** 2 + (near_x[n] - x) ** 2
@@ -285,7 +268,7 @@ def _crowd(near_y: Array, near_x: Array, length: int, y: float, x: float, room: 
 
 @compiled
 def _relax(packed: Single, faintest: float, farthest: float, y: float, x: float) -> tuple[bool, float, float]:
-    """Let a place slide along the Lorentz force; tell whether it comes to rest on an edge within reach, and where."""
+    """Let a position slide along the Lorentz force; return whether it ends on an edge within reach, and where."""
     start_y, start_x = y, x
     for slide in range(_SLIDES + 1):
         if not (0.0 <= y <= packed.shape[0] - 1.0 and 0.0 <= x <= packed.shape[1] - 1.0):
@@ -306,7 +289,7 @@ def _relax(packed: Single, faintest: float, farthest: float, y: float, x: float)
 
 @compiled
 def _occupy(cells: Cells, offers: _Offers, d_min: float, position: Array, parents: Index) -> int:
-    """Put particles on the places that are offered, in turn, as long as they keep their distance from one another."""
+    """Insert particles at the offered positions, in order, if they keep their distance from one another."""
     newest = np.full(cells.rows * cells.cols, -1, np.int64)
     earlier = np.empty(len(position), np.int64)
     born = 0

@@ -9,7 +9,7 @@ import numpy as np
 
 from cpm_core.dynamics.edge_contact.plane import on_edge_at
 from cpm_core.dynamics.equations import FADED, advance, coulomb_scale, is_stuck, repulsion_left
-from cpm_core.dynamics.integrator import ASLEEP, LONELY, REACH, Law, Moved, damped_motion
+from cpm_core.dynamics.integrator import NEIGHBOR_RANGE, REACH, REST_SPEED, Law, Moved, damped_motion
 from cpm_core.field.plane import between, component
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.numerics.jit import compiled
@@ -28,38 +28,29 @@ from cpm_core.particles.state import MEMORY, Particles, State
 Four = tuple[float, float, float, float]
 
 _PAIRS_A_NODE = 40
-"""Pairs that are summed in the time that a node of the padded mesh takes, spread over the steps that it serves for."""
+"""Pairs that are summed in the time of one node of the padded mesh, divided by the steps for which the mesh is used."""
 
 _WORTH_A_THREAD = 400
-"""Particles from which on a second thread makes the step faster."""
+"""Particles from which a second thread makes the step faster."""
 
 _FEW = 8
-"""Particles up to which it is faster to ask about each of them than about all."""
+"""Particles up to which it is faster to compute the force on each of them than on all."""
 
 
 def mesh_force_for(particles: Particles, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
-    """Mesh of a step, or none where summing all pairs is faster or no particle feels them.
+    """Mesh of a step, or none where summing all pairs is faster or the repulsion has faded for all particles.
 
-    Parameters
-    ----------
-    particles : Particles
-        Before the step.
-    idle : ndarray of int64, shape (N,)
-        Steps since cells around each were newly covered.
-    scale_field : ScaleField
-        Fields of the scale.
-    parameters : Parameters
-        For `d_min` and `d_max`.
+    `idle`, shape (N,), are the steps since cells around each particle were newly covered.
     """
     reach = REACH * (parameters.d_min + parameters.d_max)
-    feeling = np.count_nonzero(idle < FADED)
-    if feeling * len(particles) < _PAIRS_A_NODE * nodes(scale_field.shape, reach):
+    repelled = np.count_nonzero(idle < FADED)
+    if repelled * len(particles) < _PAIRS_A_NODE * nodes(scale_field.shape, reach):
         return NO_MESH
     return mesh_force(particles.position, scale_field.shape, reach)
 
 
 def mesh_force_of(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
-    """Mesh of the step after a state: the one that serves, or a new one when its time has come."""
+    """Mesh of the step after a state: the present one, or a new one every `MESH_EVERY` steps."""
     if state.step_of_scale % MESH_EVERY == 0 or state.mesh is None:
         return mesh_force_for(state.particles, idle, scale_field, parameters)
     return state.mesh
@@ -68,23 +59,8 @@ def mesh_force_of(state: State, idle: Index, scale_field: ScaleField, parameters
 def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleField, parameters: Parameters) -> Moved:
     """One time step of all particles.
 
-    Parameters
-    ----------
-    particles : Particles
-        Before the step.
-    idle : ndarray of int64, shape (N,)
-        Steps since cells around each were newly covered.
-    mesh : MeshForce
-        Smooth part of the Coulomb force.
-    scale_field : ScaleField
-        Fields of the scale.
-    parameters : Parameters
-        Obeyed at once.
-
-    Returns
-    -------
-    Moved
-        After the step.
+    `idle`, shape (N,), are the steps since cells around each were newly covered, `mesh` is the smooth part of the
+    Coulomb force. The parameters act at once.
     """
     cells = _cells(particles, mesh, scale_field.shape)
     moved, work = _prepared(particles, cells, idle, mesh, scale_field.packed, scale_field.floor, parameters)
@@ -101,29 +77,11 @@ def undamped_force(
     shape: tuple[int, ...],
     parameters: Parameters,
 ) -> Array:
-    """Force of eq. (12) on some of the particles but for the damping, with what friction leaves of it.
+    """Force of eq. (12) on some particles without the damping, reduced by friction, shape (M, 2).
 
-    Parameters
-    ----------
-    particles : Particles
-        All of them.
-    index : ndarray of int64, shape (M,)
-        Which are asked about.
-    idle : ndarray of int64, shape (N,)
-        Steps since cells around each were newly covered.
-    mesh : MeshForce
-        Smooth part of the Coulomb force.
-    packed : ndarray of float32, shape (H, W, 5)
-        Packed field on the pixels; see `ScaleField`.
-    shape : tuple of int
-        Shape of the image at the scale.
-    parameters : Parameters
-        Weights, and what the Coulomb force is normalized by.
-
-    Returns
-    -------
-    ndarray, shape (M, 2)
-        The force; of particles that are asleep that of their last step.
+    `index`, shape (M,), selects from the particles; `idle`, shape (N,), are the steps since cells around each were
+    newly covered; `packed`, shape (H, W, 5), is the packed force field of an image of this shape. The result for a
+    particle at rest is the force of its last step.
     """
     cells = _cells(particles, mesh, shape)
     moved, work = _prepared(particles, cells, idle, mesh, packed, np.inf, parameters)
@@ -152,13 +110,13 @@ def _prepared(
     floor: float,
     parameters: Parameters,
 ) -> tuple[Moved, Callable[[int, int], object]]:
-    """Where a step will be found, and what carries it out for some of the sorted particles."""
+    """Arrays for the result of a step, and the function that computes it for some of the sorted particles."""
     law = Law(
         w1=parameters.w1,
         w2=parameters.w2,
         d_min=parameters.d_min,
         dt=parameters.time_step,
-        lonely=LONELY * (parameters.d_min + parameters.d_max),
+        neighbor_range=NEIGHBOR_RANGE * (parameters.d_min + parameters.d_max),
     )
     damped = damped_motion(parameters.beta, parameters.time_step)
     moved = Moved.unset(particles)
@@ -185,12 +143,13 @@ def _move(
 ) -> None:
     """Move some of the sorted particles.
 
-    One function, although long: with the Coulomb force in one of its own, compiled or inlined, it takes 40 % longer.
+    One function, although long: with the Coulomb force in a function of its own, compiled or inlined, it takes 40 %
+    longer.
     """
     velocity, force, distance = before
     to_position, to_velocity, to_force, to_distance, motion = after
     strength, on_edge = contact
-    smooth, softening = mesh.force, mesh.softening  # to take an array out of a tuple costs too much for every particle
+    smooth, softening = mesh.force, mesh.softening  # taking an array out of a tuple is too slow for every particle
     room = len(cells.order) + LANES
     near_y, near_x, squared = np.empty(room, np.float32), np.empty(room, np.float32), np.empty(room, np.float32)
     bits = squared.view(np.int32)
@@ -203,7 +162,7 @@ def _move(
             to_distance[i, t + 1] = distance[i, t]
         to_y, to_x = y, x
         history = (force[i, 0, 0], force[i, 0, 1], force[i, 1, 0], force[i, 1, 1])
-        if left == 0.0 and v_y**2 + v_x**2 < ASLEEP**2 and not np.isnan(distance[i, MEMORY - 1]):
+        if left == 0.0 and v_y**2 + v_x**2 < REST_SPEED**2 and not np.isnan(distance[i, MEMORY - 1]):
             v_y, v_x = 0.0, 0.0
         else:
             c_y, c_x = 0.0, 0.0
@@ -212,7 +171,7 @@ def _move(
                 if row * cells.cols + col != listed:
                     listed = row * cells.cols + col
                     length, own = gather(cells, row, col, near_y, near_x)
-                # from the list: the same difference, were it rounded otherwise here, would make a particle push itself
+                # from the list: with a difference that is rounded in another way, a particle would act on itself
                 here_y, here_x = near_y[own + k], near_x[own + k]
                 c_y, c_x = pair_sum(near_y, near_x, squared, length, here_y, here_x, np.float32(mesh.reach), softening)
                 if len(smooth):
@@ -221,9 +180,9 @@ def _move(
                     )
                     c_y, c_x = c_y + far_y, c_x + far_x
                 one, other = two_nearest(squared, bits, length)
-                if other > cells.size**2:  # one outside the list may be nearer
-                    one, other = two_nearest_of_many(cells, y, x, law.lonely)
-                spacing = 0.5 * (min(np.sqrt(one), law.lonely) + min(np.sqrt(other), law.lonely))
+                if other > cells.size**2:  # a particle outside the list may be nearer
+                    one, other = two_nearest_of_many(cells, y, x, law.neighbor_range)
+                spacing = 0.5 * (min(np.sqrt(one), law.neighbor_range) + min(np.sqrt(other), law.neighbor_range))
                 scale = coulomb_scale(np.sqrt(c_y**2 + c_x**2), spacing, law.d_min)
                 c_y, c_x = c_y * scale, c_x * scale
                 c_y, c_x = left * c_y, left * c_x
@@ -272,13 +231,13 @@ def _step(
 
 @compiled
 def _across(a_y: float, a_x: float, n_y: float, n_x: float) -> tuple[float, float]:
-    """Part of a vector along the unit vector n, which is across the edge that n is normal to."""
+    """Part of a vector along the unit vector n, the normal of an edge: the part across the edge."""
     size = a_y * n_y + a_x * n_x
     return size * n_y, size * n_x
 
 
 @compiled
 def _along(a_y: float, a_x: float, n_y: float, n_x: float) -> float:
-    """Size of what `_across` takes from a vector: all of it where there is no normal."""
+    """Size of the part that `_across` removes from a vector; the whole vector where there is no normal."""
     b_y, b_x = _across(a_y, a_x, n_y, n_x)
     return float(np.sqrt((a_y - b_y) ** 2 + (a_x - b_x) ** 2))

@@ -1,4 +1,4 @@
-"""Noise: how strong it is in an image, and what is left of the image without it."""
+"""Noise: how strong it is in an image, and the image without it."""
 
 from cpm_core.image.denoising.cleaning import Cleaned, clean
 from cpm_core.image.denoising.total_variation import noise_level

@@ -1,8 +1,8 @@
-"""Averages along edges: the data that lie on the line an edge follows through a point, and not beside it.
+"""Averages along edges: over the line that an edge follows through a pixel, and not across it.
 
-What a Gaussian wins over noise by its width it loses in the place of edges. An average along them can be as long as
-they are straight or evenly bent (line integral convolution: Cabral and Leedom 1993, doi:10.1145/166117.166151; the
-direction is the structure tensor's: Weickert 1999, doi:10.1023/A:1008009714131).
+A wide Gaussian removes noise, but moves edges. An average along an edge can be as long as the edge is straight or
+evenly bent (line integral convolution: Cabral and Leedom 1993, doi:10.1145/166117.166151; the direction is that of the
+structure tensor: Weickert 1999, doi:10.1023/A:1008009714131).
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ _REACH = 3.0
 """Where the Gaussian along a line ends, in its standard deviations."""
 
 _DOUBT = 5.0
-"""Power of the coherence that is left of a weight after one standard deviation along the line."""
+"""Power of the coherence that remains of a weight after one standard deviation along the line."""
 
-_GONE = 0.02
-"""Share of a weight under which a line is not followed any further."""
+_LEAST_WEIGHT = 0.02
+"""Fraction of a weight below which a line is not followed any further."""
 
 
 class Directions(NamedTuple):
-    """Which way edges run.
+    """Directions of edges.
 
     Attributes
     ----------
     row, col : ndarray, shape (H, W)
-        Unit vector along the edge; its sign means nothing.
+        Unit vector along the edge; its sign has no meaning.
     coherence : ndarray, shape (H, W)
-        From 0, where gradients point all ways, at corners and in noise, to 1 on a straight edge.
+        From 0 at corners and in noise, where gradients have all directions, to 1 on a straight edge.
     """
 
     row: Array
@@ -42,21 +42,9 @@ class Directions(NamedTuple):
 
 
 def directions(values: Array, inner: float, outer: float) -> Directions:
-    """Directions of the edges of an image, by its structure tensor.
+    """Directions of the edges of an image, shape (H, W), by its structure tensor.
 
-    Parameters
-    ----------
-    values : ndarray, shape (H, W)
-        Image.
-    inner : float
-        Gaussian before the gradient [px].
-    outer : float
-        Gaussian over which directions agree [px].
-
-    Returns
-    -------
-    Directions
-        At each pixel.
+    `inner` is the Gaussian before the gradient, `outer` the one over which directions are averaged [px].
     """
     down, right = (
         scipy.ndimage.gaussian_filter(values, inner, order=order, mode="nearest") for order in ((1, 0), (0, 1))
@@ -71,22 +59,10 @@ def directions(values: Array, inner: float, outer: float) -> Directions:
 
 
 def averaged_along(values: Array, way: Directions, length: float) -> Array:
-    """Averages of an image along the lines that follow its edges.
+    """Averages of an image, shape (H, W), along the lines that follow its edges in the directions `way`.
 
-    Parameters
-    ----------
-    values : ndarray, shape (H, W)
-        Image, of two rows and columns at least.
-    way : Directions
-        Which way to go at each pixel.
-    length : float
-        Standard deviation of the Gaussian along a line [px]. The average is shorter where directions are in doubt, so
-        that it does not run past corners.
-
-    Returns
-    -------
-    ndarray, shape (H, W)
-        The averages.
+    `length` is the standard deviation of the Gaussian along a line [px]. The average is shorter where directions are
+    uncertain, so that it does not pass corners.
     """
     steps = np.arange(1 + int(_REACH * length))
     weights = np.exp(-0.5 * (steps / max(length, 1e-9)) ** 2)
@@ -111,7 +87,7 @@ def _follow(values: Array, down: Array, right: Array, trust: Array, weights: Arr
                         to_y, to_x = -to_y, -to_x
                     last_y, last_x = to_y, to_x
                     y, x, left = y + to_y, x + to_x, left * trust[near_y, near_x]
-                    if left < _GONE or y < 0.0 or x < 0.0 or y > rows - 1.0 or x > cols - 1.0:
+                    if left < _LEAST_WEIGHT or y < 0.0 or x < 0.0 or y > rows - 1.0 or x > cols - 1.0:
                         break
                     r, c = min(int(y), rows - 2), min(int(x), cols - 2)
                     v, u = y - r, x - c

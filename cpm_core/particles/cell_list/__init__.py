@@ -1,6 +1,6 @@
-"""Which particles are near which: a grid of cells, and the particles sorted by the cell that they lie in.
+"""Which particles are near each other: a grid of cells, and the particles sorted by cell.
 
-Cells begin at the outer rim of the first pixels, -0.5 px, along every axis. The list itself has a field for every
+Cells begin at the outer side of the first pixels, -0.5 px, along every axis. The list itself has a field for every
 coordinate, so that the loops over neighbors run on vector registers: see `plane`.
 """
 
@@ -11,5 +11,5 @@ from cpm_core.numerics.jit import compiled
 
 @compiled
 def cell_of(place: float, size: float, along: int) -> int:
-    """Cell of side `size` [px] that a coordinate lies in, of so many along the axis; the outermost ones go on."""
+    """Cell of side `size` [px] of a coordinate, of `along` cells; positions beyond belong to the outermost ones."""
     return int(min(max(int((place + 0.5) / size), 0), along - 1))

@@ -14,17 +14,17 @@ from cpm_core.particles.cell_list import cell_of
 class Cells(NamedTuple):
     """Particles sorted into square cells; a plain tuple for the compiled loops.
 
-    All that is nearer to a place than the side of a cell lies in the cell of the place and the eight around it, and
-    the particles of a row of cells lie in a row.
+    All particles nearer to a position than the side of a cell lie in its cell and the eight around it, and the
+    particles of a row of cells are contiguous.
 
     Attributes
     ----------
     size : float
         Side of a cell [px].
     rows, cols : int
-        Cells along the axes; places beyond the grid belong to its outermost cells.
+        Cells along the axes; positions beyond the grid belong to its outermost cells.
     start : ndarray of int64, shape (rows cols + 1,)
-        Where the particles of each cell begin in the sorted ones.
+        Where the particles of each cell begin in the sorted order.
     order : ndarray of int64, shape (N,)
         Index of each of the sorted particles.
     y, x : ndarray, shape (N,)
@@ -63,7 +63,7 @@ def build_cells(position: Array, shape: tuple[int, ...], size: float) -> Cells:
 
 @compiled
 def cells_around(cells: Cells, y: float, x: float, distance: float) -> tuple[int, int, int, int]:
-    """First and last row, first and last column of the cells with all that is nearer to a place than a distance."""
+    """First and last row, first and last column of the cells that contain all nearer to a position than a distance."""
     return (
         cell_of(y - distance, cells.size, cells.rows),
         cell_of(y + distance, cells.size, cells.rows),

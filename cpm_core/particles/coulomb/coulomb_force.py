@@ -1,9 +1,9 @@
-"""The Coulomb force of eq. (9), by whichever way is fastest.
+"""The Coulomb force of eq. (9), by the fastest method.
 
-The way is chosen by the number of targets M alone, for what all ways take is proportional to N beside it. Measured on
-two cores with particles 1.5 px apart along circles: a pair takes 0.31 ns in double and 0.14 ns in single precision, and
-a particle 300 to 400 ns by the tree. Up to 400 targets, asking a sample whether single precision is enough does not
-pay; from 1500 on the tree is faster than sums in single precision.
+The number of targets M decides on the method, since the time of all methods is also proportional to N. Measured on two
+cores with particles 1.5 px apart along circles: a pair takes 0.31 ns in double and 0.14 ns in single precision, and a
+particle 300 to 400 ns by the tree. Up to 400 targets it does not pay to test on a sample whether single precision is
+enough; from 1500 on the tree is faster than sums in single precision.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from cpm_core.particles.coulomb.fast_multipole import tree_force
 METHODS = ("auto", "exact", "single", "tree")
 
 _WORTH_A_SAMPLE = 400
-"""Targets from which on it pays to ask a sample whether single precision is enough: at 400, 115 us against 122 us."""
+"""Targets from which a test of single precision on a sample pays: at 400, 115 us against 122 us."""
 
 _WORTH_A_TREE = 1500
 """Targets from which on the tree is faster than single precision: at 1200, 0.58 ms against 0.44 + 0.08 ms, at 1600,
@@ -35,12 +35,12 @@ def coulomb_force(
     positions : array_like, shape (N, 2)
         Positions of the particles [px].
     method : {"auto", "exact", "single", "tree"}
-        How the sum is carried out. "exact": pair by pair in double precision. "single": pair by pair, distances in
-        double precision and the rest in single precision, in half the time; the force of each pair is right to 2e-7
-        of its size. "tree": by a fast multipole method, whose time grows in proportion to N. "auto": the fastest of
-        these that keeps the tolerance.
+        How the sum is computed. "exact": pair by pair in double precision. "single": pair by pair, distances in double
+        precision and the rest in single precision, in half the time; the error of each pair is 2e-7 of its force.
+        "tree": by a fast multipole method, whose time grows in proportion to N. "auto": the fastest of these that keeps
+        the tolerance.
     targets : array_like of int, shape (M,), optional
-        Indices of the particles whose force is wanted; all of them unless given.
+        Indices of the particles whose force is computed; by default all of them.
     tolerance : float
         Relative error that "auto" and "tree" may make: root of the sum of the squared errors of all particles over
         that of their forces. From 1e-12 to 0.1.
@@ -48,8 +48,8 @@ def coulomb_force(
     Returns
     -------
     ndarray, shape (N, 2) or (M, 2)
-        ``sum_j (r_i - r_j) / |r_i - r_j|^3``, not normalized. Particles on the very same spot do not act on each other;
-        as such count those that are nearer to one another than 1e-18 of what all of them extend over.
+        ``sum_j (r_i - r_j) / |r_i - r_j|^3``, not normalized. Particles at the same position do not act on each other;
+        this includes particles nearer to each other than 1e-18 of the extent of all.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def coulomb_force(
 
 
 def _on_unit_square(points: Array) -> tuple[Array, Array, float]:
-    """Coordinates in a unit of length in which particles extend over about one, and that unit, which rounds nothing."""
+    """Coordinates in a unit of length in which the extent of the particles is about one, and that unit, exactly."""
     y, x = points[:, 0].copy(), points[:, 1].copy()
     with np.errstate(over="ignore", invalid="ignore"):
         height, width = float(y.max() - y.min()), float(x.max() - x.min())

@@ -1,4 +1,4 @@
-"""Eq. (9) summed pair by pair, and how large forces usually are, from a sample of such sums."""
+"""Eq. (9) summed pair by pair, and the usual size of the forces, from a sample of such sums."""
 
 from __future__ import annotations
 
@@ -9,37 +9,25 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index
 
 SAME_SPOT = 1e-36
-"""Squared distance up to which two particles stand on the same spot. Such a pair, and a particle and itself, is taken
-for one that is a unit apart but for its vanishing distance, which pushes nothing; no branch then keeps the loop from
-vector registers. Positions are within some units here, where no two that are not the same are that near."""
+"""Squared distance up to which two particles are at the same position. Such a pair, and a particle with itself, counts
+as one unit apart but for its vanishing distance, so that its force vanishes; without a branch the loop runs on vector
+registers. Positions are within some units here, where no two different ones are that near."""
 
 _WORTH_A_THREAD = 100_000
-"""Pairs from which on a thread of its own pays."""
+"""Pairs from which a thread pays."""
 
 _SAMPLES, _KEPT = 32, 24
-"""Particles whose forces are looked at, and how many of them count: those with the smallest ones."""
+"""Particles of the sample, and how many of them count: those with the smallest forces."""
 
 _ROUNDING = 0.1
-"""Part of the tolerance that rounding may take."""
+"""Fraction of the tolerance that rounding may use."""
 
 
 def pair_sums(y: Array, x: Array, targets: Index, single: bool) -> Array:
-    """Force on some particles from all the others.
+    """Sums of eq. (9) for the particles `targets`, shape (M,), from all the others, shape (M, 2).
 
-    Parameters
-    ----------
-    y, x : ndarray, shape (N,)
-        Coordinates of the particles, none beyond some units from zero.
-    targets : ndarray of int64, shape (M,)
-        Indices of the particles whose force is wanted.
-    single : bool
-        Whether single precision is enough: distances are still taken in double precision, so that the force of each
-        pair is right to 2e-7 of its size wherever the particles are.
-
-    Returns
-    -------
-    ndarray, shape (M, 2)
-        Sums of eq. (9).
+    The coordinates y and x, shape (N,), are within some units from zero. With `single`, distances are still computed in
+    double precision, so that the error of each pair is 2e-7 of its force everywhere.
     """
     force = np.empty((len(targets), 2))
     least = _WORTH_A_THREAD // max(len(y), 1) + 1
@@ -68,7 +56,7 @@ def pairs_of(y: Array, x: Array, y_i: float, x_i: float, single: bool) -> tuple[
             s_x += weight * e_x
         if np.isfinite(s_y) and np.isfinite(s_x):
             return np.float64(s_y), np.float64(s_x)
-        # Another is so near that single precision has no number for its push.
+        # Another particle is so near that its force exceeds single precision.
     f_y, f_x = 0.0, 0.0
     for j in range(y.size):
         d_y, d_x = y_i - y[j], x_i - x[j]
@@ -85,24 +73,15 @@ def pairs_of(y: Array, x: Array, y_i: float, x_i: float, single: bool) -> tuple[
 
 
 def usual_force(y: Array, x: Array, tolerance: float) -> tuple[float, bool]:
-    """Size of the forces on a sample of particles, and whether single precision is enough for them.
+    """Usual size of the forces, from a sample of particles, and whether single precision is enough for them.
 
-    Parameters
-    ----------
-    y, x : ndarray, shape (N,)
-        Coordinates of the particles, on the unit square.
-    tolerance : float
-        Relative error that is allowed.
-
-    Returns
-    -------
-    tuple of float and bool
-        Root of the mean square of the forces on 32 particles without the largest quarter, so that a few that nearly
-        touch do not hide the others; and whether the sums of `pair_sums` in single precision were right there to a
-        tenth of the tolerance. They are not where most of what acts on a particle cancels, as on a ring.
+    The size is the root of the mean square of the forces on 32 particles without the largest quarter, so that a few
+    that nearly touch do not hide the others. Single precision is enough if the error of `pair_sums` there is at most a
+    tenth of the tolerance. It is not where most of the forces on a particle cancel, as on a ring. The coordinates y and
+    x, shape (N,), are on the unit square.
     """
     step = np.arange(_SAMPLES)
-    # The golden ratio keeps the sample from falling into step with a pattern of the particles.
+    # The golden ratio avoids a sample that follows a regular pattern of the particles.
     chosen = ((step + 0.618034 * step % 1.0) * len(y) / _SAMPLES).astype(np.int64)
     exact = pair_sums(y, x, chosen, single=False)
     size = (exact**2).sum(axis=1)

@@ -1,13 +1,13 @@
 """Series for the potential 1 / r of particles in a plane, up to the fourth order.
 
-What a box of particles does far away is given by its moments about its center c,
+The effect of a box of particles far away is given by its moments about its center c,
 
     M_ab = sum_j (c_y - y_j)^a (c_x - x_j)^b / (a! b!),
 
-and what far boxes do inside a box by the derivatives L_ab of their potential at its center. They belong together by
-Taylor's theorem: L_ab = sum_kl M_kl D_(a+k)(b+l), D being the derivatives of 1 / r at the vector between the centers,
-and all orders beyond the fourth being left out. A row of coefficients keeps ab at a * SIDE + b, so that the places of
-orders add like the orders themselves.
+and the effect of far boxes inside a box by the derivatives L_ab of their potential at its center. Taylor's theorem
+connects them: L_ab = sum_kl M_kl D_(a+k)(b+l), D being the derivatives of 1 / r at the vector between the centers; all
+orders beyond the fourth are left out. A row of coefficients has ab at a * SIDE + b, so that indices add like the
+orders.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ SIDE = ORDER + 1
 ROWS = SIDE * SIDE
 
 LANES = 16
-"""Far boxes that are worked on side by side; a multiple of what the vector registers hold."""
+"""Far boxes that are processed side by side; a multiple of the length of the vector registers."""
 
 INVERSE = 1.0 / np.maximum(np.arange(SIDE), 1)
 
@@ -66,10 +66,10 @@ def gather_moments(
 
 @compiled
 def add_far(box: Array, moments: Array, boxes: Index, far: Boxes, far_end: Index, local: Array, side: int) -> None:
-    """Add what is far from some boxes to the derivatives at their centers.
+    """Add the effect of the boxes that are far from some boxes to the derivatives at their centers.
 
-    The derivatives of 1 / r follow from those of the two orders below, n = a + b being theirs:
-    n r^2 D_ab = -(2 n - 1) (a y D_(a-1)b + b x D_a(b-1)) - (n - 1) (a (a - 1) D_(a-2)b + b (b - 1) D_a(b-2)).
+    The derivatives of 1 / r follow from those of the two orders below, with n = a + b: n r^2 D_ab = -(2 n - 1) (a y
+    D_(a-1)b + b x D_a(b-1)) - (n - 1) (a (a - 1) D_(a-2)b + b (b - 1) D_a(b-2)).
     """
     d, m = np.zeros(side * side * LANES), np.zeros(side * side * LANES)
     y, x, inverse = np.empty(LANES), np.empty(LANES), np.empty(LANES)
@@ -109,7 +109,7 @@ def add_far(box: Array, moments: Array, boxes: Index, far: Boxes, far_end: Index
 
 @compiled
 def hand_down(box: Array, boxes: Index, above: Index, local: Array, side: int) -> None:
-    """Add the series of the boxes above to those of some boxes, which come in the order of the tree."""
+    """Add the series of the parents of some boxes to theirs; the boxes come in the order of the tree."""
     u, v = np.ones(side), np.ones(side)
     for row in range(boxes.size):
         node, up = boxes[row], boxes[above[row]]

@@ -1,8 +1,8 @@
-"""Particles sorted into a tree of boxes, each of which holds half the particles of the one above.
+"""Particles sorted into a tree of boxes, each of which holds half the particles of its parent.
 
-Boxes are numbered from 1, those of box k being 2 k and 2 k + 1; the `leaves` boxes of the last level come last. Box k
-of a level of n boxes holds the particles from N k / n to N (k + 1) / n of the sorted ones: all that a tree needs to
-know is their order. Halving by number and not by length keeps the tree as deep for clusters as for a grid.
+Boxes are numbered from 1, and the children of box k are 2 k and 2 k + 1; the `leaves` boxes of the last level come
+last. Box k of a level of n boxes holds the particles from N k / n to N (k + 1) / n of the sorted ones: a tree only
+needs their order. Halving by number and not by length keeps the tree as deep for clusters as for a grid.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ TOP = 3
 """Level whose boxes are shared among the cores."""
 
 _WORTH_A_THREAD = 1000
-"""Particles from which on a thread of its own pays."""
+"""Particles from which a thread pays."""
 
 
 class Tree(NamedTuple):
@@ -30,7 +30,7 @@ class Tree(NamedTuple):
     y, x : ndarray, shape (N,)
         Coordinates of the particles in the order of the tree.
     order : ndarray of int64, shape (N,)
-        Which particle each of them is.
+        Index of each of them.
     box : ndarray, shape (2 leaves, 4)
         Center and radius of every box, and how many particles it holds; the first row is not used.
     depth : int
@@ -44,7 +44,7 @@ class Tree(NamedTuple):
     depth: int
 
 
-def plant(y: Array, x: Array, fullest: int) -> Tree:
+def build_tree(y: Array, x: Array, fullest: int) -> Tree:
     """Sort particles into a tree whose leaves hold at most `fullest` of them."""
     depth = 0
     while len(y) > fullest << depth:
@@ -76,7 +76,7 @@ def flag_boxes(tree: Tree, wanted: Index | None) -> Mask:
 
 @compiled
 def _split(points: Array, order: Index, box: Array, first: int, last: int, level: int, end_level: int) -> None:
-    """Measure and halve the boxes `first` to `last` - 1 of a level, and those below them down to another level."""
+    """Measure and halve the boxes `first` to `last` - 1 of a level, and those below down to another one."""
     total, deepest = order.size, box.shape[0] // 2
     for down in range(end_level - level):
         for node in range(first << down, last << down):

@@ -1,9 +1,9 @@
 """Coverage: where and when particles have first been on an edge.
 
-The number of particles does not tell growth, for they crowd together and thin out again. The number of cells of the
-image that they have been in does: it can only rise and is bounded. Particles without newly covered cells around them
-for a while are brought to rest, each neighborhood by itself, so that every run ends and a front far away keeps no
-others awake.
+The number of particles does not measure progress: particles gather and are deleted again. The number of covered cells
+of the image does: it can only rise and is bounded. Particles without newly covered cells around them for some steps are
+brought to rest, each neighborhood separately, so that every run ends and a distant front does not keep the others
+moving.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from cpm_core.particles.cell_list import cell_of
 Steps = NDArray[np.int32]
 
 CELL = 4.0
-"""Side of the cells by which coverage is counted [px]."""
+"""Side of the cells of the coverage [px]."""
 
 REACH = 4
-"""Cells to each side for which a newly covered cell is news."""
+"""Cells to each side within which a newly covered cell counts as near."""
 
 NEVER = -1
 
@@ -34,9 +34,9 @@ class Coverage(NamedTuple):
     Attributes
     ----------
     found : ndarray of int32, shape (\*cells)
-        Step of the first visit of every cell, -1 for none.
+        Step at which each cell was first covered, -1 for never.
     latest : ndarray of int32, shape (\*cells)
-        Step of the latest first visit among the cells around each, -1 for none.
+        Latest such step among the cells around each, -1 for never.
     """
 
     found: Steps
@@ -44,7 +44,7 @@ class Coverage(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Cells visited so far."""
+        """Number of covered cells."""
         return int(np.count_nonzero(self.found != NEVER))
 
 
@@ -55,12 +55,12 @@ def no_coverage(shape: tuple[int, ...]) -> Coverage:
 
 
 def renewed(coverage: Coverage, step: int) -> Coverage:
-    """Coverage as if all cells visited had just been covered, at the step now."""
+    """Coverage as if all covered cells had been newly covered at this step."""
     return Coverage(*(np.where(cells == NEVER, NEVER, step).astype(np.int32) for cells in coverage))
 
 
 def renewed_near(coverage: Coverage, places: Array, reach: float, step: int) -> Coverage:
-    """Coverage as if there were news in all cells within reach of places, shape (K, D) [px], at the step now."""
+    """Coverage as if all cells within reach of positions, shape (K, D) [px], were near a newly covered cell."""
     latest = coverage.latest.copy()
     for place in places:
         parts, away = [], []

@@ -1,4 +1,4 @@
-"""The coverage of an image of rows and columns: visits that particles make, and how long ago the last news was."""
+"""The coverage of an image of rows and columns: newly covered cells, and the steps since the last one."""
 
 from __future__ import annotations
 
@@ -11,25 +11,10 @@ from cpm_core.particles.coverage import CELL, NEVER, REACH, Coverage, Steps
 
 
 def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tuple[Coverage, int]:
-    """Mark the cells of particles on edges as visited.
+    """Mark the cells of particles on edges as covered at a step.
 
-    Parameters
-    ----------
-    coverage : Coverage
-        Before.
-    positions : ndarray, shape (N, 2)
-        The particles [px].
-    on_edge : ndarray of bool, shape (N,)
-        Which of them sit on an edge.
-    step : int
-        The step now.
-
-    Returns
-    -------
-    coverage : Coverage
-        With these visits; the same one if no cell was new.
-    new : int
-        Cells visited for the first time.
+    `positions`, shape (N, 2) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
+    coverage after it, the same one if no cell is new, and the number of newly covered cells.
     """
     if not _count_fresh(coverage.found, positions, on_edge):
         return coverage, 0
@@ -52,14 +37,14 @@ def _idle_at(latest: Steps, position: Array, step: int, elsewhere: int, idle: In
 
 @compiled
 def idle_steps(latest: Steps, y: float, x: float, step: int, elsewhere: int) -> int:
-    """Steps since cells around a place [px] were newly covered; `elsewhere` for a place far from all covered ones."""
+    """Steps since cells around a position [px] were newly covered; `elsewhere` far from all covered cells."""
     newest = latest[cell_of(y, CELL, latest.shape[0]), cell_of(x, CELL, latest.shape[1])]
     return elsewhere if newest == NEVER else step - newest
 
 
 @compiled
 def _count_fresh(found: Steps, position: Array, on_edge: Mask) -> int:
-    """Particles on an edge in cells that have not been visited."""
+    """Particles on an edge in cells that are not covered."""
     fresh = 0
     for i in range(len(position)):
         row, col = cell_of(position[i, 0], CELL, found.shape[0]), cell_of(position[i, 1], CELL, found.shape[1])
@@ -69,7 +54,7 @@ def _count_fresh(found: Steps, position: Array, on_edge: Mask) -> int:
 
 @compiled
 def _mark(coverage: Coverage, position: Array, on_edge: Mask, step: int) -> int:
-    """Mark the visits in place and return how many cells they are."""
+    """Mark the covered cells in place and return how many are new."""
     found, latest = coverage.found, coverage.latest
     new = 0
     for i in range(len(position)):

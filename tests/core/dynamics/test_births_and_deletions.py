@@ -19,13 +19,13 @@ from cpm_core.field.scale_field import build_scale_field
 from cpm_core.numerics import parallel
 from cpm_core.particles.state import Particles
 
-from ..moving import cloud, even_scale_field, survey
-from ..moving import crowds as crowded
 from ..scenes import disk, ring
+from .moving import cloud, edge_contact, even_scale_field
+from .moving import crowds as crowded
 
 SHAPE = (40, 48)
 EDGE = 21.3
-"""Column of the upright edge that the insertion tests stand on."""
+"""Column of the upright edge in the insertion tests."""
 
 
 def upright(contrast=100.0):
@@ -40,7 +40,7 @@ def edge():
 
 
 def apart(points):
-    """Distances of all pairs, and infinity to oneself."""
+    """Distances of all pairs, infinite for each with itself."""
     distance = np.linalg.norm(points[:, None] - points, axis=2)
     np.fill_diagonal(distance, np.inf)
     return distance
@@ -79,7 +79,7 @@ class TestInsertion:
         share = np.clip(np.arange(shape[-1]) + 0.5 - EDGE, 0.0, 1.0)
         scale_field = build_scale_field(np.broadcast_to(100.0 * share, shape).copy(), 1.0, 0.0)
         parameters = Parameters(d_max=max(d_max, 3.0))
-        contact, every = survey(points, scale_field, search_range(parameters)), np.ones(len(points), bool)
+        contact, every = edge_contact(points, scale_field, search_range(parameters)), np.ones(len(points), bool)
         search = Search(every, every, every, ahead & every)
         return contact, kernels.insertion(contact, search, scale_field, d_max, parameters)
 
@@ -135,28 +135,29 @@ def test_deletion_keeps_the_one_on_the_stronger_edge_and_the_earlier_of_equals()
 
 @settings(max_examples=40, deadline=None)
 @given(crowds, crowds, st.integers(0, 10**6))
-def test_among_those_at_rest_who_have_been_thinned_only_the_stirred_need_be_looked_at(points, more, seed):
+def test_among_thinned_particles_only_those_that_have_moved_need_a_search(points, more, seed):
     strength = np.random.default_rng(seed).integers(0, 4, len(points) + len(more)).astype(float)
     rest = deletion(points, strength[: len(points)], SHAPE, 2.0)
-    everybody = np.concatenate([points[rest], more])
+    every = np.concatenate([points[rest], more])
     strength = np.concatenate([strength[: len(points)][rest], strength[len(points) :]])
-    stirred = np.arange(len(everybody)) >= rest.sum()
+    has_moved = np.arange(len(every)) >= rest.sum()
     contact = replace(
-        survey(everybody, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=strength
+        edge_contact(every, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=strength
     )
-    truth = deletion(everybody, strength, SHAPE, 2.0)
-    np.testing.assert_array_equal(thinned(contact, stirred, 2.0), truth)
+    truth = deletion(every, strength, SHAPE, 2.0)
+    np.testing.assert_array_equal(thinned(contact, has_moved, 2.0), truth)
 
 
 @pytest.mark.parametrize("distance", [0.25, 0.6, 0.99, 1.01])
-def test_neither_of_two_too_near_has_to_have_moved_first(distance):
+def test_of_two_too_near_either_one_may_have_moved(distance):
     """It is enough that one of them has, whichever it is."""
     pair = np.array([(10.0, 10.0), (10.0, 10.0 + distance)])
     contact = replace(
-        survey(pair, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=np.array([1.0, 2.0])
+        edge_contact(pair, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())),
+        strength=np.array([1.0, 2.0]),
     )
-    for stirred in ([True, False], [False, True], [True, True]):
-        assert thinned(contact, np.array(stirred), 2.0).tolist() == [distance > 1.0, True]
+    for has_moved in ([True, False], [False, True], [True, True]):
+        assert thinned(contact, np.array(has_moved), 2.0).tolist() == [distance > 1.0, True]
 
 
 @pytest.mark.parametrize(
@@ -171,14 +172,14 @@ def test_neither_of_two_too_near_has_to_have_moved_first(distance):
     ],
     ids=str,
 )
-def test_a_seat_asks_for_a_weak_force_and_an_edge_that_is_strong_enough(lorentz, strength, on_edge):
+def test_edge_contact_needs_a_weak_force_and_an_edge_that_is_strong_enough(lorentz, strength, on_edge):
     scale_field = even_scale_field((20, 30), lorentz, strength=strength, floor=2.0)
     points = np.array([(3.2, 4.7), (10.0, 29.5), (-0.5, -0.5)])
     assert contact_at(points, scale_field)[1].tolist() == [on_edge] * 3
-    assert survey(points, scale_field, search_range(Parameters())).on_edge.tolist() == [on_edge] * 3
+    assert edge_contact(points, scale_field, search_range(Parameters())).on_edge.tolist() == [on_edge] * 3
 
 
-def test_seats_are_told_by_the_field_between_the_pixels(edge):
+def test_edge_contact_follows_the_field_between_the_pixels(edge):
     points = np.random.default_rng(0).uniform(-0.5, 39.5, (2000, 2))
     force = np.hypot(*interpolate(edge.lorentz, points).T)
     strength = edge.strength(points)
@@ -186,7 +187,7 @@ def test_seats_are_told_by_the_field_between_the_pixels(edge):
     truth = (force < 0.93) & (strength >= edge.floor)
     assert 50 < truth.sum() < 1000
     np.testing.assert_array_equal(contact_at(points, edge)[1][clear], truth[clear])
-    contact = survey(points, edge, search_range(Parameters()))
+    contact = edge_contact(points, edge, search_range(Parameters()))
     np.testing.assert_array_equal(contact.on_edge, contact_at(points, edge)[1])
     np.testing.assert_allclose(contact.strength, strength, rtol=1e-6, atol=1e-6 * edge.strongest)
 
@@ -204,19 +205,19 @@ def births_of(
     d_min=2.0,
     **parameters,
 ):
-    """New particles of those at some points; all sit, look for places and are there unless told otherwise."""
+    """New particles of those at some points; all are on an edge, search and are present unless given otherwise."""
     points = np.array(points, dtype=float).reshape(-1, 2)
     asked = Parameters(d_min=d_min, d_max=max(d_max, 3.0), **parameters)
     masks = (on_edge, looking, ahead, present, thorough)
-    contact_at, lookers, scouts, there, careful = (
+    contact_at, searching, searching_ahead, there, careful = (
         np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy() for mask in masks
     )
-    contact = replace(survey(points, scale_field, search_range(asked)), on_edge=contact_at)
-    return insertion(contact, Search(there, lookers, careful, scouts), scale_field, d_max, asked, turn)
+    contact = replace(edge_contact(points, scale_field, search_range(asked)), on_edge=contact_at)
+    return insertion(contact, Search(there, searching, careful, searching_ahead), scale_field, d_max, asked, turn)
 
 
 def births_between(scale_field, points, d_max=3.0, on_edge=True, d_min=2.0):
-    """New particles by the rule for pairs alone: nobody looks ahead."""
+    """New particles by the rule for pairs alone: no particle searches ahead."""
     return births_of(scale_field, points, d_max, on_edge, ahead=False, d_min=d_min)
 
 
@@ -241,7 +242,7 @@ def test_range_shrinks_with_annealing_and_grows_with_d_min(edge):
 
 
 @pytest.mark.parametrize("on_edge", [(True, False), (False, True), (False, False)], ids=str)
-def test_a_pair_of_which_one_does_not_sit_gets_none(edge, on_edge):
+def test_a_pair_of_which_one_is_off_the_edge_gets_none(edge, on_edge):
     assert len(births_between(edge, [(15.0, EDGE), (18.0, EDGE)], on_edge=on_edge).position) == 0
 
 
@@ -268,7 +269,7 @@ def test_a_chain_gets_one_particle_in_every_gap(edge):
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.floats(2.3, 8.0), min_size=1, max_size=5), st.floats(0.4, 5.0))
-def test_gaps_within_range_breed_and_no_others(edge, gaps, d_max):
+def test_gaps_within_range_are_filled_and_no_others(edge, gaps, d_max):
     rows = 0.5 + np.cumsum([0.0, *gaps])
     births = births_between(edge, np.stack([rows, np.full(len(rows), EDGE)], axis=1), d_max=d_max)
     gaps = np.diff(rows)
@@ -279,7 +280,7 @@ def test_gaps_within_range_breed_and_no_others(edge, gaps, d_max):
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.floats(0.0, 39.0), min_size=2, max_size=25, unique=True), st.floats(0.0, 3.0))
-def test_newborn_lie_midway_between_parents_within_range_and_apart_from_everybody(edge, rows, d_max):
+def test_new_particles_are_midway_between_parents_within_range_and_apart_from_all(edge, rows, d_max):
     points = np.stack([np.array(rows), np.full(len(rows), EDGE)], axis=1)
     births = births_between(edge, points, d_max=d_max)
     one, other = points[births.parent], points[births.other]
@@ -291,14 +292,14 @@ def test_newborn_lie_midway_between_parents_within_range_and_apart_from_everybod
 
 
 def grown(scale_field, start, rounds, d_min=2.0):
-    """Particles after rounds of births from those at `start`, all of whom sit and look ahead."""
+    """Particles after rounds of insertion from those at `start`, all of them on an edge and searching ahead."""
     points = np.array(start, dtype=float)
     for _ in range(rounds):
         points = np.concatenate([points, births_of(scale_field, points, d_max=0.0, d_min=d_min).position])
     return points
 
 
-def test_a_particle_breeds_along_an_edge_in_both_directions(edge):
+def test_insertion_continues_along_an_edge_in_both_directions(edge):
     row = 20.0
     newborn = grown(edge, [(row, EDGE)], 1)[1:]
     assert newborn[:, 0].min() < row - 1.0
@@ -327,7 +328,7 @@ def test_a_front_goes_all_the_way_round_a_disk(angle):
     assert len(again) == len(points)
 
 
-def test_nothing_breeds_on_an_edge_below_the_floor():
+def test_no_particle_is_inserted_on_an_edge_below_the_floor():
     """Two upright edges: beside one of full contrast, one of 5 percent counts as none."""
     image = upright()
     image[:, 40:] += 5.0
@@ -345,23 +346,23 @@ def test_a_front_stops_where_the_edge_fades():
 
 
 @pytest.mark.parametrize("missing", ["on_edge", "looking", "ahead", "present"])
-def test_nobody_looks_ahead_who_is_not_asked_to(edge, missing):
+def test_no_particle_searches_ahead_unless_selected(edge, missing):
     assert len(births_of(edge, [(20.0, EDGE)]).position) > 1
     assert len(births_of(edge, [(20.0, EDGE)], **{missing: False}).position) == 0
 
 
 @pytest.mark.parametrize("looking", [(True, False), (False, True), (True, True)], ids=str)
-def test_one_of_a_pair_that_looks_is_enough_and_two_make_no_second(edge, looking):
+def test_one_of_a_pair_that_searches_is_enough_and_two_make_no_second(edge, looking):
     births = births_of(edge, [(15.0, EDGE), (18.6, EDGE)], looking=looking, ahead=False)
     np.testing.assert_allclose(births.position, [(16.8, EDGE)], atol=1e-12)
     assert sorted([*births.parent, *births.other]) == [0, 1]
 
 
-def test_nobody_is_born_of_a_pair_that_does_not_look(edge):
+def test_a_pair_that_does_not_search_gets_no_particle(edge):
     assert len(births_of(edge, [(15.0, EDGE), (18.6, EDGE)], looking=False).position) == 0
 
 
-def test_who_has_gone_is_no_parent_and_in_nobodys_way(edge):
+def test_a_deleted_particle_is_no_parent_and_blocks_no_position(edge):
     points = [(15.0, EDGE), (16.9, EDGE), (18.6, EDGE)]
     assert len(births_of(edge, points, ahead=False).position) == 0
     births = births_of(edge, points, ahead=False, present=(True, False, True))
@@ -369,7 +370,7 @@ def test_who_has_gone_is_no_parent_and_in_nobodys_way(edge):
     assert len(births_of(edge, points, ahead=False, present=(True, False, False)).position) == 0
 
 
-def test_nobody_breeds_across_a_barrier():
+def test_no_particle_is_inserted_across_a_barrier():
     """Neither between two on both sides of it, nor ahead."""
     scale_field = build_scale_field(upright(), 1.0, 0.0, Regions(barriers=(((20.2, 0.0), (20.2, 47.0)),)))
     assert len(births_of(scale_field, [(19.0, EDGE), (22.0, EDGE)], ahead=False).position) == 0
@@ -394,7 +395,7 @@ def on_the_ring(seed, count=120):
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 10**6), st.integers(5, 150), st.floats(0.0, 6.0))
-def test_the_newborn_keep_their_room_from_everybody_and_from_each_other(curved, seed, count, d_max):
+def test_new_particles_keep_their_distance_from_all_and_from_each_other(curved, seed, count, d_max):
     """Half the distance of two parents, or 0.8 d_min ahead of one; and no more than three are within 1.5 d_min."""
     points = on_the_ring(seed, count)
     births = births_of(curved, points, d_max=d_max)
@@ -439,20 +440,23 @@ def test_a_gap_is_filled_however_many_particles_are_within_the_range(edge, d_min
 
 
 @pytest.mark.parametrize(("d_min", "d_max"), [(2.0, 3.0), (0.5, 0.0), (5.0, 0.0), (1.0, 30.0)])
-def test_cells_reach_as_far_as_a_step_looks(d_min, d_max):
-    """To the other one of a pair, and from a place for a newborn to all that might crowd it."""
+def test_cells_reach_as_far_as_a_step_searches(d_min, d_max):
+    """To the other one of a pair, and from the position of a new particle to all around it."""
     parameters = Parameters(d_min=d_min, d_max=d_max)
     reach = search_range(parameters)
     assert reach >= d_min + d_max
     assert reach >= 0.5 * (d_min + d_max) + 1.5 * d_min
     assert reach >= (0.9 + 1.5) * d_min
-    assert survey(np.zeros((1, 2)), even_scale_field(SHAPE, (0.0, 0.0)), search_range(parameters)).cells.size >= reach
+    assert (
+        edge_contact(np.zeros((1, 2)), even_scale_field(SHAPE, (0.0, 0.0)), search_range(parameters)).cells.size
+        >= reach
+    )
 
 
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.floats(3.01, 8.0), min_size=1, max_size=5), st.integers(0, 10**6))
-def test_the_order_of_the_particles_does_not_matter_where_nobody_vies_for_a_place(edge, gaps, seed):
-    """Midpoints less than 3 px apart count in one another's crowd, so that who comes first may shut the other out."""
+def test_the_order_of_the_particles_does_not_matter_without_conflicts(edge, gaps, seed):
+    """Midpoints less than 3 px apart count as near each other, so that the first may exclude the other."""
     rows = 0.5 + np.cumsum([0.0, *gaps])
     points = np.stack([rows, np.full(len(rows), EDGE)], axis=1)
     order = np.random.default_rng(seed).permutation(len(points))
@@ -471,7 +475,7 @@ def test_births_and_deletions_are_the_same_bits_at_every_call_and_on_any_number_
     found = []
     for cores in (1, 2, 3, 3):
         monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
-        contact = survey(points, scale_field, search_range(Parameters()))
+        contact = edge_contact(points, scale_field, search_range(Parameters()))
         kept = thinned(contact, np.ones(len(points), bool), 2.0)
         births = births_of(scale_field, points, present=kept)
         arrays = (contact.strength, contact.on_edge, kept, births.position, births.parent, births.other)
@@ -488,7 +492,7 @@ def parents(count=6, first=10):
     )
 
 
-def test_the_newborn_inherit_the_mean_motion_of_their_parents():
+def test_new_particles_inherit_the_mean_motion_of_their_parents():
     old = parents()
     one, other = np.array([0, 2, 5]), np.array([1, 2, 3])
     place = np.array([(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)])
@@ -541,7 +545,7 @@ def test_particles_at_rest_have_no_motion_and_a_copy_of_their_places():
     assert rest.identity.tolist() == [5, 6]
 
 
-def test_who_has_others_on_both_sides_looks_only_if_thorough(edge):
+def test_a_flanked_particle_searches_only_if_thorough(edge):
     chain = [(15.0, EDGE), (18.0, EDGE), (21.0, EDGE)]
     middle = (False, True, False)
     assert len(births_of(edge, chain, looking=middle, thorough=False).position) == 0
@@ -551,7 +555,7 @@ def test_who_has_others_on_both_sides_looks_only_if_thorough(edge):
 
 
 def test_directions_that_are_not_along_the_edge_take_turns():
-    """Where there is room everywhere but along the edge, which others have taken: across it and aslant in turn."""
+    """Where there is room everywhere but along the edge, which others have taken: across it and diagonally in turn."""
     scale_field = even_scale_field(SHAPE, (0.0, 0.0), (1.0, 0.0), 1.0, 0.5)
     points = [(20.0, 20.0), (20.0, 23.0), (20.0, 17.0)]
     for turn in range(8):

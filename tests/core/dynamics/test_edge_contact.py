@@ -11,7 +11,7 @@ from scipy.ndimage import map_coordinates
 from cpm_core.dynamics.edge_contact import is_on_edge, plane
 from cpm_core.field.scale_field import GATE
 
-from ..moving import cloud, even_scale_field
+from .moving import cloud, even_scale_field
 
 FLOOR = 2.0
 

@@ -13,7 +13,7 @@ from cpm_core.dynamics.equations import LATEST, coulomb_scale, damped_series, da
 
 
 class Moving:
-    """Particles, of which every coordinate moves by itself, that have felt `history`: the last force and the one
+    """Particles, of which every coordinate moves by itself, with the force `history`: the last force and the one
     before."""
 
     def __init__(self, position, velocity=None, history=None):
@@ -213,8 +213,8 @@ def test_damping_is_beta_at_first_and_never_falls(beta):
 
 
 @pytest.mark.parametrize("beta", [0.0, 0.05, 0.8])
-def test_damping_stays_as_it_is_after_the_latest_step_that_counts(beta):
-    """Whoever keeps a table of it need not go further; up to there it does change, once the repulsion is gone."""
+def test_damping_is_constant_after_the_latest_step_that_counts(beta):
+    """A table of it needs no more steps; up to there it changes, once no repulsion is left."""
     assert damping(beta, LATEST) == damping(beta, LATEST + 1) == damping(beta, 10**6)
     assert damping(beta, LATEST - 1) < damping(beta, LATEST)
 
@@ -232,7 +232,7 @@ def test_friction_that_holds_holds_whatever_is_slower_pulled_less_or_idle_for_lo
         assert is_stuck(pull, 0.5 * speed, w1, idle)
         assert is_stuck(pull, speed, 2.0 * w1, idle)
         assert is_stuck(pull, speed, w1, idle + 20)
-    # forces are told in units of w1
+    # forces are in units of w1
     assert is_stuck(pull, speed, w1, idle) == is_stuck(4.0 * pull, speed, 4.0 * w1, idle)
 
 

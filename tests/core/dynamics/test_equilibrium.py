@@ -76,7 +76,7 @@ def test_an_unknown_epsilon_is_no_quiet():
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 100), st.integers(0, 10**5))
-def test_nothing_new_is_idle_and_more_news_never_more_idle(new, coverage):
+def test_no_new_cell_is_idle_and_more_are_never_more_idle(new, coverage):
     assert is_idle(0, coverage)
     if is_idle(new, coverage):
         assert is_idle(new // 2, coverage)

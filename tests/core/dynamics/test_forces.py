@@ -7,12 +7,12 @@ import pytest
 
 from cpm_core import Engine, Forces, Parameters, PlacedCharge, circle
 from cpm_core.dynamics.equations import damping, repulsion_left
+from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.potential import convolved_potential
 from cpm_core.segmentation.completion import idle_steps_of
 
-from ..moving import repulsion
 from ..scenes import antialiased, disk
+from .moving import repulsion
 
 PARAMETERS = Parameters(scales=2)
 SCENE = disk((64, 60), (31.4, 29.7), 17.0)
@@ -52,10 +52,10 @@ def test_the_forces_are_those_that_a_step_applies(engine, states):
     for state in scales_of(states):
         forces = engine.forces(state, PARAMETERS, CHARGES)
         moved, old = after(engine, state)
-        awake = np.any(moved.velocity != 0.0, axis=1)
+        moving = np.any(moved.velocity != 0.0, axis=1)
         undamped = (forces.total - forces.damping)[old]
-        np.testing.assert_allclose(undamped[awake], moved.force[awake, 0], atol=1e-12)
-        assert not forces.total[old][~awake].any()
+        np.testing.assert_allclose(undamped[moving], moved.force[moving, 0], atol=1e-12)
+        assert not forces.total[old][~moving].any()
         held += int((np.abs(forces.friction).max(axis=1) > 1e-3).sum())
     assert held > 100
 
@@ -88,8 +88,8 @@ def test_the_forces_are_those_of_eq_12(engine, states):
         np.testing.assert_allclose(forces.coulomb, w1 * left * repulsion(position, PARAMETERS), atol=PAIRS)
         np.testing.assert_allclose(forces.lorentz, w2 * interpolate(alone, position), atol=1e-5)
         np.testing.assert_allclose(forces.placed, w2 * interpolate(both - alone, position), atol=1e-5)
-        asleep = ~forces.total.any(axis=1)
-        np.testing.assert_allclose(forces.damping[~asleep], (-beta * velocity)[~asleep], rtol=1e-12)
+        at_rest = ~forces.total.any(axis=1)
+        np.testing.assert_allclose(forces.damping[~at_rest], (-beta * velocity)[~at_rest], rtol=1e-12)
         parts = sum(getattr(forces, name) for name in NAMES[:-1])
         np.testing.assert_array_equal(forces.total, parts)
 

@@ -1,4 +1,4 @@
-"""One compiled step of all particles, against eq. (12)-(15) in double precision on hand-made levels."""
+"""One compiled step of all particles, against eq. (12)-(15) in double precision on hand-made scale fields."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -11,19 +11,19 @@ from hypothesis import strategies as st
 from cpm_core import Parameters
 from cpm_core.dynamics.edge_contact.plane import contact_at
 from cpm_core.dynamics.equations import damped_series, damping, is_stuck, repulsion_left
-from cpm_core.dynamics.integrator import Moved, is_asleep, plane
+from cpm_core.dynamics.integrator import Moved, is_at_rest, plane
 from cpm_core.dynamics.integrator.plane import mesh_force_for, move
 from cpm_core.field.scale_field import GATE, build_scale_field
 from cpm_core.numerics import parallel
 from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force
 from cpm_core.particles.state import MEMORY, Particles
 
-from ..moving import coulomb, even_scale_field, repulsion, spacing, survey
-from ..moving import crowds as crowded
+from .moving import coulomb, edge_contact, even_scale_field, repulsion, spacing
+from .moving import crowds as crowded
 
 SHAPE = (70, 90)
 LORENTZ = (0.6, -0.8)
-"""Of unit size: nobody sits on an edge, and there is no friction."""
+"""Of unit size: no particle is on an edge, and there is no friction."""
 
 DEFAULT = Parameters()
 SINGLE = 2e-4
@@ -31,7 +31,7 @@ SINGLE = 2e-4
 
 
 def moved(points, parameters=DEFAULT, mesh=NO_MESH, shape=SHAPE, scale_field=None, idle=0):
-    """Particles, given as such or by their places, after a step; `idle` steps after there was news around each."""
+    """Particles, or those at some positions, after a step; `idle` steps after cells around each were newly covered."""
     particles = points if isinstance(points, Particles) else Particles.at_rest(points)
     scale_field = scale_field or even_scale_field(shape, LORENTZ)
     after = move(particles, np.full(len(particles), idle), mesh, scale_field, parameters)
@@ -48,7 +48,7 @@ def cloud(count, seed=0, shape=SHAPE):
     return np.random.default_rng(seed).uniform(-0.5, np.array(shape) - 0.5, (count, len(shape)))
 
 
-def without_off_edge(points, seed=0, speed=0.5):
+def aged(points, seed=0, speed=0.5):
     """Particles that have been there for long, with motion and history."""
     rng = np.random.default_rng(seed)
     count, dimension = np.shape(points)
@@ -73,9 +73,9 @@ class TestIntegrator:
     @settings(max_examples=40, deadline=None)
     @given(seed=st.integers(0, 10**6), beta=st.sampled_from([0.0, 0.8]), w1=st.sampled_from([0.4, 1.6]))
     def test_a_step_is_eq_12_14_and_15_under_the_force_of_all_pairs(self, kernels, shape, seed, beta, w1):
-        """Where the Lorentz force is of unit size, and there is no friction; each with its own steps without news."""
+        """Where the Lorentz force is of unit size, and there is no friction; each with its own idle steps."""
         rng, parameters = np.random.default_rng(seed), Parameters(beta=beta, w1=w1, time_step=0.3)
-        before = without_off_edge(crowded(shape, seed), seed)
+        before = aged(crowded(shape, seed), seed)
         idle, lorentz = rng.integers(0, 90, len(before)), rng.normal(size=len(shape))
         lorentz /= np.linalg.norm(lorentz)
         after = self.stepped(kernels, shape, before, idle, parameters, lorentz)
@@ -93,14 +93,14 @@ class TestIntegrator:
         )
         np.testing.assert_allclose(after.motion, np.linalg.norm(position - before.position, axis=1), atol=1e-12)
 
-    def test_those_asleep_stay_and_no_others(self, kernels, shape):
-        before, idle = without_off_edge(cloud(80, 1, shape), speed=0.0), np.repeat([20, 100], 40)
+    def test_particles_at_rest_stay_and_no_others(self, kernels, shape):
+        before, idle = aged(cloud(80, 1, shape), speed=0.0), np.repeat([20, 100], 40)
         before.velocity[::3] = 0.01
         before.distance[::5, -1] = np.nan
-        asleep = is_asleep(before, idle)
-        np.testing.assert_array_equal(asleep, (idle == 100) & (np.arange(80) % 3 > 0) & (np.arange(80) % 5 > 0))
+        at_rest = is_at_rest(before, idle)
+        np.testing.assert_array_equal(at_rest, (idle == 100) & (np.arange(80) % 3 > 0) & (np.arange(80) % 5 > 0))
         after = self.stepped(kernels, shape, before, idle, DEFAULT, np.eye(len(shape))[0])
-        np.testing.assert_array_equal(after.motion == 0.0, asleep)
+        np.testing.assert_array_equal(after.motion == 0.0, at_rest)
 
 
 coordinate = st.integers(-4, 69 * 8 + 4).map(lambda n: n / 8.0)
@@ -155,11 +155,11 @@ def test_a_mesh_is_made_where_there_are_many_particles_only():
     served = mesh_force_for(many, np.zeros(2000, int), scale_field, DEFAULT)
     assert len(served.force)
     assert served.reach == 2.0 * (DEFAULT.d_min + DEFAULT.d_max)
-    assert mesh_force_for(many, np.full(2000, 1000), scale_field, DEFAULT) is NO_MESH  # nobody feels any of it
+    assert mesh_force_for(many, np.full(2000, 1000), scale_field, DEFAULT) is NO_MESH  # the repulsion has faded for all
 
 
 def test_nearest_particles_beyond_the_reach_of_a_mesh_are_found():
-    """Spacings of up to forty px, the reach being ten: those who look farther than the cells around them."""
+    """Spacings of up to forty px, the reach being ten: the search goes farther than the cells around a particle."""
     points = np.array([(10.0, 10.0), (10.0, 38.0), (44.0, 10.0), (66.0, 86.0), (66.0, 80.0)])
     after, _ = moved(points, mesh=mesh_force(points, SHAPE, 10.0))
     near, _ = moved(points)
@@ -168,7 +168,7 @@ def test_nearest_particles_beyond_the_reach_of_a_mesh_are_found():
     assert np.all(error < DEFAULT.w1 * scale * 0.003 + SINGLE)
 
 
-def test_a_lonely_particle_feels_the_lorentz_force_alone():
+def test_only_the_lorentz_force_acts_on_a_single_particle():
     after, motion = moved(np.array([(30.0, 40.0)]))
     np.testing.assert_allclose(after.force[0, 0], 1.75 * np.array(LORENTZ), atol=1e-6)
     assert motion[0] > 0.0
@@ -190,7 +190,7 @@ def awkward_places(size):
 
 @pytest.mark.parametrize("d_min", [1.9, 2.1, 2.3, 2.7])
 def test_no_particle_pushes_itself_however_its_place_is_rounded(d_min):
-    """One whose rounded place differs from its own would see itself at a distance of 1e-6 px."""
+    """One whose rounded place differs from its own would have itself at a distance of 1e-6 px."""
     parameters = Parameters(d_min=d_min)
     reach = 2.0 * (d_min + parameters.d_max)
     some = awkward_places(reach)
@@ -227,7 +227,7 @@ def test_nor_do_they_on_one_spot_beside_others():
 
 
 @pytest.mark.parametrize("mesh", [False, True])
-def test_a_crowd_in_one_place_is_felt_whole(mesh):
+def test_all_particles_of_a_crowd_act(mesh):
     """Three hundred within four pixels."""
     points = np.concatenate([np.random.default_rng(3).uniform(20.0, 24.0, (300, 2)), cloud(20, 4)])
     served = mesh_force(points, SHAPE, 10.0) if mesh else NO_MESH
@@ -245,10 +245,10 @@ def test_coordinates_far_from_the_origin_cost_digits_and_no_more():
 
 @pytest.mark.parametrize("beta", [0.0, 0.8, 4.0])
 @pytest.mark.parametrize("idle", [0, 30, 80, 400])
-def test_step_is_eq_14_and_15_damped_by_what_the_ground_tells(beta, idle):
-    """Force history, repulsion left and damping as they are after so many steps without news."""
+def test_step_is_eq_14_and_15_damped_by_the_idle_steps(beta, idle):
+    """Force history, repulsion left and damping as they are after so many idle steps."""
     parameters = Parameters(beta=beta, time_step=0.3)
-    before = without_off_edge(cloud(40, 7), seed=8)
+    before = aged(cloud(40, 7), seed=8)
     after, motion = moved(before, parameters, idle=idle)
     force = force_truth(before.position, parameters, repulsion_left(idle))
     np.testing.assert_allclose(after.force[:, 0], force, rtol=0, atol=SINGLE)
@@ -265,16 +265,16 @@ def test_step_is_eq_14_and_15_damped_by_what_the_ground_tells(beta, idle):
 
 
 def test_history_of_distances_is_shifted_by_one():
-    before = without_off_edge(cloud(30, 1))
+    before = aged(cloud(30, 1))
     after, _ = moved(before)
     np.testing.assert_array_equal(after.distance[:, 1:], before.distance[:, :-1])
     np.testing.assert_allclose(after.distance[:, 0], np.hypot(*after.position.T), rtol=1e-14)
     np.testing.assert_array_equal(after.identity, before.identity)
 
 
-def test_each_particle_obeys_its_own_steps_without_news():
-    """The repulsion that is left, the damping and the friction are those of each by itself, not of who is near."""
-    before = without_off_edge(cloud(60, 12), seed=13)
+def test_each_particle_follows_its_own_idle_steps():
+    """The repulsion that is left, the damping and the friction are those of each particle, not of its neighbors."""
+    before = aged(cloud(60, 12), seed=13)
     idle = np.random.default_rng(14).integers(0, 300, 60)
     after, _ = moved(before, idle=idle)
     left = np.array([repulsion_left(steps) for steps in idle])
@@ -286,7 +286,7 @@ def test_each_particle_obeys_its_own_steps_without_news():
 
 
 def on_edge(before, angle, size, idle):
-    """Particles after a step on a level whose edges run alike, the force of eq. (12) on them, and the normal."""
+    """Particles after a step on a field of parallel edges, the force of eq. (12) on them, and the normal."""
     normal = np.array([np.sin(angle), np.cos(angle)])
     lorentz = size * normal
     parameters = Parameters(beta=0.0, time_step=0.3)
@@ -300,8 +300,8 @@ def on_edge(before, angle, size, idle):
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 10**6), st.floats(0.0, 3.0), st.floats(-1.0, 1.0), st.sampled_from([0, 10, 20]))
 def test_friction_takes_what_goes_along_the_edge_or_nothing(seed, angle, size, idle):
-    """Of force, velocity and history; from those who sit, are slow along the edge and pulled little along it."""
-    before = without_off_edge(8.0 * cloud(30, seed, (8, 8)) + 4.0, seed)
+    """Of force, velocity and history; for particles on an edge that are slow along it, under a small force along it."""
+    before = aged(8.0 * cloud(30, seed, (8, 8)) + 4.0, seed)
     after, whole, normal = on_edge(before, angle, size, idle)
     tangent = np.array([-normal[1], normal[0]])
     pull, speed = np.abs(whole @ tangent), np.abs(before.velocity @ tangent)
@@ -323,7 +323,7 @@ def test_friction_takes_what_goes_along_the_edge_or_nothing(seed, angle, size, i
     ids=["on an edge", "on its other side", "free", "fast"],
 )
 def test_friction_holds_the_slow_on_an_edge_alone(size, speed, held):
-    """Nobody is near enough to push the one on a level edge along it."""
+    """No particle is near enough to push the one on the edge along it."""
     before = Particles.at_rest(np.array([(30.0, 40.0)]))
     before.velocity[:, 1] = speed
     after, _ = moved(before, scale_field=even_scale_field(SHAPE, (size, 0.0), (5.0, 0.0)))
@@ -331,7 +331,7 @@ def test_friction_holds_the_slow_on_an_edge_alone(size, speed, held):
     assert (after.position[0, 0] - 30.0) * size > 0.0
 
 
-def test_friction_without_a_normal_holds_the_slow_under_a_small_force_and_nobody_else():
+def test_friction_without_a_normal_holds_the_slow_under_a_small_force_and_no_others():
     """Where there is no gradient, as between two attractions that balance, all directions are alike."""
     grid = 4.0 + 3.0 * np.argwhere(np.ones((20, 20), bool))
     points = grid + np.random.default_rng(1).uniform(0.0, 1.2, grid.shape)
@@ -350,53 +350,53 @@ def test_friction_without_a_normal_holds_the_slow_under_a_small_force_and_nobody
     np.testing.assert_allclose(after.force[:, 0], force_truth(points, lorentz=(0.0, 0.0)), rtol=0, atol=SINGLE)
 
 
-def with_sleepers(speed=0.0):
-    """Particles, and steps without news around each: those in the lower half may sleep."""
+def partly_at_rest(speed=0.0):
+    """Particles, and their idle steps: those in the lower half may be at rest."""
     points = np.stack(np.meshgrid(np.arange(6.0, 64.0, 3.0), np.arange(6.0, 84.0, 3.0), indexing="ij"), axis=-1)
     points = points.reshape(-1, 2) + np.random.default_rng(2).normal(0.0, 0.4, (points.size // 2, 2))
-    return without_off_edge(points, speed=speed), np.where(points[:, 0] > 40.0, 100, 20)
+    return aged(points, speed=speed), np.where(points[:, 0] > 40.0, 100, 20)
 
 
-def test_sleepers_do_not_move():
-    before, idle = with_sleepers()
+def test_particles_at_rest_do_not_move():
+    before, idle = partly_at_rest()
     after, motion = moved(before, idle=idle)
-    asleep = idle == 100
-    np.testing.assert_array_equal(motion == 0.0, asleep)
-    np.testing.assert_array_equal(after.position[asleep], before.position[asleep])
-    assert not after.velocity[asleep].any()
-    np.testing.assert_allclose(after.distance[asleep, 0], np.hypot(*before.position[asleep].T), rtol=1e-14)
-    np.testing.assert_array_equal(after.distance[asleep, 1:], before.distance[asleep, :-1])
+    at_rest = idle == 100
+    np.testing.assert_array_equal(motion == 0.0, at_rest)
+    np.testing.assert_array_equal(after.position[at_rest], before.position[at_rest])
+    assert not after.velocity[at_rest].any()
+    np.testing.assert_allclose(after.distance[at_rest, 0], np.hypot(*before.position[at_rest].T), rtol=1e-14)
+    np.testing.assert_array_equal(after.distance[at_rest, 1:], before.distance[at_rest, :-1])
 
 
-def test_who_is_awake_moves_beside_sleepers_as_if_they_were_awake():
-    before, idle = with_sleepers()
+def test_particles_at_rest_do_not_change_the_motion_of_others():
+    before, idle = partly_at_rest()
     after, _ = moved(before, idle=idle)
     young = Particles(
         before.position, before.velocity, before.force, np.full_like(before.distance, np.nan), before.identity
     )
-    everybody, motion = moved(young, idle=idle)  # the young do not sleep
+    every, motion = moved(young, idle=idle)  # the young are not at rest
     assert np.all(motion > 0.0)
-    awake = idle == 20
+    others = idle == 20
     for name in ("position", "velocity", "force"):
-        assert getattr(after, name)[awake].tobytes() == getattr(everybody, name)[awake].tobytes()
+        assert getattr(after, name)[others].tobytes() == getattr(every, name)[others].tobytes()
 
 
 @pytest.mark.parametrize("idle", [0, 49, 50, 1000])
 @pytest.mark.parametrize("speed", [0.0, 0.01])
 @pytest.mark.parametrize("young", [False, True])
-def test_who_sleeps_is_slow_and_old_and_has_no_repulsion_left(idle, speed, young):
-    before, _ = with_sleepers()
+def test_only_slow_old_particles_without_repulsion_are_skipped(idle, speed, young):
+    before, _ = partly_at_rest()
     before.velocity[:, 0] = speed
     if young:
         before.distance[:, -1] = np.nan
     _, motion = moved(before, idle=idle)
-    sleeps = repulsion_left(idle) == 0.0 and speed == 0.0 and not young
-    assert np.all((motion == 0.0) == sleeps)
+    skipped = repulsion_left(idle) == 0.0 and speed == 0.0 and not young
+    assert np.all((motion == 0.0) == skipped)
 
 
 @pytest.mark.parametrize("mesh", [False, True])
 def test_same_bits_on_any_number_of_cores(monkeypatch, mesh):
-    before = without_off_edge(cloud(1700, 9))
+    before = aged(cloud(1700, 9))
     served = mesh_force(before.position, SHAPE, 10.0) if mesh else NO_MESH
     bits = []
     for cores in (1, 2, 3):
@@ -409,7 +409,7 @@ def test_same_bits_on_any_number_of_cores(monkeypatch, mesh):
 
 @pytest.mark.parametrize("mesh", [False, True])
 def test_the_order_of_particles_does_not_matter_but_for_rounding(mesh):
-    before = without_off_edge(cloud(500, 10))
+    before = aged(cloud(500, 10))
     order = np.random.default_rng(11).permutation(500)
     served = mesh_force(before.position, SHAPE, 10.0) if mesh else NO_MESH
     one, _ = moved(before, mesh=served)
@@ -420,14 +420,14 @@ def test_the_order_of_particles_does_not_matter_but_for_rounding(mesh):
 
 
 def test_a_step_leaves_the_particles_that_it_starts_from_alone():
-    before = without_off_edge(cloud(50))
+    before = aged(cloud(50))
     kept = [getattr(before, name).copy() for name in ("position", "velocity", "force", "distance")]
     moved(before)
     for name, quantity in zip(("position", "velocity", "force", "distance"), kept, strict=True):
         np.testing.assert_array_equal(getattr(before, name), quantity)
 
 
-def test_nobody_can_take_a_step_as_well():
+def test_a_step_of_no_particles_is_possible():
     after, motion = moved(np.zeros((0, 2)))
     assert len(after) == len(motion) == 0
 
@@ -440,20 +440,20 @@ def test_far_particles_push_with_the_inverse_square_through_a_mesh():
     np.testing.assert_allclose(after.force[:, 0], force_truth(points), rtol=0, atol=0.01)
 
 
-def test_a_step_tells_how_everybody_stands_after_it():
-    """As a survey of the same places does, whether they sleep or not; also behind a wall, and of those who are left."""
+def test_a_step_returns_the_edge_contact_after_it():
+    """The same as of the same positions, at rest or not; also behind a barrier, and of some of them."""
     image = np.zeros((40, 48))
     image[:, 22:] = 100.0
     scale_field = build_scale_field(image, 1.0, 0.0)
     points = cloud(60, 3, (39, 47))
-    sleepers = replace(Particles.at_rest(points), distance=np.ones((60, 4)))
+    resting = replace(Particles.at_rest(points), distance=np.ones((60, 4)))
     for idle in (0, 500):
-        after = move(sleepers, np.full(60, idle), NO_MESH, scale_field, DEFAULT)
-        contact = survey(after.particles.position, scale_field, 5.0)
+        after = move(resting, np.full(60, idle), NO_MESH, scale_field, DEFAULT)
+        contact = edge_contact(after.particles.position, scale_field, 5.0)
         np.testing.assert_array_equal(after.strength, contact.strength)
         np.testing.assert_array_equal(after.on_edge, contact.on_edge)
         held = Moved.held_at(Particles.at_rest(points), points, contact_at(points, scale_field))
-        np.testing.assert_array_equal(held.on_edge, survey(points, scale_field, 5.0).on_edge)
+        np.testing.assert_array_equal(held.on_edge, edge_contact(points, scale_field, 5.0).on_edge)
         assert not held.motion.any()
         some = points[:, 0] > 20.0
         np.testing.assert_array_equal(after.where(some).strength, after.strength[some])

@@ -1,4 +1,4 @@
-"""The two halves of a step, each by itself: what moves and leaves the image, and who is deleted and born."""
+"""The two halves of a step, each by itself: what moves and leaves the image, and deletion and insertion."""
 
 from dataclasses import replace
 
@@ -12,8 +12,8 @@ from cpm_core.dynamics.time_step import displaced, populated
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.particles.coverage.plane import idle_at
 
-from ..moving import cloud
 from ..scenes import disk
+from .moving import cloud
 
 PARAMETERS = Parameters(scales=1)
 SCENE = disk((56, 60), (27.4, 30.2), 15.0)
@@ -80,7 +80,7 @@ def second_half(scale_field, before, **changes):
 
 
 def test_the_second_half_balances_births_and_deletions(scale_field):
-    """The born are numbered on, of two too near one is gone, and d_max is annealed; over a number of steps."""
+    """New particles have new numbers, of two too near one is deleted, and d_max is annealed; over a number of steps."""
     state, born, deleted = state_of(cloud(SHAPE, 200, 3)), 0, 0
     for _ in range(25):
         half, state = second_half(scale_field, state)
@@ -108,7 +108,7 @@ def test_late_in_a_run_the_second_half_waits_every_other_step(scale_field):
     assert changed == [True, False]
 
 
-def test_no_second_half_is_any_the_worse_without_particles(scale_field):
+def test_the_second_half_works_without_particles(scale_field):
     before = state_of(cloud(SHAPE, 5, 5))
     empty = replace(before, particles=before.particles.where(np.zeros(5, bool)))
     _, after = second_half(scale_field, empty)

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import edge_map, electric_field
+from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.edge_map import automatic_smoothing, background_strength, gradient, magnitude, prepared
-from cpm_core.field.potential import convolved_potential
 from cpm_core.image.denoising import noise_level
 
 from ..scenes import disk
@@ -117,7 +117,7 @@ def test_light_noise_is_left_to_the_chosen_gaussian():
     np.testing.assert_array_equal(edge_map(image, "auto"), edge_map(image, automatic_smoothing(image)))
 
 
-def test_heavy_noise_is_taken_out_before_edges_are_looked_for():
+def test_heavy_noise_is_removed_before_the_search_for_edges():
     scene = disk((128, 128), (63.0, 65.0), 35.0).values
     image = scene + np.random.default_rng(8).normal(0.0, 150.0, scene.shape)
     ready = prepared(image)

@@ -46,7 +46,7 @@ def test_field_of_a_larger_map_is_the_direct_sum(shape):
 
 
 @pytest.mark.parametrize("shape", [(40, 23), (9, 8, 7)], ids=str)
-def test_single_precision_is_told_and_as_good_as_it_can_be(shape):
+def test_single_precision_is_kept_and_as_good_as_it_can_be(shape):
     """To 1e-6 of the largest vector; seen: 3e-7."""
     f = charges(shape)
     truth = direct(f, float(len(shape)))
@@ -122,7 +122,7 @@ def test_exponent_is_the_power_that_the_force_decays_with(power):
     np.testing.assert_allclose(electric_field(f, exponent=power), truth, rtol=0, atol=1e-12 * np.abs(truth).max())
 
 
-def test_exponent_is_the_dimension_unless_told():
+def test_exponent_is_the_dimension_unless_given():
     f = charges((5, 6, 7))
     truth = direct(f, 3.0)
     np.testing.assert_allclose(electric_field(f), truth, rtol=0, atol=1e-12 * np.abs(truth).max())

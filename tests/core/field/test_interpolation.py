@@ -52,7 +52,7 @@ def test_pixels_keep_their_values():
     np.testing.assert_array_equal(interpolate(field, nodes), field.reshape(3, -1).T)
 
 
-def test_far_outside_the_nearest_corner_is_felt():
+def test_far_outside_the_value_is_that_of_the_nearest_corner():
     field = random_field((5, 6), 2, 0)
     far = np.array([(-100.0, -1.0), (1e6, 1e6), (-0.5, 5.5)])
     np.testing.assert_array_equal(interpolate(field, far), [field[:, 0, 0], field[:, 4, 5], field[:, 0, 5]])
@@ -65,19 +65,19 @@ def test_arrays_of_any_layout_are_taken():
     np.testing.assert_array_equal(interpolate(np.asfortranarray(field), positions), straight)
 
 
-def test_nobody_feels_nothing():
+def test_no_position_has_no_value():
     assert interpolate(random_field((5, 6), 3, 0), np.zeros((0, 2))).shape == (0, 3)
 
 
 def felt_at(packed, place):
-    """All components of what is felt, shape (H, W, C), at a place."""
+    """All components of a packed field, shape (H, W, C), at a place."""
     corner = between(packed, *place)
     return [component(packed, c, corner) for c in range(packed.shape[2])]
 
 
 @settings(max_examples=60, deadline=None)
 @given(st.tuples(st.integers(1, 7), st.integers(1, 7)), st.integers(1, 5), st.integers(0, 10**6))
-def test_what_is_felt_at_a_place_is_bilinear_also_beyond_the_border(shape, channels, seed):
+def test_the_packed_field_is_bilinear_also_beyond_the_border(shape, channels, seed):
     field = random_field(shape, channels, seed).astype(np.float32)
     packed = np.ascontiguousarray(np.moveaxis(field, 0, -1))
     for place in np.random.default_rng(seed + 1).uniform(-3.0, np.array(shape) + 2.0, (10, 2)):
@@ -87,7 +87,7 @@ def test_what_is_felt_at_a_place_is_bilinear_also_beyond_the_border(shape, chann
 
 @settings(max_examples=60, deadline=None)
 @given(st.floats(-3.0, 9.0), st.floats(-3.0, 9.0))
-def test_a_place_lies_between_the_pixels_that_it_is_said_to(y, x):
+def test_a_position_lies_between_the_pixels_that_are_found(y, x):
     row, col, down, right = between(np.zeros((6, 7, 5), np.float32), y, x)
     assert 0 <= row <= 4
     assert 0 <= col <= 5
@@ -96,7 +96,7 @@ def test_a_place_lies_between_the_pixels_that_it_is_said_to(y, x):
     assert (row + down, col + right) == (min(max(y, 0.0), 5.0), min(max(x, 0.0), 6.0))
 
 
-def test_pixels_are_felt_as_they_are():
+def test_the_packed_field_is_exact_on_pixels():
     packed = np.ascontiguousarray(np.moveaxis(random_field((5, 6), 3, 0), 0, -1).astype(np.float32))
     for row, col in np.ndindex(5, 6):
         np.testing.assert_array_equal(felt_at(packed, (float(row), float(col))), packed[row, col])

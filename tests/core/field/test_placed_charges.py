@@ -24,7 +24,7 @@ from cpm_core.image.pyramid import to_image
 from cpm_core.particles.coverage.plane import idle_at
 from cpm_core.particles.state import Particles
 
-from ..moving import even_scale_field
+from ..dynamics.moving import even_scale_field
 from ..scenes import antialiased, disk
 
 SHAPE = (160, 160)
@@ -114,7 +114,7 @@ def test_the_force_at_a_place_of_the_image_is_the_same_at_all_scales(scale):
     np.testing.assert_allclose(potential * 2.0**scale, there, atol=1e-9)
 
 
-def test_a_level_with_charges_is_the_same_however_they_came_to_be_there(engine):
+def test_a_scale_field_with_charges_does_not_depend_on_their_history(engine):
     generator = np.random.default_rng(4)
     placed = [PlacedCharge(tuple(generator.uniform(-10, 200, 2)), q) for q in generator.uniform(-9, 9, 12)]
     scale_field = engine.scale_field(PARAMETERS)
@@ -160,7 +160,7 @@ def test_a_repelling_charge_pushes_a_particle_straight_away():
         assert abs(offset @ (away[1], -away[0])) < 1e-2 * (offset @ away)
 
 
-def test_a_crowd_gathers_round_a_charge_and_keeps_its_distance():
+def test_many_particles_gather_around_a_charge_and_keep_their_distance():
     engine = Engine(disk((160, 160), (79.5, 79.5), 75.0).values, PARAMETERS)
     last = run(engine, engine.start(circle((79.5, 79.5), 12.0)), PARAMETERS, [PlacedCharge((79.5, 79.5), 5.0)])
     assert last.converged
@@ -184,7 +184,7 @@ def test_a_strong_charge_clears_the_edge_near_it_and_the_run_comes_to_rest(engin
     assert abs(strength) < 10.0 or closed.count(True) == 1  # a narrow gap is walked across
 
 
-def test_a_weak_charge_takes_nobody_off_an_edge(engine, resting):
+def test_a_weak_charge_takes_no_particle_off_an_edge(engine, resting):
     at = (63.4, 80.3 + RADIUS)
     last = run(engine, resting.resumed(), PARAMETERS, [PlacedCharge(at, 0.1)])
     assert last.converged
@@ -192,7 +192,7 @@ def test_a_weak_charge_takes_nobody_off_an_edge(engine, resting):
     assert np.hypot(*(last.position[:, None] - resting.position).transpose(2, 0, 1)).min(axis=1).max() < 1.5
 
 
-def test_a_charge_that_comes_moves_or_goes_wakes_those_in_reach_and_nobody_else(engine, resting):
+def test_a_charge_that_changes_reactivates_the_particles_in_reach_and_no_others(engine, resting):
     before = (PlacedCharge((63.4, 60.0), 0.5),)
     calm = run(engine, resting.resumed(), PARAMETERS, before)
     assert calm.converged
@@ -205,14 +205,14 @@ def test_a_charge_that_comes_moves_or_goes_wakes_those_in_reach_and_nobody_else(
         assert (idle[far < REACH] <= 0).all()
         assert (idle[far > REACH + 6.0] == was[far > REACH + 6.0]).all()
         assert (was > 25).all()
-        sleepers = np.flatnonzero(far > REACH + 6.0)
-        assert len(sleepers) > 50
+        others = np.flatnonzero(far > REACH + 6.0)
+        assert len(others) > 50
         moved = engine.step(step, PARAMETERS, after)
-        both = moved.particles.position[np.isin(moved.particles.identity, state.particles.identity[sleepers])]
-        assert sorted(map(tuple, both)) == sorted(map(tuple, state.particles.position[sleepers]))
+        both = moved.particles.position[np.isin(moved.particles.identity, state.particles.identity[others])]
+        assert sorted(map(tuple, both)) == sorted(map(tuple, state.particles.position[others]))
 
 
-def test_a_charge_that_is_not_moved_keeps_nobody_awake(engine, resting):
+def test_a_charge_that_is_not_moved_reactivates_no_particle(engine, resting):
     placed = [PlacedCharge((63.4, 60.0), 2.0), PlacedCharge((10.0, 130.0), -1.0)]
     last = run(engine, resting.resumed(), PARAMETERS, placed)
     assert last.converged
@@ -221,7 +221,7 @@ def test_a_charge_that_is_not_moved_keeps_nobody_awake(engine, resting):
     assert again.moving == 0
 
 
-def test_charges_are_felt_at_the_very_next_step(engine, resting):
+def test_charges_act_at_the_very_next_step(engine, resting):
     before = engine.step(resting.resumed(), PARAMETERS)
     after = engine.step(resting.resumed(), PARAMETERS, [PlacedCharge((63.4, 60.0), 5.0)])
     assert before.moving == 0

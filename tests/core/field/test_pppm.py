@@ -50,7 +50,7 @@ def test_near_charges_act_by_what_the_error_function_leaves_of_their_potential(s
     assert np.abs(short_range(f, cutoff) - truth).max() <= 1e-7 * max(np.abs(truth).max(), 1.0)
 
 
-def test_nobody_beyond_the_cut_off_acts_directly():
+def test_no_charge_beyond_the_cut_off_acts_directly():
     f = np.zeros((50, 50))
     f[25, 24] = 1.0
     reached = np.argwhere(short_range(f, 20.0).any(axis=0))
@@ -70,7 +70,7 @@ def smooth_sum(f, sigma):
     return out.T.reshape(2, *f.shape)
 
 
-def test_the_mesh_feels_each_charge_as_a_gaussian():
+def test_each_charge_acts_on_the_mesh_as_a_gaussian():
     """Within 5 % (root mean square) for an edge all around; seen: 3 %."""
     f = edge_map(disk((60, 52), (29.3, 24.9), 16.0).values, 1.0)
     truth = smooth_sum(f, 8.0)

@@ -1,4 +1,4 @@
-"""The contrast of regions tells what lies on both sides of an edge."""
+"""The contrast of the regions on both sides of an edge."""
 
 from dataclasses import replace
 
@@ -38,7 +38,7 @@ def test_noise_takes_contrast_as_its_strength_says(noise):
     assert 60.0 / (60.0 + noise) - 0.05 < found < 60.0 / (60.0 + 0.5 * noise) + 0.05
 
 
-def test_contrast_depends_on_neither_the_sign_nor_the_scale_of_grey_values():
+def test_contrast_depends_on_neither_the_sign_nor_the_scale_of_gray_values():
     image = halves(50, 110, 15.0)
     found = region_contrast(image, POINTS, NORMALS, 1.0)
     np.testing.assert_allclose(region_contrast(255.0 - 3.0 * image, POINTS, -NORMALS, 1.0), found, atol=1e-9)

@@ -1,4 +1,4 @@
-"""What particles feel: the normalised Lorentz force on known edges."""
+"""The field of a scale: the normalized Lorentz force on known edges."""
 
 import numpy as np
 import pytest
@@ -6,9 +6,9 @@ from scipy import ndimage, special
 
 from cpm_core import Engine, Parameters, Regions, circle, edge_map, electric_field, segment
 from cpm_core.field import scale_field as scale_field_module
+from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.edge_map import magnitude
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.potential import convolved_potential
 from cpm_core.field.scale_field import WEAKEST_EDGE, build_scale_field, lorentz_force
 
 from ..scenes import disk, outline_distance, ring, u_shape
@@ -18,7 +18,7 @@ SINGLE = 5e-6
 
 
 def straight_edge(shape, angle, offset, width=0.6):
-    """Smooth step from 0 to 100 across a line through the centre, moved by `offset` along its normal."""
+    """Smooth step from 0 to 100 across a line through the center, moved by `offset` along its normal."""
     row, col = np.indices(shape).astype(float)
     centre = 0.5 * (np.array(shape) - 1.0)
     across = (row - centre[0]) * np.sin(angle) + (col - centre[1]) * np.cos(angle) - offset
@@ -99,7 +99,7 @@ def test_floor_is_above_the_background_of_a_noisy_image():
     assert scale_field.floor < 0.5 * scale_field.edge_map.max()
 
 
-def test_all_that_is_felt_at_a_pixel_lies_side_by_side_in_single_precision():
+def test_the_packed_force_field_of_a_pixel_is_contiguous_in_single_precision():
     scale_field = build_scale_field(disk((40, 44), (20.0, 21.0), 11.0).values, 1.0, 0.0)
     assert scale_field.packed.shape == (40, 44, 5)
     assert scale_field.packed.dtype == np.float32

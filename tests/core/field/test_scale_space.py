@@ -1,4 +1,4 @@
-"""The levels of an image: each part is computed when what it depends on has changed, and at no other time."""
+"""The scale space of an image: each part is computed when what it depends on has changed, and at no other time."""
 
 import sys
 from collections import Counter
@@ -23,7 +23,7 @@ REGIONS = Regions(interest=[[(4, 4), (4, 70), (66, 70), (66, 4)]], barriers=[[(1
 
 @pytest.fixture
 def calls(monkeypatch):
-    """How often each part of a level has been computed."""
+    """How often each part of a scale field has been computed."""
     counted = Counter()
 
     def count(module, name):
@@ -57,7 +57,7 @@ def changed(name):
 
 
 def others(calls):
-    """What has been computed since the last look, nothing left out."""
+    """What has been computed since the last call, nothing left out."""
     seen = {name: times for name, times in calls.items() if times}
     calls.clear()
     return seen
@@ -65,67 +65,67 @@ def others(calls):
 
 @pytest.mark.parametrize("name", [name for name, info in PARAMETERS.items() if info.invalidates != "field"])
 def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
-    levels = ScaleSpace(IMAGE, 3)
-    before = [levels.at(scale, START) for scale in range(3)]
+    space = ScaleSpace(IMAGE, 3)
+    before = [space.at(scale, START) for scale in range(3)]
     calls.clear()
     other = replace(START, scales=2) if name == "scales" else changed(name)
-    assert all(levels.at(scale, other) is before[scale] for scale in range(3))
+    assert all(space.at(scale, other) is before[scale] for scale in range(3))
     assert others(calls) == {}
 
 
-def test_every_parameter_that_makes_the_field_stale_builds_a_level():
-    levels = ScaleSpace(IMAGE, 1)
+def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
+    space = ScaleSpace(IMAGE, 1)
     names = [name for name, info in PARAMETERS.items() if info.invalidates == "field"]
     assert len(names) == 3
-    built = [levels.at(0, START), *(levels.at(0, changed(name)) for name in names)]
+    built = [space.at(0, START), *(space.at(0, changed(name)) for name in names)]
     assert len({id(scale_field) for scale_field in built}) == 4
 
 
-def test_another_smoothing_leaves_pyramid_and_walls(calls):
-    levels = ScaleSpace(IMAGE, 2, REGIONS)
-    levels.prepare(START)
+def test_another_smoothing_leaves_pyramid_and_barriers(calls):
+    space = ScaleSpace(IMAGE, 2, REGIONS)
+    space.prepare(START)
     assert others(calls) == {"pyramid": 1} | dict.fromkeys(
         ("build_scale_field", "gradient", "convolved_field", "build_barrier_map", "inside_border"), 2
     )
-    levels.at(1, replace(START, smoothing=2.0))
+    space.at(1, replace(START, smoothing=2.0))
     assert others(calls) == dict.fromkeys(("build_scale_field", "gradient", "convolved_field", "inside_border"), 1)
 
 
 @pytest.mark.parametrize("change", [{"edge_floor": 0.3}, {"max_border": 0.1}], ids=str)
-def test_another_edge_floor_or_frame_leaves_the_gradient_too(calls, change):
-    levels = ScaleSpace(IMAGE, 2, REGIONS)
-    levels.prepare(START)
+def test_another_edge_floor_or_border_leaves_the_gradient_too(calls, change):
+    space = ScaleSpace(IMAGE, 2, REGIONS)
+    space.prepare(START)
     calls.clear()
-    levels.at(0, replace(START, **change))
+    space.at(0, replace(START, **change))
     assert others(calls) == dict.fromkeys(("build_scale_field", "convolved_field", "inside_border"), 1)
 
 
 def test_going_back_costs_nothing(calls):
-    levels = ScaleSpace(IMAGE, 3)
-    before = [levels.at(scale, START) for scale in range(3)]
-    levels.prepare(replace(START, smoothing=2.0))
+    space = ScaleSpace(IMAGE, 3)
+    before = [space.at(scale, START) for scale in range(3)]
+    space.prepare(replace(START, smoothing=2.0))
     calls.clear()
-    assert all(levels.at(scale, START) is before[scale] for scale in range(3))
+    assert all(space.at(scale, START) is before[scale] for scale in range(3))
     assert others(calls) == {}
 
 
-def test_noise_is_looked_at_once(calls):
-    levels = ScaleSpace(IMAGE, 2)
+def test_noise_is_measured_once(calls):
+    space = ScaleSpace(IMAGE, 2)
     for floor in (0.0, 0.1, 0.2, 0.3):
-        levels.prepare(replace(START, smoothing="auto", edge_floor=floor))
+        space.prepare(replace(START, smoothing="auto", edge_floor=floor))
     assert (calls["prepared"], calls["automatic_smoothing"]) == (1, 1)  # the coarser scale has its own
     assert (calls["gradient"], calls["pyramid"]) == (2, 1)
 
 
 @pytest.mark.parametrize("regions", [None, REGIONS], ids=["whole", "regions"])
 @pytest.mark.parametrize("smoothing", [1.5, "auto"])
-def test_a_level_is_the_same_however_it_was_come_by(regions, smoothing):
+def test_a_scale_field_does_not_depend_on_its_history(regions, smoothing):
     wanted = Parameters(smoothing=smoothing, edge_floor=0.2, max_border=0.1)
-    levels = ScaleSpace(IMAGE, 2, regions)
+    space = ScaleSpace(IMAGE, 2, regions)
     for before in (START, replace(wanted, edge_floor=0.0), replace(wanted, max_border=0.0)):
-        levels.prepare(before)
+        space.prepare(before)
     for scale in range(2):
-        roundabout, straight = levels.at(scale, wanted), ScaleSpace(IMAGE, 2, regions).at(scale, wanted)
+        roundabout, straight = space.at(scale, wanted), ScaleSpace(IMAGE, 2, regions).at(scale, wanted)
         np.testing.assert_array_equal(roundabout.packed, straight.packed)
         np.testing.assert_array_equal(roundabout.barrier_map.segments, straight.barrier_map.segments)
         assert roundabout.floor == straight.floor
@@ -133,20 +133,20 @@ def test_a_level_is_the_same_however_it_was_come_by(regions, smoothing):
 
 
 def test_not_more_is_kept_than_the_last_two_settings(calls):
-    levels = ScaleSpace(IMAGE, 2)
+    space = ScaleSpace(IMAGE, 2)
     for smoothing in (1.0, 2.0, 3.0, 4.0):
-        levels.prepare(replace(START, smoothing=smoothing))
+        space.prepare(replace(START, smoothing=smoothing))
     calls.clear()
     for smoothing in (4.0, 3.0):
-        levels.prepare(replace(START, smoothing=smoothing))
+        space.prepare(replace(START, smoothing=smoothing))
     assert calls["build_scale_field"] == 0
-    levels.prepare(START)
+    space.prepare(START)
     assert calls["build_scale_field"] == 2
 
 
-def test_many_threads_get_the_same_level(calls):
-    levels, seen = ScaleSpace(IMAGE, 2), []
-    threads = [Thread(target=lambda: seen.append(levels.at(0, START))) for _ in range(8)]
+def test_many_threads_get_the_same_scale_field(calls):
+    space, seen = ScaleSpace(IMAGE, 2), []
+    threads = [Thread(target=lambda: seen.append(space.at(0, START))) for _ in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:

@@ -1,4 +1,4 @@
-"""The frame of an image is told from its objects."""
+"""The image border is distinguished from objects."""
 
 import numpy as np
 import pytest
@@ -10,18 +10,18 @@ from cpm_core.particles.initialization import uniform_grid
 from cpm_core.segmentation.segment import segment
 
 
-def framed(width, level=20.0, sides=("top", "bottom", "left", "right")):
+def bordered(width, gray=20.0, sides=("top", "bottom", "left", "right")):
     image = np.full((160, 200), 120.0)
     row, col = np.indices(image.shape)
     image[np.hypot(row - 80, col - 90) < 30] = 180.0
     if "top" in sides:
-        image[:width] = level
+        image[:width] = gray
     if "bottom" in sides:
-        image[160 - width :] = level
+        image[160 - width :] = gray
     if "left" in sides:
-        image[:, :width] = level
+        image[:, :width] = gray
     if "right" in sides:
-        image[:, 200 - width :] = level
+        image[:, 200 - width :] = gray
     return image
 
 
@@ -29,10 +29,10 @@ def inside_of(grad, widest):
     return inside_border(grad, magnitude(grad), 1.0, widest)
 
 
-@pytest.mark.parametrize("level", [20.0, 250.0])
+@pytest.mark.parametrize("gray", [20.0, 250.0])
 @pytest.mark.parametrize("sides", [("top", "bottom", "left", "right"), ("left",), ("bottom", "right")])
-def test_a_frame_and_its_edge_are_left_out_and_nothing_else(level, sides):
-    inside = inside_of(gradient(framed(8, level, sides), 1.0), 0.1)
+def test_a_border_and_its_edge_are_left_out_and_nothing_else(gray, sides):
+    inside = inside_of(gradient(bordered(8, gray, sides), 1.0), 0.1)
     row, col = np.indices(inside.shape)
     depth = {"top": row, "bottom": 159 - row, "left": col, "right": 199 - col}
     nearest = np.min([depth[side] for side in sides], axis=0)
@@ -40,14 +40,14 @@ def test_a_frame_and_its_edge_are_left_out_and_nothing_else(level, sides):
     assert inside[nearest > 16].all()
 
 
-def test_a_frame_wider_than_asked_for_is_none():
-    grad = gradient(framed(20), 1.0)
+def test_a_border_wider_than_allowed_is_kept():
+    grad = gradient(bordered(20), 1.0)
     assert inside_of(grad, 0.08).all()
     assert not inside_of(grad, 0.2).all()
     assert inside_of(grad, 0.0).all()
 
 
-def test_an_object_at_the_border_is_no_frame():
+def test_an_object_at_the_side_of_the_image_is_no_border():
     image = np.full((160, 200), 120.0)
     image[:10, 40:120] = 20.0  # along less than half of the side
     row, col = np.indices(image.shape)
@@ -55,11 +55,11 @@ def test_an_object_at_the_border_is_no_frame():
     assert inside_of(gradient(image, 1.0), 0.1).all()
 
 
-def test_contours_of_an_object_do_not_depend_on_a_frame():
+def test_contours_of_an_object_do_not_depend_on_a_border():
     seeds = uniform_grid((160, 200))
     parameters = Parameters(w1=0.6, w2=0.7, beta=0.4, max_border=0.1)
-    alone = segment(framed(0, sides=()), seeds, parameters).contours
-    (contour,) = segment(framed(8), seeds, parameters).contours
+    alone = segment(bordered(0, sides=()), seeds, parameters).contours
+    (contour,) = segment(bordered(8), seeds, parameters).contours
     assert contour.closed
     assert len(alone) == 1
     distance = np.hypot(*(contour.points - [80.0, 90.0]).T)

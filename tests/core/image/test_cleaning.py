@@ -48,9 +48,9 @@ def test_what_is_left_away_from_edges_is_under_the_floor(kind):
     assert np.mean(strength[away] > cleaned.floor * strength.max()) < 0.03
 
 
-def test_heavier_noise_is_looked_at_less_finely_and_less_is_left_to_be_seen():
+def test_heavier_noise_gives_a_coarser_result():
     noise = np.random.default_rng(3).normal(size=SCENE.shape)
-    found = [clean(SCENE + level * noise) for level in (60.0, 120.0, 240.0, 480.0)]
+    found = [clean(SCENE + strength * noise) for strength in (60.0, 120.0, 240.0, 480.0)]
     sigmas, floors = [c.sigma for c in found], [c.floor for c in found]
     assert sigmas == sorted(sigmas) and sigmas[-1] > sigmas[0]
     assert floors == sorted(floors) and 0.0 < floors[0] < floors[-1] < 0.5
@@ -60,7 +60,7 @@ def test_heavier_noise_is_looked_at_less_finely_and_less_is_left_to_be_seen():
 def test_it_follows_contrast_and_brightness(kind):
     image = noisy(kind)
     once, other = clean(image), clean(40.0 - 2.0 * image)
-    # single precision, and which class a grey level between two is counted in
+    # single precision, and which class a gray strength between two is counted in
     assert np.abs(other.image - (40.0 - 2.0 * once.image)).mean() < 2.0
     assert other.sigma == pytest.approx(once.sigma, rel=0.02)
     assert other.floor == pytest.approx(once.floor, rel=0.05)

@@ -14,7 +14,7 @@ def test_noise_is_measured_as_strong_as_it_is(deviation):
     assert noise_level(image) == pytest.approx(deviation, rel=0.05)
 
 
-def test_an_even_image_has_no_noise():
+def test_a_constant_image_has_no_noise():
     assert noise_level(np.full((20, 30), 7.0)) == 0.0
 
 

@@ -1,4 +1,4 @@
-"""Grey levels tell what is more frequent in one region than in another."""
+"""The regression keeps gray levels that are more frequent in one region than in another."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ def step_and_noise(image):
     return right.mean() - left.mean(), np.sqrt(0.5 * (left.var() + right.var()))
 
 
-def test_of_two_levels_height_tells_all():
+def test_an_image_of_two_levels_is_not_changed():
     image = np.where(RNG.random(HALVES.shape) < 0.6, 255.0 * (RNG.random(HALVES.shape) < 0.5), 255.0 * (HALVES > 100))
     np.testing.assert_allclose(expected(image, HALVES), image, atol=1e-6)
 
@@ -41,6 +41,6 @@ def test_it_follows_contrast_and_brightness():
     np.testing.assert_allclose(expected(image, 0.5 * HALVES - 9.0), once, rtol=1e-9)
 
 
-def test_an_estimate_that_says_nothing_changes_nothing():
+def test_an_estimate_without_information_changes_nothing():
     image = RNG.uniform(size=(9, 11))
     np.testing.assert_array_equal(expected(image, np.full((9, 11), 5.0)), image)

@@ -1,4 +1,4 @@
-"""Image: the grid of grey levels that everything stands on."""
+"""Image: the grid of gray levels."""
 
 import re
 
@@ -8,7 +8,7 @@ import pytest
 from cpm_core.image.image import MINIMUM_SIDE, Image, as_plane
 
 
-def test_values_become_a_float64_copy_that_nobody_can_write_to():
+def test_values_become_a_read_only_float64_copy():
     given = np.arange(120, dtype=np.uint16).reshape(10, 12)
     image = Image(given)
     given[0, 0] = 999

@@ -66,7 +66,7 @@ def test_average_does_not_run_past_a_corner():
 
 
 @pytest.mark.parametrize("shape", [(2, 2), (2, 9), (7, 3)])
-def test_an_even_image_stays_even_however_small(shape):
+def test_a_constant_image_stays_constant_at_every_size(shape):
     image = np.full(shape, 7.0)
     way = directions(image, 1.0, 3.0)
     assert not way.coherence.any()

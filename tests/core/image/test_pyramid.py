@@ -1,4 +1,4 @@
-"""The pyramid and the way between its scales."""
+"""The pyramid and the mapping between its scales."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def test_to_image_undoes_to_scale(shape, scale, seed):
 
 @settings(max_examples=40, deadline=None)
 @given(shapes, st.integers(0, 3))
-def test_the_centre_of_the_image_is_the_centre_of_every_scale(shape, scale):
+def test_the_center_of_the_image_is_the_center_of_every_scale(shape, scale):
     centre = 0.5 * (np.array([shape]) - 1.0)
     reduced = 0.5 * (np.array([shape_of_scale(shape, scale)]) - 1.0)
     np.testing.assert_allclose(to_scale(centre, scale, shape), reduced, atol=1e-12)
@@ -38,7 +38,7 @@ def test_distances_halve_from_scale_to_scale(shape, scale, seed):
 @settings(max_examples=40, deadline=None)
 @given(shapes, st.integers(1, 3))
 def test_every_scale_covers_the_image(shape, scale):
-    """The outermost pixels of a scale, whole, reach at least over the outermost pixel centres of the image."""
+    """The outermost pixels of a scale, whole, reach at least over the outermost pixel centers of the image."""
     reduced = np.array(shape_of_scale(shape, scale))
     low, high = to_image(np.array([[-0.5, -0.5], reduced - 0.5]), scale, shape)
     assert np.all(low <= 0.0)
@@ -49,30 +49,30 @@ def test_every_scale_covers_the_image(shape, scale):
 @pytest.mark.parametrize("change", [np.flipud, np.fliplr, np.rot90, np.transpose], ids=lambda f: f.__name__)
 def test_mirrored_and_turned_images_have_such_a_pyramid(shape, change):
     image = np.random.default_rng(0).uniform(0.0, 255.0, shape)
-    for level, other in zip(pyramid(image, 3), pyramid(change(image), 3), strict=True):
-        np.testing.assert_allclose(other, change(level), atol=1e-10)
+    for reduced, other in zip(pyramid(image, 3), pyramid(change(image), 3), strict=True):
+        np.testing.assert_allclose(other, change(reduced), atol=1e-10)
 
 
 @pytest.mark.parametrize("shape", [(80, 80), (81, 90), (97, 83)], ids=str)
 def test_a_ramp_keeps_its_values_at_every_scale(shape):
-    """Away from the border, a pixel of a scale shows what the image shows at the place it stands for."""
+    """Away from the border, a pixel of a scale has the value of the image at its position."""
     row, col = np.indices(shape).astype(float)
-    for scale, level in enumerate(pyramid(3.0 * row - 2.0 * col + 7.0, 3)):
-        assert level.shape == shape_of_scale(shape, scale)
+    for scale, reduced in enumerate(pyramid(3.0 * row - 2.0 * col + 7.0, 3)):
+        assert reduced.shape == shape_of_scale(shape, scale)
         inner = 5 if scale else 0
-        nodes = np.argwhere(np.ones(level.shape, bool)).astype(float)
-        within = ((nodes >= inner) & (nodes <= np.array(level.shape) - 1 - inner)).all(axis=1)
+        nodes = np.argwhere(np.ones(reduced.shape, bool)).astype(float)
+        within = ((nodes >= inner) & (nodes <= np.array(reduced.shape) - 1 - inner)).all(axis=1)
         place = to_image(nodes[within], scale, shape)
         truth = 3.0 * place[:, 0] - 2.0 * place[:, 1] + 7.0
-        np.testing.assert_allclose(level[tuple(nodes[within].astype(int).T)], truth, atol=1e-3)
+        np.testing.assert_allclose(reduced[tuple(nodes[within].astype(int).T)], truth, atol=1e-3)
 
 
 def test_scales_keep_the_mean_and_do_not_ring():
     image = np.where(np.indices((64, 64)).sum(axis=0) < 60, 0.0, 100.0)
-    for level in pyramid(image, 4):
-        assert level.min() >= -1e-9
-        assert level.max() <= 100.0 + 1e-9
-        assert level.mean() == pytest.approx(image.mean(), abs=1.5)
+    for reduced in pyramid(image, 4):
+        assert reduced.min() >= -1e-9
+        assert reduced.max() <= 100.0 + 1e-9
+        assert reduced.mean() == pytest.approx(image.mean(), abs=1.5)
 
 
 def test_scale_zero_is_the_image_itself():

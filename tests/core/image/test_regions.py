@@ -1,4 +1,4 @@
-"""Regions of interest and barriers: nobody leaves the ones or crosses the others, whatever the parameters."""
+"""Regions of interest and barriers: no particle leaves the former or crosses the latter, with any parameters."""
 
 from itertools import pairwise
 
@@ -89,7 +89,7 @@ def test_no_particle_ever_crosses_a_barrier(barrier, parameters):
 
 @settings(max_examples=30, deadline=None)
 @given(st.tuples(st.floats(-0.3, 0.3), st.floats(10.0, 45.0)), settings_of_a_run())
-def test_nobody_gets_or_is_born_beyond_a_barrier_right_across_the_image(line, parameters):
+def test_no_particle_gets_or_is_born_beyond_a_barrier_across_the_image(line, parameters):
     slope, offset = line
     seeds = GRID[GRID[:, 1] < offset + slope * GRID[:, 0] - 1.0]
     barrier = ((-9.0, offset - 9.0 * slope), (25.0, offset + 25.0 * slope), (70.0, offset + 70.0 * slope))
@@ -160,8 +160,8 @@ def test_the_middle_of_two_regions_that_overlap_or_touch_is_no_rim():
         assert barrier_map.crossed(np.array([(20.0, 15.0)]), np.array([(20.0, 55.0)])).all()
 
 
-def test_moves_are_judged_alike_near_and_far_from_walls():
-    """The clearance only spares work: with it or without, the same moves cross."""
+def test_moves_are_tested_alike_near_and_far_from_barriers():
+    """The clearance only saves time: with it or without, the same moves cross."""
     regions = Regions(barriers=(((3.2, 4.1), (30.7, 33.3), (31.0, 80.0)), ((50.1, -3.0), (40.2, 20.9))))
     barrier_map = build_barrier_map(regions, SHAPE)
     rng = np.random.default_rng(3)
@@ -204,7 +204,7 @@ def test_strong_edges_outside_do_not_hide_faint_ones_inside():
 
 
 @pytest.mark.parametrize("setting", [{}, {"beta": 0.0}, {"beta": 0.1, "time_step": 1.0}], ids=str)
-def test_behind_a_barrier_nothing_is_found_and_those_held_back_come_to_rest(setting):
+def test_behind_a_barrier_nothing_is_found_and_particles_held_back_come_to_rest(setting):
     barrier = Regions(barriers=(((-1, 56), (30, 53), (81, 55)),))
     found = segment(BOTH, circle((36.0, 30.0), 21.0), Parameters(**setting), regions=barrier)
     assert found.converged
@@ -253,7 +253,7 @@ def test_the_rim_is_no_edge():
     assert max(ONE.distance(c.points).max() for c in found.contours) < 0.2
 
 
-def test_fixed_charges_outside_pull_nobody():
+def test_fixed_charges_outside_pull_no_particle():
     """The force inside is that of an image without the other object."""
     inside = AROUND_ONE.pixels(ONE.values.shape)
     with_other = build_scale_field(BOTH, 1.0, 0.0, AROUND_ONE).lorentz[:, inside]
@@ -272,8 +272,8 @@ def test_without_regions_a_run_is_what_it_was():
         assert [c.points.tobytes() for c in result.contours] == [c.points.tobytes() for c in results[0].contours]
 
 
-def test_a_run_goes_on_under_other_regions():
-    """Those who are outside are left out, and what was at rest obeys."""
+def test_a_run_continues_with_other_regions():
+    """Particles outside are left out, and particles at rest are reactivated."""
     free = Engine(SCENE.values, Parameters())
     state = free.start(GRID)
     while not state.stop_reason:
@@ -344,6 +344,6 @@ def test_a_start_outside_the_regions_is_refused_and_one_partly_outside_cut():
     np.testing.assert_array_equal(engine.start([(20.0, 40.0), (30.0, 20.0)]).start, [(30.0, 20.0)])
 
 
-def test_nobody_starts_on_a_barrier():
+def test_no_particle_starts_on_a_barrier():
     engine = Engine(SCENE.values, Parameters(), Regions(barriers=(((20, 2), (20, 50)),)))
     np.testing.assert_array_equal(engine.start([(20.0, 40.0), (21.0, 40.0)]).start, [(21.0, 40.0)])

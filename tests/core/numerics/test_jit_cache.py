@@ -39,7 +39,7 @@ def package(tmp_path):
 
 
 def run(package, **environment):
-    """What the outer loop gives, where it and a loop of somebody else are kept, and whether it was found there."""
+    """What the outer loop gives, where it and a loop of another package are kept, and whether it was found there."""
     kept = {name: value for name, value in os.environ.items() if name not in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME")}
     kept |= {"PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1", **environment}
     command = [sys.executable, "-m", "cpm_core.outer"]
@@ -63,7 +63,7 @@ def test_a_loop_called_by_another_may_change_in_a_file_of_its_own(package, tmp_p
 
 def test_a_home_that_cannot_be_written_to_is_no_obstacle(package, tmp_path):
     (tmp_path / "file").touch()
-    nowhere = str(tmp_path / "file")  # nothing can be made below a file, whoever one is
+    nowhere = str(tmp_path / "file")  # nothing can be made below a file, by any user
     value, ours, _, _ = run(package, XDG_CACHE_HOME=nowhere, LOCALAPPDATA=nowhere, HOME=nowhere)
     assert value == 22.0
     assert ours == package / "__pycache__"
@@ -102,7 +102,7 @@ def test_another_source_that_loops_depend_on_gives_another_version(package, name
         "from cpm_core.between import BETWEEN",
     ],
 )
-def test_whatever_the_form_of_an_import_and_however_far_its_source_is_followed(package, imported):
+def test_imports_of_every_form_are_followed_to_every_depth(package, imported):
     (package / "between.py").write_text("from cpm_core.other import OTHER\n\nBETWEEN = 2.0 * OTHER\n")
     (package / "inner.py").write_text(f"{imported}\n{INNER.format(1.0)}")
     before = jit_cache.digest(package)
@@ -111,7 +111,7 @@ def test_whatever_the_form_of_an_import_and_however_far_its_source_is_followed(p
 
 
 @pytest.mark.parametrize("imported", ["from cpm_core.numerics import jit", "import cpm_core.numerics.jit as jit"])
-def test_loops_are_known_whatever_the_form_in_which_their_compiler_is_imported(package, imported):
+def test_loops_are_found_in_every_form_of_the_import_of_their_compiler(package, imported):
     before = jit_cache.digest(package)
     (package / "other.py").write_text(f"{imported}\n\n@jit.compiled\ndef other(x):\n    return x\n")
     assert jit_cache.digest(package) != before
@@ -123,7 +123,7 @@ def test_another_numba_gives_another_version(package, monkeypatch):
     assert jit_cache.digest(package) != before
 
 
-def test_the_hour_of_a_source_does_not_matter(package):
+def test_the_date_of_a_source_does_not_matter(package):
     before = jit_cache.digest(package)
     os.utime(package / "inner.py", (1.0, 1.0))
     assert jit_cache.digest(package) == before
@@ -137,14 +137,14 @@ def test_without_sources_the_choice_is_left_to_numba(tmp_path):
 def test_versions_not_used_for_long_are_removed_and_nothing_else(package, tmp_path):
     chosen = tmp_path / "chosen"
     long_ago = time.time() - 40 * 86400.0
-    for name in ("loops-old", "loops-recent", "somebody-else"):
+    for name in ("loops-old", "loops-recent", "another-program"):
         (chosen / name / "folder").mkdir(parents=True)
         (chosen / name / "folder" / "a.nbc").touch()
-    for name in ("loops-old", "somebody-else"):
+    for name in ("loops-old", "another-program"):
         os.utime(chosen / name, (long_ago, long_ago))
     made = jit_cache.folder(package, str(chosen))
     assert made is not None
-    assert {path.name for path in chosen.iterdir()} == {"loops-recent", "somebody-else", made.name}
+    assert {path.name for path in chosen.iterdir()} == {"loops-recent", "another-program", made.name}
 
 
 def test_a_version_in_use_is_not_taken_for_an_old_one(package, tmp_path):
@@ -177,10 +177,10 @@ def test_each_platform_has_its_place(monkeypatch, platform, environment, expecte
     assert jit_cache.user_cache() == expected
 
 
-def test_the_setting_of_numba_is_put_back(monkeypatch):
+def test_the_setting_of_numba_is_restored(monkeypatch):
     monkeypatch.setattr(numba.config, "CACHE_DIR", "as it was")
     monkeypatch.setattr(jit_cache, "folder", lambda package, chosen: Path("elsewhere"))
-    with pytest.raises(ZeroDivisionError), jit_cache.kept_with_the_sources():
+    with pytest.raises(ZeroDivisionError), jit_cache.cached_by_version():
         assert numba.config.CACHE_DIR == "elsewhere"
         raise ZeroDivisionError
     assert numba.config.CACHE_DIR == "as it was"

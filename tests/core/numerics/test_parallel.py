@@ -27,7 +27,7 @@ def test_few_items_are_done_by_the_caller():
     assert callers == [threading.get_ident()]
 
 
-def test_nobody_waits_behind_the_work_of_another_caller(monkeypatch):
+def test_no_caller_waits_for_the_work_of_another(monkeypatch):
     monkeypatch.setattr(parallel, "cores", lambda: 2)
     begun, done = threading.Event(), threading.Event()
 

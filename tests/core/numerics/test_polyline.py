@@ -66,7 +66,7 @@ def test_coarser_paths_have_the_same_ends_and_stay_near(lines, off) -> None:
         assert all(polyline.distance(kept, corner) <= 3 * off + 1e-9 for corner in line)
 
 
-def test_a_smooth_path_is_drawn_with_few_corners() -> None:
+def test_a_smooth_path_needs_few_corners() -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 801)
     circle = 100.0 * np.stack([np.sin(angle), np.cos(angle)], axis=1)
     assert len(polyline.coarser([circle, circle], 0.1)[1]) <= 102
@@ -83,7 +83,7 @@ def crossings(corners, place):
 
 @settings(deadline=None)  # the first call may compile
 @given(st.lists(positions, min_size=3, max_size=8), positions)
-def test_a_polygon_holds_what_it_winds_around(corners, shift) -> None:
+def test_a_polygon_contains_what_it_winds_around(corners, shift) -> None:
     place = (shift[0] + 0.337, shift[1] + 0.219)  # on no side, whose corners are integers
     if polyline.distance((*corners, corners[0]), place) > 1e-6:
         assert polyline.inside(corners, np.array([place]))[0] == (crossings(corners, place) != 0)
@@ -91,7 +91,7 @@ def test_a_polygon_holds_what_it_winds_around(corners, shift) -> None:
 
 @settings(deadline=None)  # the first call may compile
 @given(lines, st.floats(0.2, 5.0))
-def test_samples_are_the_middles_of_equal_parts(line, spacing) -> None:
+def test_samples_are_the_midpoints_of_equal_parts(line, spacing) -> None:
     path = np.array(line)
     points, whole = polyline.sampled(path, spacing), polyline.length(path)
     part = whole / len(points)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cpm_core.particles.cell_list import cell_of, plane
 
-from ..moving import crowds
+from ..dynamics.moving import crowds
 
 seeds, sizes = st.integers(0, 10**6), st.sampled_from([0.7, 1.0, 2.0, 5.0, 13.0, 200.0])
 

@@ -1,4 +1,4 @@
-"""The Coulomb force of eq. (9), against two nested loops and the laws that any such force obeys."""
+"""The Coulomb force of eq. (9), against two nested loops and the laws that any such force follows."""
 
 import math
 

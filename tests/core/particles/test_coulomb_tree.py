@@ -124,7 +124,7 @@ def test_particles_on_one_spot_do_not_act_on_each_other_however_many():
     assert not coulomb_force(np.full((40, 2), 7.3), "tree").any()
 
 
-def test_twins_feel_twice_what_single_particles_feel():
+def test_pairs_at_one_position_have_twice_the_force_of_single_particles():
     points = SCENES["cloud"]
     found = coulomb_force(np.concatenate([points, points]), "tree")
     exact = 2.0 * coulomb_force(points, "exact")
@@ -133,7 +133,7 @@ def test_twins_feel_twice_what_single_particles_feel():
 
 
 @pytest.mark.parametrize("count", [2, 150, 301, 900, 1499, 1500, 1501, 4000])
-def test_the_choice_is_one_of_the_ways(count):
+def test_the_choice_is_one_of_the_methods(count):
     points = rings(4000, np.random.default_rng(3))[:count]
     chosen = coulomb_force(points)
     ways = [coulomb_force(points, method).tobytes() for method in ("exact", "single", "tree")]

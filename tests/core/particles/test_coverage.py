@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cpm_core.particles.coverage import no_coverage, plane, renewed, renewed_near
 from cpm_core.particles.coverage.plane import cover, idle_at
 
-from ..moving import cloud
+from ..dynamics.moving import cloud
 
 SHAPE = (50, 38)
 SIDE, ACROSS = 4.0, 9
@@ -20,7 +20,7 @@ def cell(point):
 
 
 def visits(shape, seed, least=1):
-    """Particles, and which of them sit on an edge, in some steps."""
+    """Particles, and which of them are on an edge, in some steps."""
     rng = np.random.default_rng(seed)
     for _ in range(rng.integers(least, 7)):
         points = cloud(shape, int(rng.integers(0, 9)), int(rng.integers(0, 10**6)))
@@ -40,7 +40,7 @@ class TestCoverage:
     """What holds for coverage in any dimension."""
 
     def visited(self, kernels, coverage, first, steps, start=1):
-        """Coverage and dictionary after visits in one step after the other; each tells the same number of new cells."""
+        """Coverage and dictionary after visits in one step after the other; both give the same number of new cells."""
         for step, (points, on_edge) in enumerate(steps, start=start):
             coverage, new = kernels.cover(coverage, points, on_edge, step)
             fresh = {cell(p) for p in points[on_edge]} - set(first)
@@ -64,7 +64,7 @@ class TestCoverage:
 
     @settings(max_examples=60, deadline=None)
     @given(seed=seeds)
-    def test_renewed_coverage_counts_as_just_found_and_is_explored_further(self, kernels, shape, seed):
+    def test_renewed_coverage_counts_as_newly_covered_and_grows_further(self, kernels, shape, seed):
         coverage, first = self.visited(kernels, no_coverage(shape), {}, visits(shape, seed))
         coverage, first, points = renewed(coverage, 10), dict.fromkeys(first, 10), cloud(shape, 8, seed)
         assert kernels.idle_at(coverage, points, 10, 99).tolist() == idle_truth(first, points, 10, 99)
@@ -73,7 +73,7 @@ class TestCoverage:
 
     @settings(max_examples=40, deadline=None)
     @given(seed=seeds, reach=st.floats(0.5, 25.0))
-    def test_news_near_a_place_reaches_the_cells_within_reach_and_no_others(self, kernels, shape, seed, reach):
+    def test_renewal_near_a_position_changes_the_cells_within_reach_and_no_others(self, kernels, shape, seed, reach):
         """Of all particles there, those whose distance from the place is below the reach; not those a cell beyond."""
         place, points = cloud(shape, 1, seed), cloud(shape, 50, seed + 1)
         idle = kernels.idle_at(renewed_near(no_coverage(shape), place, reach, 7), points, 9, 99)
@@ -87,7 +87,7 @@ class TestCoverage:
         assert new == 2 ** len(shape)
 
 
-def test_covered_cells_are_no_news_and_leave_the_coverage_as_it_is():
+def test_cells_covered_before_leave_the_coverage_as_it_is():
     points, both = np.array([(10.0, 10.0), (30.0, 20.0)]), np.ones(2, bool)
     coverage, new = cover(no_coverage(SHAPE), points, both, 3)
     assert new == 2
@@ -103,7 +103,7 @@ def test_particles_on_no_edge_cover_nothing():
     assert idle_at(coverage, points, 5, 99).tolist() == [99, 2]
 
 
-def test_exploring_and_renewing_do_not_change_their_input():
+def test_covering_and_renewing_do_not_change_their_input():
     before, one = no_coverage(SHAPE), np.ones(1, bool)
     after, _ = cover(before, np.array([(10.0, 10.0)]), one, 3)
     assert (before.found == -1).all()

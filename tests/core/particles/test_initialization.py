@@ -1,4 +1,4 @@
-"""Where particles start."""
+"""Initialization: where particles start."""
 
 from itertools import pairwise
 
@@ -175,7 +175,7 @@ def test_gradient_threshold_of_no_fraction_is_refused(fraction):
 
 
 def three_objects():
-    """A disk, a square and a ring, in grey levels of their own."""
+    """A disk, a square and a ring, in different gray levels."""
     shape = (120, 130)
     objects = (
         disk(shape, (35.3, 38.6), 20.0),
@@ -205,7 +205,7 @@ def test_a_disk_has_a_center_of_divergence_in_its_middle_and_none_beside_its_edg
     assert scene.distance(centers).min() > 5.0
 
 
-def test_centers_of_divergence_are_where_the_direction_of_the_field_flows_apart():
+def test_centers_of_divergence_are_where_the_direction_of_the_field_diverges():
     """Around each, on a small circle, more of the exact field points outwards than inwards."""
     values, _ = three_objects()
     field = electric_field(edge_map(values, 2.0))
@@ -240,7 +240,7 @@ def test_a_mirrored_or_turned_image_has_such_centers_of_divergence():
 
 
 def test_an_edge_that_runs_out_of_the_image_is_reached_from_the_border():
-    """A wide arc from side to side, with nothing on either side for a field to flow apart."""
+    """A wide arc from side to side, with nothing on either side for a field to diverge."""
     scene = disk((70, 80), (35.3, -360.4), 405.0)
     seeds = divergence_centers(scene.values)
     assert len(seeds) > 0

@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 from cpm_core.particles.coulomb.mesh_force import nodes, plane, spline
 from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force, mesh_force_at
 
-from ..moving import coulomb, offsets
+from ..dynamics.moving import coulomb, offsets
 
 REACH = 10.0
 SHAPE = (121, 150)
 
 CURVES, CROWDS = 0.008, 0.03
-"""Largest error at a reach of 10 px: of particles 2 px apart on curves, whose neighbours push with 0.25 each (seen:
+"""Largest error at a reach of 10 px: of particles 2 px apart on curves, whose neighbors push with 0.25 each (seen:
 0.007 on a circle of 8 px, 0.004 on larger ones, 0.003 on lines), and of clouds of a particle to every 4 px squared,
 many of which are nearer than that (seen: 0.021)."""
 
@@ -144,8 +144,8 @@ def test_spline_spreads_a_whole_charge_about_its_own_place(place):
 
 
 def test_all_charge_is_seen_from_far_away():
-    """A heap of particles at one end pushes at the other like one particle of their whole charge, to the digits that
-    single precision leaves beside what the heap does to itself."""
+    """A group of particles at one end pushes at the other like one particle of their whole charge, to the digits that
+    single precision leaves beside the forces inside the group."""
     heap = np.array([10.0, 10.0]) + np.random.default_rng(6).uniform(-0.5, 0.5, (200, 2))
     (force,) = smooth_force(mesh_force(heap, SHAPE, REACH), np.array([(110.0, 140.0)]))
     truth = coulomb(np.concatenate([heap, [(110.0, 140.0)]]))[-1]
@@ -176,7 +176,7 @@ def test_same_particles_same_bits():
     assert mesh_force(points, SHAPE, REACH).force.tobytes() == mesh_force(points, SHAPE, REACH).force.tobytes()
 
 
-def test_nobody_exerts_no_force():
+def test_no_particle_exerts_no_force():
     assert not mesh_force(np.zeros((0, 2)), SHAPE, REACH).force.any()
 
 

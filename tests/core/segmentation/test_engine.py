@@ -11,7 +11,7 @@ from cpm_core.dynamics.equilibrium import STILL
 from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics import parallel
 
-from ..moving import repulsion
+from ..dynamics.moving import repulsion
 from ..scenes import disk, ring
 
 SCENE = disk((64, 60), (31.4, 29.7), 17.0)

@@ -1,15 +1,15 @@
-r"""The Coulomb force of far particles within a run, by way of a mesh: a particle-particle particle-mesh sum.
+"""The Coulomb force of distant particles in a run, on a mesh: a particle-particle particle-mesh sum.
 
-Within a run the force of eq. (9) is split in two. Up to a reach ``R`` the inverse square is softened to the polynomial
-``r (35/8 - 21/4 u + 15/8 u^2) / R^3`` with ``u = (r/R)^2``, which meets it at ``R`` with its first two derivatives.
-What the polynomial leaves out is summed over the pairs nearer than ``R`` at every step (`pair_force`). The rest is
-smooth in space and slow in time: a mesh of pitch ``R / 2`` carries it (quadratic splines, their smoothing divided out,
-one zero-padded convolution in single precision), which is made anew only every few steps.
+In a run the force of eq. (9) is split in two. Up to a reach ``R`` the inverse square is softened to the polynomial ``r
+(35/8 - 21/4 u + 15/8 u^2) / R^3`` with ``u = (r/R)^2``, which joins it at ``R`` with its first two derivatives. What
+the polynomial leaves out is summed over the pairs nearer than ``R`` at every step (`pair_force`). The rest is smooth in
+space and slow in time: a mesh of pitch ``R / 2`` carries it (quadratic splines, deconvolved, one zero-padded
+convolution in single precision), and it is computed only every few steps.
 
-At a reach of 10 px the mesh is wrong by about 0.004 on curves and 0.01 to 0.02 in crowds, where two particles 2 px
-apart push each other with 0.25; that it is a few steps old adds 0.03 for 95 of 100 particles. Friction holds particles
-at rest against more, and contours do not depend on it. Where the force itself is wanted, `coulomb_force` is exact to
-any tolerance, by another sum: `coulomb` says why, with figures.
+At a reach of 10 px the error of the mesh is about 0.004 on curves and 0.01 to 0.02 in crowds, where the force between
+two particles 2 px apart is 0.25; the age of the mesh adds 0.03 for 95 of 100 particles. Friction holds particles at
+rest against more than that, and contours do not depend on it. For the force itself, `coulomb_force` keeps any
+tolerance, by another sum: the page of `coulomb` explains why, with measurements.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ PITCH = 0.5
 """Pitch of the mesh, in reaches."""
 
 _MARGIN = 4
-"""Nodes along an axis beyond those that the image needs: splines spread over one node to each side."""
+"""Nodes along an axis beyond those that the image needs: splines reach one node further to each side."""
 
 _ORDER = 3
-"""Nodes that a quadratic spline spreads over along an axis."""
+"""Nodes that a quadratic spline covers along an axis."""
 
 
 def mesh_shape(shape: tuple[int, ...], reach: float) -> tuple[int, ...]:
@@ -39,17 +39,17 @@ def mesh_shape(shape: tuple[int, ...], reach: float) -> tuple[int, ...]:
 
 
 def nodes(shape: tuple[int, ...], reach: float) -> int:
-    """Nodes of the padded mesh for an image of this shape: what the force on it costs is proportional to it."""
+    """Nodes of the padded mesh for an image of this shape: its cost is proportional to them."""
     return int(2 ** len(shape) * np.prod(mesh_shape(shape, reach)))
 
 
 def softening(reach: float) -> Single:
-    """Coefficients of the polynomial that the inverse square is replaced by up to R."""
+    """Coefficients of the polynomial that replaces the inverse square up to R."""
     return np.array([35 / 8 / reach**3, -21 / 4 / reach**5, 15 / 8 / reach**7], np.float32)
 
 
 def convolved(charge: Single, reach: float) -> Single:
-    r"""Smooth part of the force that charges on the nodes of a mesh, shape (\*nodes), exert; shape (\*nodes, D)."""
+    r"""Smooth part of the force of charges on the nodes of a mesh, shape (\*nodes), shape (\*nodes, D)."""
     padded, kernels = _spectra(charge.shape, reach)
     axes = tuple(range(1, charge.ndim + 1))
     smooth = scipy.fft.irfftn(scipy.fft.rfftn(charge, padded) * kernels, padded, axes)
@@ -75,7 +75,7 @@ def _spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], NDAr
 
 @compiled
 def spline(place: float) -> tuple[int, float, float, float]:
-    """Node before the one nearest to a place, in units of the pitch, and weights of it and of the next two."""
+    """Node before the one nearest to a position, in units of the pitch, and weights of it and of the next two."""
     node = int(place + 0.5)
     beyond = place - node
     return node - 1, 0.5 * (0.5 - beyond) ** 2, 0.75 - beyond**2, 0.5 * (0.5 + beyond) ** 2

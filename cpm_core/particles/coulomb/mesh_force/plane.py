@@ -10,25 +10,13 @@ from cpm_core.particles.coulomb.mesh_force import PITCH, convolved, mesh_shape, 
 from cpm_core.particles.mesh import MeshForce
 
 NO_MESH = MeshForce(np.zeros((0, 0, 2), np.float32), (0.0, 0.0), 1.0, np.inf, np.zeros(3, np.float32))
-"""No mesh: every pair counts whole."""
+"""No mesh: the whole force is summed over pairs."""
 
 
 def mesh_force(position: Array, shape: tuple[int, ...], reach: float) -> MeshForce:
-    """Smooth part of the Coulomb force of all particles.
+    """Smooth part of the Coulomb force of all particles, shape (N, 2) [px], on the nodes of a mesh over an image.
 
-    Parameters
-    ----------
-    position : ndarray, shape (N, 2)
-        The particles [px].
-    shape : tuple of int
-        Shape of the image that they lie in.
-    reach : float
-        Distance R up to which pairs will add what is left out here [px].
-
-    Returns
-    -------
-    MeshForce
-        Force on the nodes of a mesh over the image.
+    `reach` is the distance R up to which pairs add what the mesh leaves out [px].
     """
     rows, cols = mesh_shape(shape, reach)
     pitch = PITCH * reach
@@ -41,7 +29,7 @@ def mesh_force(position: Array, shape: tuple[int, ...], reach: float) -> MeshFor
 
 @compiled
 def mesh_force_at(force: Single, down: float, right: float) -> tuple[float, float]:
-    """Smooth part of the Coulomb force on the nodes of a mesh at a place, in units of the pitch."""
+    """Smooth part of the Coulomb force at a position between the nodes of a mesh, in units of the pitch."""
     row, a, b, c = spline(down)
     col, d, e, f = spline(right)
     return _mixed(force, row, col, 0, a, b, c, d, e, f), _mixed(force, row, col, 1, a, b, c, d, e, f)

@@ -1,7 +1,7 @@
-"""Pairs of particles that are near each other: their part of eq. (9) in a run, who is nearest, and their energy.
+"""Pairs of particles that are near each other: their part of eq. (9) in a run, nearest neighbors, and their energy.
 
-A run sums pairs in single precision over a list of the particles in the cells around one, relative to the middle of the
-cell: see `plane`. What is farther away than the reach of the list is carried by a mesh (`mesh_force`).
+A run sums pairs in single precision over a list of the particles in the cells around one, relative to that cell: see
+`plane`. What is beyond the reach of the list is carried by a mesh (`mesh_force`).
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from cpm_core.numerics.types import Single
 Bits = NDArray[np.int32]
 
 LANES = 16
-"""Numbers that are worked on at once: lists are filled up to a multiple of it."""
+"""Numbers that are processed at once: lists are filled up to a multiple of it."""
 
-NOWHERE = 1e6
-"""Place of what fills up a list [px]; its force is next to nothing, and its cube is still a number."""
+FILLER = 1e6
+"""Coordinate that fills up a list [px]; its force is next to nothing, and its cube is still a number."""
 
 SAME_SPOT = 1e-10
-"""Squared distance below which two particles stand on the same spot: a bound instead of a branch keeps the loop on
-vector registers, and a pair on one spot adds its vanishing distance, which is nothing."""
+"""Squared distance below which two particles are at the same position: a bound instead of a branch keeps the loop on
+vector registers, and such a pair adds its vanishing distance, which is nothing."""
 
 NEAREST = 0.1
-"""Distance as which a smaller one of two particles counts in their energy [px], which thus stays finite."""
+"""Least distance of two particles in their energy [px], which thus stays finite."""
 
 _INFINITE = np.float32(np.inf).view(np.int32)
 """Bits of infinity."""
@@ -35,7 +35,7 @@ _INFINITE = np.float32(np.inf).view(np.int32)
 def two_nearest(squared: Single, bits: Bits, length: int) -> tuple[float, float]:
     """Least two of some squared distances, other than zero; `bits` views the same memory, which is overwritten.
 
-    The bits of positive numbers are in the order of the numbers, and whole numbers are compared many at once.
+    The bits of positive numbers have the order of the numbers, and integers are compared many at once.
     """
     first = _INFINITE
     for j in range(length):

@@ -7,28 +7,27 @@ import numpy as np
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Single
 from cpm_core.particles.cell_list.plane import Cells, cells_around, row_of_cells
-from cpm_core.particles.coulomb.pair_force import LANES, NEAREST, NOWHERE, SAME_SPOT
+from cpm_core.particles.coulomb.pair_force import FILLER, LANES, NEAREST, SAME_SPOT
 
 
 @compiled
 def gather(cells: Cells, row: int, col: int, near_y: Single, near_x: Single) -> tuple[int, int]:
-    """List the particles in a cell and around it, from its middle on.
+    """List the particles in a cell and around it, relative to the corner of the cell.
 
-    Return how many they are, filled up to lanes, and how much further on those of the cell stand in the list than among
-    the sorted ones.
+    Return how many they are, filled up to lanes, and the offset of the particles of the cell from their sorted order.
     """
-    middle_y, middle_x = row * cells.size, col * cells.size
+    origin_y, origin_x = row * cells.size, col * cells.size
     length, own = 0, 0
-    top, bottom, left, right = cells_around(cells, middle_y, middle_x, cells.size)
+    top, bottom, left, right = cells_around(cells, origin_y, origin_x, cells.size)
     for r in range(top, bottom + 1):
         first, last = row_of_cells(cells, r, left, right)
         own = length - first if r == row else own
         for k in range(first, last):
-            near_y[length] = cells.y[k] - middle_y
-            near_x[length] = cells.x[k] - middle_x
+            near_y[length] = cells.y[k] - origin_y
+            near_x[length] = cells.x[k] - origin_x
             length += 1
     while length % LANES:
-        near_y[length] = near_x[length] = NOWHERE
+        near_y[length] = near_x[length] = FILLER
         length += 1
     return length, own
 

@@ -1,4 +1,4 @@
-"""Hand-made scale fields and the force of eq. (12) in double precision, in any dimension: the judges of the kernels."""
+"""Scale fields made by hand, and the force of eq. (12) in double precision: the truth for the tests of the kernels."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from cpm_core.particles.cell_list.plane import build_cells
 
 Array = NDArray[np.float64]
 
-LONELY = 8.0
-"""Distance to anybody that counts at most, in d_min + d_max."""
+NEIGHBOR_RANGE = 8.0
+"""Largest distance to a neighbor, in d_min + d_max."""
 
 
-def survey(positions: Array, scale_field: ScaleField, distance: float) -> EdgeContact:
-    """How particles stand, with neighbors up to a distance."""
+def edge_contact(positions: Array, scale_field: ScaleField, distance: float) -> EdgeContact:
+    """Edge contact of particles, with neighbors up to a distance."""
     return EdgeContact(*contact_at(positions, scale_field), build_cells(positions, scale_field.shape, distance))
 
 
@@ -52,7 +52,7 @@ def cloud(shape: tuple[int, ...], count: int, seed: int) -> Array:
 
 
 def crowds(shape: tuple[int, ...], seed: int) -> Array:
-    """Particles anywhere on an image, some of them in a heap and some on the same spot, in multiples of 1/8 px."""
+    """Particles anywhere on an image, some of them close together and some on the same spot, in multiples of 1/8 px."""
     rng = np.random.default_rng(seed)
     heap = rng.uniform(5.0, 9.0, (rng.integers(0, 20), len(shape)))
     points = np.concatenate([cloud(shape, int(rng.integers(0, 25)), seed), heap])
@@ -60,7 +60,7 @@ def crowds(shape: tuple[int, ...], seed: int) -> Array:
 
 
 def offsets(points: Array) -> tuple[Array, Array]:
-    """Vectors between all pairs, and their lengths; infinite for particles on the very same spot."""
+    """Vectors between all pairs, and their lengths; infinite for particles at the same position."""
     apart = points[:, None] - points
     distance = np.linalg.norm(apart, axis=-1)
     distance[distance == 0.0] = np.inf
@@ -76,9 +76,9 @@ def coulomb(points: Array) -> Array:
 def spacing(points: Array, parameters: Parameters) -> Array:
     """Mean distance to the two nearest."""
     _, distance = offsets(points)
-    lonely = LONELY * (parameters.d_min + parameters.d_max)
+    farthest = NEIGHBOR_RANGE * (parameters.d_min + parameters.d_max)
     nearest = np.sort(np.concatenate([distance, np.full((len(points), 2), np.inf)], axis=1), axis=1)[:, :2]
-    return np.asarray(np.minimum(nearest, lonely).mean(axis=1))
+    return np.asarray(np.minimum(nearest, farthest).mean(axis=1))
 
 
 def repulsion(points: Array, parameters: Parameters) -> Array:
