@@ -113,7 +113,7 @@ class ImageLayer(Layer):
         # of two that are on their way the older one may not stay
         new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
         if shaded is not None and new and shaded.window == self._wanted():
-            self._draw(shaded.shades)
+            self._draw(shaded.display)
 
     def _take_window(self, found: WindowFound) -> None:
         if self.word("range") == f"{found.percent:g}":
