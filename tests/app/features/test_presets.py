@@ -57,8 +57,8 @@ def test_a_preset_is_read_as_it_was_written(parameters, name, picture) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda kept: [], "no preset of CPM"),
-        (lambda kept: kept | {"format": "other"}, "no preset of CPM"),
+        (lambda kept: [], "not a preset of CPM"),
+        (lambda kept: kept | {"format": "other"}, "not a preset of CPM"),
         (lambda kept: kept | {"version": 2}, "newer CPM"),
         (lambda kept: kept | {"version": "1"}, "damaged"),
         (lambda kept: kept | {"name": 7}, "damaged"),
@@ -81,7 +81,7 @@ def test_a_file_that_is_no_preset_is_told_in_a_sentence(change, said) -> None:
 
 @given(st.binary(max_size=300))
 def test_no_bytes_whatever_do_more_harm_than_a_sentence(content) -> None:
-    with pytest.raises(ValueError, match="no preset of CPM"):
+    with pytest.raises(ValueError, match="not a preset of CPM"):
         read(content, "a file")
 
 
