@@ -71,7 +71,7 @@ class Session(RunControl):
         """Use an image that has been opened."""
         self._generation = self._image_generation = self._next_generation()
         self.post(RunCall(None, Run.use, self._generation, opened.method, opened.parameters))
-        self.show(Scene(opened.image, opened.shades, document=self.document, selected=self.selected))
+        self.show(Scene(opened.image, opened.display, document=self.document, selected=self.selected))
         self.image_changed.emit()
         self._progress.forget()
         self.begin_document(_document(opened, self.document.mode))

@@ -39,7 +39,7 @@ def apply_window(values: Array, window: IntensityWindow) -> DisplayImage:
     """Display image of an intensity window, ``255 ((v - low) / (high - low))^gamma``, rounded and clipped.
 
     It has the shape of the gray values, (H, W), and is made from them directly, so that the narrowest window has 256
-    shades.
+    gray values.
     """
     shown = np.empty(values.shape, np.uint8)
     top = 255.0 if window.gamma == 1.0 else _CODES - 1.0

@@ -110,7 +110,7 @@ class Opened(Report):
 
     image: Image
     method: Method[Any]
-    shades: DisplayImage
+    display: DisplayImage
     path: Path
     parameters: Parameters
     notes: tuple[str, ...]

@@ -57,8 +57,8 @@ def test_a_preset_is_read_as_it_was_written(parameters, name, picture) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda kept: [], "no preset of CPM"),
-        (lambda kept: kept | {"format": "other"}, "no preset of CPM"),
+        (lambda kept: [], "not a preset of CPM"),
+        (lambda kept: kept | {"format": "other"}, "not a preset of CPM"),
         (lambda kept: kept | {"version": 2}, "newer CPM"),
         (lambda kept: kept | {"version": "1"}, "damaged"),
         (lambda kept: kept | {"name": 7}, "damaged"),
@@ -81,7 +81,7 @@ def test_a_file_that_is_no_preset_is_rejected_with_a_message(change, message) ->
 
 @given(st.binary(max_size=300))
 def test_arbitrary_bytes_raise_only_a_value_error(content) -> None:
-    with pytest.raises(ValueError, match="no preset of CPM"):
+    with pytest.raises(ValueError, match="not a preset of CPM"):
         read(content, "a file")
 
 

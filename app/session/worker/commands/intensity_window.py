@@ -26,7 +26,7 @@ class Shaded(Report):
 
     image: Image
     window: IntensityWindow
-    shades: DisplayImage
+    display: DisplayImage
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -104,7 +104,7 @@ class ImageLayer(Layer):
         # of two pending requests, the older one may not win
         new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
         if shaded is not None and new and shaded.window == self._chosen_window():
-            self._draw(shaded.shades)
+            self._draw(shaded.display)
 
     def _take_window(self, found: WindowFound) -> None:
         if self.word("range") == f"{found.percent:g}":
