@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -15,6 +15,14 @@ from cpm_core.numerics.types import Array
 
 SAMPLING = 0.25
 """Distance from sample to sample along contours that are compared [px]."""
+
+FORMER_NAMES: dict[str, str] = {"colour": "color"}
+"""Names of properties of contours in older files -> their present names."""
+
+
+def present_names(properties: Mapping[str, Any]) -> dict[str, Any]:
+    """Properties of a contour as a file has them, under their present names."""
+    return {FORMER_NAMES.get(name, name): value for name, value in properties.items()}
 
 
 class HasContrast(Protocol):
@@ -43,13 +51,13 @@ class Contour:
         What `contrast` is measured on (`field.region_contrast.Sides`); None for a curve that was not found in an image.
     name : str
         What a user calls it; empty when it has no name.
-    colour : str
-        Colour that a user has given it, ``"#rrggbb"``; empty for the color of its kind.
+    color : str
+        Color that a user has given it, ``"#rrggbb"``; empty for the color of its kind.
 
     Raises
     ------
     ValueError
-        When the colour is none of these.
+        When the color is none of these.
     """
 
     points: Array
@@ -58,12 +66,12 @@ class Contour:
     junctions: tuple[bool, bool] = (False, False)
     sides: HasContrast | None = field(default=None, repr=False)
     name: str = ""
-    colour: str = ""
+    color: str = ""
 
     def __post_init__(self) -> None:
-        if self.colour and not re.fullmatch("#[0-9A-Fa-f]{6}", self.colour):
+        if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
             raise ValueError(
-                f'The colour of a contour is "{self.colour}" but must be "#rrggbb", two hexadecimal digits each for '
+                f'The color of a contour is "{self.color}" but must be "#rrggbb", two hexadecimal digits each for '
                 "red, green and blue, or empty."
             )
 

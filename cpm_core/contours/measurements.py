@@ -27,7 +27,7 @@ class Measures:
         Place among the contours, from 1.
     label : int
         Label in the label mask, counted over the closed contours from 1; 0 when open.
-    name, colour : str
+    name, color : str
         Those of the contour; empty when it has none.
     closed : bool
         Whether it is closed.
@@ -51,7 +51,7 @@ class Measures:
     number: int
     label: int
     name: str
-    colour: str
+    color: str
     closed: bool
     junctions: int
     length: float
@@ -92,7 +92,7 @@ def measure(
                 number=number,
                 label=label if contour.closed else 0,
                 name=contour.name,
-                colour=contour.colour,
+                color=contour.color,
                 closed=contour.closed,
                 junctions=sum(contour.junctions),
                 length=contour.length,

@@ -47,8 +47,8 @@ class Mark:
         Rejected contours are not written; empty where nothing has been decided.
     name : str
         What it is called, empty for nothing.
-    colour : str
-        Colour that it is drawn in, ``"#rrggbb"``; empty for that of its kind.
+    color : str
+        Color that it is drawn in, ``"#rrggbb"``; empty for that of its kind.
 
     Raises
     ------
@@ -59,23 +59,23 @@ class Mark:
     anchor: Position
     verdict: Verdict = ""
     name: str = ""
-    colour: str = ""
+    color: str = ""
 
     def __post_init__(self) -> None:
         if len(self.anchor) != 2 or not all(math.isfinite(place) for place in self.anchor):
             raise ValueError(f"The anchor of a mark is {self.anchor} but must be two finite numbers, row and column.")
         if self.verdict not in get_args(Verdict):
             raise ValueError(f'The verdict of a mark is "{self.verdict}" but must be "kept", "rejected" or empty.')
-        if self.colour and not re.fullmatch("#[0-9A-Fa-f]{6}", self.colour):
+        if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
             raise ValueError(
-                f'The colour of a mark is "{self.colour}" but must be "#rrggbb", two hexadecimal digits each for red, '
+                f'The color of a mark is "{self.color}" but must be "#rrggbb", two hexadecimal digits each for red, '
                 "green and blue, or empty."
             )
 
     @property
     def says_nothing(self) -> bool:
         """Whether it can be left out."""
-        return not (self.verdict or self.name or self.colour)
+        return not (self.verdict or self.name or self.color)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -85,7 +85,7 @@ class ReviewedContour:
     Attributes
     ----------
     contour : Contour
-        With the name and the colour that its mark gives it.
+        With the name and the color that its mark gives it.
     mark : Mark or None
         None when nothing has been said.
     index : int
@@ -128,7 +128,7 @@ def reviewed(contours: Sequence[Contour], marks: Sequence[Mark]) -> tuple[Review
 
 
 def apply(result: Result, marks: Sequence[Mark]) -> Result:
-    """The result without the contours that have been rejected, and with names and colours.
+    """The result without the contours that have been rejected, and with names and colors.
 
     Parameters
     ----------
@@ -301,8 +301,8 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
 
 
 def _curated(contour: Contour, mark: Mark | None, index: int) -> ReviewedContour:
-    if mark is not None and (mark.name, mark.colour) != (contour.name, contour.colour):
-        contour = replace(contour, name=mark.name or contour.name, colour=mark.colour or contour.colour)
+    if mark is not None and (mark.name, mark.color) != (contour.name, contour.color):
+        contour = replace(contour, name=mark.name or contour.name, color=mark.color or contour.color)
     return ReviewedContour(contour, mark, index)
 
 

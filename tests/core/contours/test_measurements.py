@@ -94,12 +94,12 @@ def test_nesting_is_that_of_brute_force(seed, count):
 def test_a_row_tells_what_geometry_tells():
     square = np.array([(10, 10), (10, 30), (30, 30), (30, 10)], dtype=float)
     contours = [
-        Contour(square, closed=True, strength=7.0, name="cell", colour="#e69f00"),
+        Contour(square, closed=True, strength=7.0, name="cell", color="#e69f00"),
         Contour(np.array([(12.0, 12.0), (15.0, 16.0)]), closed=False, strength=3.0, junctions=(True, False)),
         ring(20, 22, 3),
     ]
     first, second, third = measure(contours, spacing=(0.5, 0.25))
-    assert (first.number, first.label, first.name, first.colour, first.closed) == (1, 1, "cell", "#e69f00", True)
+    assert (first.number, first.label, first.name, first.color, first.closed) == (1, 1, "cell", "#e69f00", True)
     assert (first.length, first.area, first.strength, first.junctions) == (80.0, 400.0, 7.0, 0)
     assert first.length_in_units == pytest.approx(2 * 20 * 0.5 + 2 * 20 * 0.25)
     assert first.area_in_units == pytest.approx(400 * 0.125)
@@ -120,11 +120,11 @@ def test_contrast_is_measured_where_there_is_an_image_and_only_when_wanted():
 
 
 def test_a_name_and_a_colour_survive_pickling():
-    again = pickle.loads(pickle.dumps(Contour(np.zeros((1, 2)), False, name="Ärmel", colour="#00ff7F")))
-    assert (again.name, again.colour) == ("Ärmel", "#00ff7F")
+    again = pickle.loads(pickle.dumps(Contour(np.zeros((1, 2)), False, name="Ärmel", color="#00ff7F")))
+    assert (again.name, again.color) == ("Ärmel", "#00ff7F")
 
 
-@pytest.mark.parametrize("colour", ["red", "#12345", "#1234567", "#00ff7g", "00ff7f", "#00ff7f\n"])
-def test_a_colour_that_is_none_is_refused(colour):
+@pytest.mark.parametrize("color", ["red", "#12345", "#1234567", "#00ff7g", "00ff7f", "#00ff7f\n"])
+def test_a_colour_that_is_none_is_refused(color):
     with pytest.raises(ValueError, match='must be "#rrggbb"'):
-        Contour(np.zeros((1, 2)), False, colour=colour)
+        Contour(np.zeros((1, 2)), False, color=color)

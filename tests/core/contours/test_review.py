@@ -108,7 +108,7 @@ def test_the_result_that_is_written_lacks_what_is_rejected_and_has_names_and_col
     one, two, three = ring(30, 30, 10), ring(30, 90, 12), ring(90, 90, 14)
     marks = (Mark((30.0, 40.0), "rejected"), Mark((30.0, 102.0), "kept", "left ventricle", "#D55E00"))
     written = apply(result_of(one, two, three), marks)
-    assert [(c.name, c.colour) for c in written.contours] == [("left ventricle", "#D55E00"), ("", "")]
+    assert [(c.name, c.color) for c in written.contours] == [("left ventricle", "#D55E00"), ("", "")]
     np.testing.assert_array_equal(written.contours[0].points, two.points)
     result = result_of(one)
     assert apply(result, ()) is result
@@ -125,7 +125,7 @@ def test_a_bridge_goes_with_its_contour() -> None:
     [
         ({"anchor": (float("nan"), 0.0)}, "finite"),
         ({"anchor": (0.0, 0.0), "verdict": "perhaps"}, "perhaps"),
-        ({"anchor": (0.0, 0.0), "colour": "red"}, "#rrggbb"),
+        ({"anchor": (0.0, 0.0), "color": "red"}, "#rrggbb"),
     ],
 )
 def test_a_mark_that_makes_no_sense_is_refused(wrong, said) -> None:
