@@ -154,7 +154,7 @@ class SkeletonState:
 class SkeletonMethod(ImageFields):
     """The skeleton of the objects in an image: a `Method` of three steps for boundary, medial axis and pruning.
 
-    It needs no seeds and always uses the whole image, whatever the regions of interest.
+    It needs no seeds and always uses the whole image, independent of the regions of interest.
 
     Parameters
     ----------

@@ -118,7 +118,7 @@ def _rims(regions: Labels) -> tuple[Labels, Labels]:
     rims : ndarray of int64
         Number of the rim that each pixel lies on, 0 for none.
     region_of : ndarray of int64
-        Region of each rim; entry 0 stands for none.
+        Region of each rim; entry 0 is unused.
     """
     eight = np.ones((3, 3), bool)
     beside = np.where(regions > 0, 0, scipy.ndimage.maximum_filter(regions, size=3, mode="nearest"))

@@ -56,7 +56,7 @@ def reactivated_near(state: State, charges: Charges) -> State:
     step, others = state.step_of_scale, changed(state.charges, charges)
     places = at_scale(others, state.scale, state.shape)[:, :2]
     coverage = renewed_near(state.coverage, places, REACH * 0.5**state.scale, step)
-    valid = state.mesh is not None and len(state.mesh.force) > 0  # else all particles may have been asleep
+    valid = state.mesh is not None and len(state.mesh.force) > 0  # else all particles may have been at rest
     mesh = state.mesh if valid else None
     return replace(state, charges=charges, coverage=coverage, annealed=1.0, reactivated=step, quiet=0, mesh=mesh)
 
