@@ -1,1 +1,1 @@
-"""Contours: their points, measurements, agreement with one another and with a ground truth, and a person's review."""
+"""Contours: their points, measurements, agreement with one another and with a ground truth, and the user's review."""

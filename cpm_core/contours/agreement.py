@@ -1,9 +1,9 @@
 """Agreement of contours with one another and with a ground truth.
 
 Boundaries are compared by points every `SAMPLING` along each of them and by the distance d(x, c) of a point x to the
-nearest point of the lines c themselves. Nothing agrees perfectly with nothing: all shares are 1 and all distances 0.
-Nothing and something are infinitely far apart and share no area; of the two shares of boundary, that of the empty one
-is 1, for nothing of it is wrong, and that of the other 0.
+nearest point on the lines c. Two empty sets agree perfectly: all fractions are 1 and all distances 0. An empty and a
+nonempty set are infinitely far apart and have no common area; the fraction of the empty boundary is 1, since none of it
+is wrong, and that of the other is 0.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Mask
 
 TOLERANCE = 2.0
-"""Distance up to which two boundaries are taken for the same, unless told otherwise [px]."""
+"""Default distance up to which two boundaries count as the same [px]."""
 
 _WHOLE = 0.95
-"""Share of each other's length that a closed contour and a true one must cover for the one to be the other."""
+"""Fraction of each other's length that a closed contour and a true one must cover to be the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +36,10 @@ class Match:
     label : int
         Label in `Truth.objects`.
     contour : int or None
-        Index of the closed contour whose part of the label mask has the highest Dice coefficient with it; None when
-        none covers any of it.
+        Index of the closed contour whose label has the highest Dice coefficient with the object; None when no contour
+        overlaps it.
     dice : float
-        That coefficient.
+        This coefficient.
     """
 
     label: int
@@ -51,23 +51,23 @@ class Match:
 class Agreement:
     """Agreement of the boundaries a with the boundaries b.
 
-    Averages and shares are over the length of curves.
+    Averages and fractions are taken over the length of curves.
 
     Attributes
     ----------
     mean_boundary_distance : float
-        Average of d(x, b) along a and of d(x, a) along b, over the length of both together: the average symmetric
+        Average of d(x, b) along a and of d(x, a) along b, over the total length: the average symmetric
         surface distance of Heimann et al. (2009), doi:10.1109/TMI.2009.2013851 [px].
     hausdorff : float
         max(max_a d(x, b), max_b d(x, a)), Huttenlocher et al. (1993), doi:10.1109/34.232073 [px].
     hausdorff95 : float
-        The same with the 95th percentile in the place of each inner maximum, Taha and Hanbury (2015),
+        The same with the 95th percentile in place of each inner maximum, Taha and Hanbury (2015),
         doi:10.1186/s12880-015-0068-x [px].
     recall : float
-        Share of the length of b within the tolerance of a, Martin et al. (2004), doi:10.1109/TPAMI.2004.1273918,
-        without their matching one to one; 1 when b is empty.
+        Fraction of the length of b within the tolerance of a, Martin et al. (2004), doi:10.1109/TPAMI.2004.1273918,
+        without one-to-one matching; 1 when b is empty.
     precision : float
-        Share of the length of a within the tolerance of b; 1 when a is empty.
+        Fraction of the length of a within the tolerance of b; 1 when a is empty.
     tolerance : float
         The tolerance [px].
     """
@@ -88,7 +88,7 @@ class Agreement:
 
 @dataclass(frozen=True, eq=False)
 class Comparison(Agreement):
-    """Agreement of contours, a, with the boundaries b of a ground truth, and of what they enclose.
+    """Agreement of contours, a, with the boundaries b of a ground truth, and of the enclosed areas.
 
     With A the pixels inside the contours and B those of objects; boundaries as in `Agreement`:
 
@@ -101,7 +101,7 @@ class Comparison(Agreement):
     distances : tuple of ndarray, shape (K,)
         For each contour the distance from each of its vertices to b [px].
     missing : ndarray, shape (M, 2)
-        Points every quarter of a pixel along b that lie farther than the tolerance from a [px].
+        Points every quarter of a pixel along b that are farther from a than the tolerance [px].
     extra_area, missing_area : ndarray of bool, shape (H, W)
         A without B, and B without A.
     matches : tuple of Match
@@ -123,19 +123,19 @@ def agreement(contours: Sequence[Contour], others: Sequence[Contour], tolerance:
     Parameters
     ----------
     contours, others : sequence of Contour
-        What was found, and what it is compared with [px].
+        Both sets of contours [px].
     tolerance : float
-        Distance up to which two boundaries are taken for the same [px].
+        Distance up to which two boundaries count as the same [px].
 
     Returns
     -------
     Agreement
-        How near the boundaries are to each other.
+        Distances and fractions.
 
     Raises
     ------
     ValueError
-        When the tolerance is no positive number.
+        When the tolerance is not a positive number.
     """
     _check(tolerance)
     return Agreement(**_boundaries(_Boundary(contours), _Boundary(others), tolerance))
@@ -149,24 +149,24 @@ def compare(
     Parameters
     ----------
     contours : sequence of Contour
-        What was found, in px of the image. Open contours count for boundaries and enclose nothing.
+        Contours in px of the image. Open contours are boundaries but enclose nothing.
     truth : Truth
-        What is known.
+        Ground truth.
     tolerance : float
-        Distance up to which two boundaries are taken for the same [px].
+        Distance up to which two boundaries count as the same [px].
     holes : bool
-        Whether a contour in another is a hole of it, and one in that again an object. Otherwise all that lies inside of
-        any closed contour is object, as it is where objects lie in objects.
+        Whether a contour inside another is a hole in it, and a contour inside a hole an object again. Otherwise
+        everything inside a closed contour is object.
 
     Returns
     -------
     Comparison
-        Overlap, distances, and where they differ; pixels are inside when their centers are.
+        Overlap, distances and differences; a pixel is inside when its center is.
 
     Raises
     ------
     ValueError
-        When the tolerance is no positive number.
+        When the tolerance is not a positive number.
     """
     _check(tolerance)
     a, b = _Boundary(contours), _Boundary(truth.contours)
@@ -186,32 +186,14 @@ def compare(
 
 
 def distance_to(points: Array, contours: Sequence[Contour]) -> Array:
-    """Distance of points to the nearest of some contours.
-
-    Parameters
-    ----------
-    points : ndarray, shape (N, 2)
-        Places (row, col) [px].
-    contours : sequence of Contour
-        Lines to measure to, closed ones with the side from their last vertex to their first.
-
-    Returns
-    -------
-    ndarray, shape (N,)
-        Distances to the lines, not to their vertices [px]; infinite when there are none.
-    """
+    """Distance, shape (N,), of points, shape (N, 2), to the nearest line of some contours [px]; infinite if none."""
     return _Boundary(contours).tree.distances(np.asarray(points, dtype=float))
 
 
 def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: float = TOLERANCE) -> int:
-    """Count the true closed contours of which one closed contour was found: each covers 95 % of the other's length.
+    """Number of closed true contours that a closed contour matches: each covers 95 % of the other's length.
 
-    Parameters
-    ----------
-    contours, truth : sequence of Contour
-        What was found, and what is known [px]; open ones do not count.
-    tolerance : float
-        Distance up to which two boundaries are taken for the same [px].
+    Open contours do not count; boundaries within the tolerance [px] count as the same.
     """
     found = [_Boundary([one]) for one in contours if one.closed]
     true = [_Boundary([one]) for one in truth if one.closed]
@@ -226,7 +208,7 @@ def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: 
 
 
 class _Boundary:
-    """Lines to measure along and to measure to."""
+    """Samples and segments of contours."""
 
     def __init__(self, contours: Sequence[Contour]) -> None:
         none = np.empty((0, 2))
@@ -242,7 +224,7 @@ def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float
     there, back = b.tree.distances(a.samples), a.tree.distances(b.samples)
     both = np.concatenate([there, back])
     corners = np.concatenate([b.tree.distances(a.vertices), a.tree.distances(b.vertices)])
-    tails = [float(np.percentile(seen, 95.0, method="inverted_cdf")) for seen in (there, back) if len(seen)]
+    tails = [float(np.percentile(some, 95.0, method="inverted_cdf")) for some in (there, back) if len(some)]
     return {
         "mean_boundary_distance": float(both.mean()) if len(both) else 0.0,
         "hausdorff": float(max(both.max(initial=0.0), corners.max(initial=0.0))),
@@ -263,7 +245,7 @@ def _share(distances: Array, tolerance: float) -> float:
 
 
 def _matches(contours: Sequence[Contour], truth: Truth) -> tuple[Match, ...]:
-    """For each object the contour that covers it best."""
+    """The best matching contour of each object."""
     objects = truth.objects.astype(np.int64)
     found = paint(contours, truth.shape).astype(np.int64)
     closed = [index for index, contour in enumerate(contours) if contour.closed]

@@ -1,12 +1,12 @@
-"""Contours, and the bridges across gaps in them: what the reconstruction finds and the writers write."""
+"""Contours, and the bridges across their gaps: the outcome of the reconstruction."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -14,11 +14,19 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
 
 SAMPLING = 0.25
-"""Distance from sample to sample along contours that are compared [px]."""
+"""Distance between samples along contours that are compared [px]."""
+
+FORMER_NAMES: dict[str, str] = {"colour": "color"}
+"""Names of properties of contours in older files -> their present names."""
+
+
+def present_names(properties: Mapping[str, Any]) -> dict[str, Any]:
+    """Properties of a contour as a file has them, under their present names."""
+    return {FORMER_NAMES.get(name, name): value for name, value in properties.items()}
 
 
 class HasContrast(Protocol):
-    """What the contrast of a contour is measured on, when it is first asked for."""
+    """Object that measures the contrast of a contour at the first access."""
 
     @property
     def contrast(self) -> float:
@@ -40,16 +48,16 @@ class Contour:
     junctions : tuple of two bool
         Whether the first and the last vertex lie on a junction that further contours share.
     sides : HasContrast or None
-        What `contrast` is measured on (`field.region_contrast.Sides`); None for a curve that was not found in an image.
+        Measures `contrast` (`field.region_contrast.Sides`); None for a curve that was not found in an image.
     name : str
-        What a user calls it; empty when it has no name.
-    colour : str
-        Colour that a user has given it, ``"#rrggbb"``; empty for the color of its kind.
+        Name given by the user, or empty.
+    color : str
+        Color given by the user, ``"#rrggbb"``; empty for the default color.
 
     Raises
     ------
     ValueError
-        When the colour is none of these.
+        When the color is of another form.
     """
 
     points: Array
@@ -58,20 +66,20 @@ class Contour:
     junctions: tuple[bool, bool] = (False, False)
     sides: HasContrast | None = field(default=None, repr=False)
     name: str = ""
-    colour: str = ""
+    color: str = ""
 
     def __post_init__(self) -> None:
-        if self.colour and not re.fullmatch("#[0-9A-Fa-f]{6}", self.colour):
+        if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
             raise ValueError(
-                f'The colour of a contour is "{self.colour}" but must be "#rrggbb", two hexadecimal digits each for '
+                f'The color of a contour is "{self.color}" but must be "#rrggbb", two hexadecimal digits each for '
                 "red, green and blue, or empty."
             )
 
     @cached_property
     def contrast(self) -> float:
-        """Mean contrast of the regions on both sides, from 0 for two alike to 1 for two even ones.
+        """Mean contrast of the regions on both sides, from 0 for equal ones to 1 for uniform ones.
 
-        It takes longer to measure than a contour takes to find, and is measured when it is first asked for.
+        It takes longer to measure than a contour takes to find, and is measured at the first access.
         """
         return self.sides.contrast if self.sides else 0.0
 
@@ -98,13 +106,13 @@ class Contour:
 
 @dataclass(frozen=True, eq=False)
 class Bridge:
-    """A gap in an edge that the reconstruction has closed: a stretch of a contour that no particle has found.
+    """A closed gap in an edge: a stretch of a contour without particles.
 
     Attributes
     ----------
     points : ndarray of float64, shape (K, 2)
-        Vertices (row, col) in px of the image, from one side of the gap to the other, both included; those of the
-        contour that it belongs to.
+        Vertices (row, col) in px of the image, from one side of the gap to the other, both included; they are also
+        vertices of its contour.
     length : float
         Length along it [px].
     strength : float
@@ -117,5 +125,5 @@ class Bridge:
 
 
 def sampled(contours: Sequence[Contour]) -> Array:
-    """Points every `SAMPLING` along contours, shape (N, 2) [px]: what averages over their length are made of."""
+    """Points every `SAMPLING` along contours, shape (N, 2) [px], for averages over their length."""
     return np.concatenate([np.empty((0, 2)), *(polyline.sampled(contour.path, SAMPLING) for contour in contours)])

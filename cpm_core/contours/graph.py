@@ -1,4 +1,4 @@
-"""The graph of points and edges that contours are walked from."""
+"""The graph of points and edges from which contours are read."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from cpm_core.numerics.types import Array, Index
 
 
 class Graph:
-    """Points joined by edges, with what it takes to tidy them up.
+    """Points joined by edges, and operations that simplify the graph.
 
-    What there is to do is done way by way: hardly a vertex has other than two edges.
+    The operations work on whole paths, since nearly all vertices have two edges.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class Graph:
         first = np.searchsorted(one, np.arange(len(points)))
         slot = np.arange(len(one)) - first[one]
         self._near = np.full((len(points), int(slot.max(initial=2)) + 1), -1, np.int64)
-        """Neighbors of each vertex in any order; what is -1 is free."""
+        """Neighbors of each vertex in any order; -1 is an empty slot."""
         self._near[one, slot] = other
         self.degrees = np.bincount(one, minlength=len(points))
         """Number of edges at each vertex, shape (N,)."""
@@ -52,7 +52,7 @@ class Graph:
         self._ways = None
 
     def insert(self, a: int, between: Array, b: int) -> None:
-        """Join two vertices by way of new ones, shape (K, 2)."""
+        """Join two vertices through new ones, shape (K, 2)."""
         first, count = len(self.points), len(between)
         self.points = np.concatenate([self.points, between])
         self._near = np.pad(self._near, [(0, count), (0, 0)], constant_values=-1)
@@ -61,7 +61,7 @@ class Graph:
             self.link(one, other)
 
     def unlink(self, edges: ArrayLike) -> None:
-        """Part the two vertices of each of some distinct edges, shape (E, 2), if it is there."""
+        """Remove distinct edges, shape (E, 2), as far as they exist."""
         pairs = np.asarray(edges, np.int64).reshape(-1, 2)
         pairs = pairs[(self._near[pairs[:, 0]] == pairs[:, 1:]).any(axis=1)]
         for one, other in (pairs.T, pairs.T[::-1]):
@@ -70,7 +70,7 @@ class Graph:
         self._ways = None
 
     def drop(self, path: Index) -> None:
-        """Take away the edges along vertices."""
+        """Remove the edges along a path."""
         self.unlink(np.stack([path[:-1], path[1:]], axis=1))
 
     def distance(self, a: int, b: int) -> float:
@@ -82,7 +82,7 @@ class Graph:
         return int(self.degrees[vertex])
 
     def neighbors(self, vertex: int) -> list[int]:
-        """Vertices that a vertex is joined to, the lowest number first."""
+        """Neighbors of a vertex, the lowest number first."""
         return sorted(v for v in self._near[vertex].tolist() if v >= 0)
 
     def edges(self) -> Index:
@@ -97,13 +97,13 @@ class Graph:
         return np.flatnonzero(self.degrees == 1)
 
     def ways(self) -> Ways:
-        """Paths between vertices that have not exactly two edges, then closed rounds."""
+        """Paths between ends and junctions, then cycles."""
         if self._ways is None:
             self._ways = ways_of(self.points, self._near, self.degrees)
         return self._ways
 
     def branch(self, end: int) -> Index:
-        """Vertices from a loose end up to the first that has not exactly two edges, both included."""
+        """Vertices from a loose end to the next end or junction, both included."""
         near = self.neighbors(end)
         if not near:
             return np.array([end])
@@ -112,12 +112,12 @@ class Graph:
         return path[:count]
 
     def way_from(self, end: int) -> dict[int, float]:
-        """Length of the way along the branch of a loose end to each of its vertices [px]."""
+        """Arc length from a loose end to each vertex of its branch [px]."""
         path = self.branch(end)
         return dict(zip(path.tolist(), lengths_along(self.points[path]).tolist(), strict=True))
 
     def drop_spurs(self, longest: float) -> None:
-        """Take away branches of a length of at most `longest` [px] that hang loose from a junction, shortest first."""
+        """Remove branches with a loose end, up to a length of `longest` [px], shortest first."""
         ways, degrees = self.ways(), self.degrees
         first, last = ways.first, ways.last
         backwards = degrees[last] == 1
@@ -125,7 +125,7 @@ class Graph:
         spurs = np.flatnonzero((degrees[end] == 1) & (degrees[other] >= 3) & (ways.lengths <= longest))
         for way in spurs[np.lexsort((end[spurs], ways.lengths[spurs]))].tolist():
             path = ways.path(way)[:: -1 if backwards[way] else 1]
-            if self.degree(path[-1]) == 2:  # no junction any more: the branch goes on
+            if self.degree(path[-1]) == 2:  # no longer a junction: the branch continues
                 path = self.branch(int(path[0]))
                 if self.length(path) > longest:
                     continue
@@ -133,19 +133,19 @@ class Graph:
                 self.drop(path)
 
     def drop_specks(self, longest: float) -> None:
-        """Take away open curves of a length of at most `longest` [px] that are connected to nothing."""
+        """Remove isolated open curves up to a length of `longest` [px]."""
         ways = self.ways()
         alone = (self.degrees[ways.first] == 1) & (self.degrees[ways.last] == 1)
         self.drop_ways(alone & (ways.lengths <= longest))
 
     def drop_ways(self, gone: NDArray[np.bool_]) -> None:
-        """Take away some of the ways, told by a mask of shape (W,)."""
+        """Remove the paths chosen by a mask of shape (W,)."""
         if gone.any():
             edges, way = self.ways().edges()
             self.unlink(edges[gone[way]])
 
     def merge_junctions(self, longest: float) -> None:
-        """Make one junction of two that are joined by a way of a length of at most `longest` [px]."""
+        """Merge junctions that are joined by a path up to a length of `longest` [px]."""
         ways = self.ways()
         self.points = self.points.copy()
         moved: set[int] = set()
@@ -165,9 +165,9 @@ class Graph:
                     self.link(kept, other)
 
     def drop_ties(self, longest: float) -> None:
-        """Take away ways of a length of less than `longest` [px] from one junction to another, shortest first.
+        """Remove paths between two junctions that are shorter than `longest` [px], shortest first.
 
-        What they hang between then goes on without them: at the mouth of a narrow slit they tie its two sides together.
+        Such paths occur at the mouth of a narrow slit, where they connect its two sides.
         """
         ways = self.ways()
         ties = self._ties(ways)
@@ -178,19 +178,19 @@ class Graph:
                 self.drop(path)
 
     def _ties(self, ways: Ways) -> Index:
-        """Ways from one junction to another."""
+        """Paths between two junctions."""
         return np.flatnonzero(~ways.closed & (self.degrees[ways.first] > 2) & (self.degrees[ways.last] > 2))
 
     def _intact(self, path: Index) -> bool:
-        """Whether all edges along vertices are still there."""
+        """Whether all edges along a path still exist."""
         return bool((self._near[path[:-1]] == path[1:, None]).any(axis=1).all())
 
     def length(self, path: Index) -> float:
-        """Length of the way along vertices [px]."""
+        """Length of a path [px]."""
         return float(np.linalg.norm(np.diff(self.points[path], axis=0), axis=1).sum())
 
     def contours(self, shortest: float = 0.0) -> tuple[Contour, ...]:
-        """Contours of a length of at least `shortest` [px], longest first; a round through one junction is closed."""
+        """Contours of a length of at least `shortest` [px], longest first; a cycle through one junction is closed."""
         ways = self.ways()
         forks = np.stack([self.degrees[ways.first] > 2, self.degrees[ways.last] > 2], axis=1) & ~ways.closed[:, None]
         found = []
@@ -201,7 +201,7 @@ class Graph:
 
 
 def _distinct(edges: Index, count: int) -> Index:
-    """Every edge of a graph of `count` vertices in both directions, sorted, none twice."""
+    """Every edge of a graph of `count` vertices once in both directions, sorted."""
     one, other = edges.astype(np.int64).reshape(-1, 2).T
     key = np.sort(np.concatenate([one * count + other, other * count + one]))
     key = key[np.diff(key, prepend=-1) > 0]
@@ -209,18 +209,5 @@ def _distinct(edges: Index, count: int) -> Index:
 
 
 def chains(points: Array, edges: Index) -> tuple[Contour, ...]:
-    """Contours along the edges of a graph.
-
-    Parameters
-    ----------
-    points : ndarray, shape (N, 2)
-        Vertices.
-    edges : ndarray of int64, shape (E, 2)
-        Pairs of indices.
-
-    Returns
-    -------
-    tuple of Contour
-        Longest first.
-    """
+    """Contours along the edges, pairs of indices of shape (E, 2), between points of shape (N, 2); longest first."""
     return Graph(points, edges).contours()

@@ -1,4 +1,4 @@
-"""The ways of a graph: what its edges are walked along, from one end or junction to the next, and round and round."""
+"""The paths of a graph: from one end or junction to the next, and cycles."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from cpm_core.numerics.types import Array, Index
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Ways:
-    """Paths between vertices that have not exactly two edges, then closed rounds: every edge of a graph once.
+    """Paths between ends and junctions, then cycles: every edge of a graph once.
 
     Attributes
     ----------
     vertices : ndarray of int64
-        Those of one way after the other, in order; the first is not repeated at the end of a round.
+        The vertices of all paths in order; the first is not repeated at the end of a cycle.
     start : ndarray of int64, shape (W + 1,)
-        Where in `vertices` each way begins, and where the last one ends.
+        Index in `vertices` at which each path begins, and at which the last one ends.
     closed : ndarray of bool, shape (W,)
-        Which ways are rounds, be it through one junction.
+        Which paths are cycles, including those through one junction.
     lengths : ndarray, shape (W,)
-        Lengths [px], those of rounds with the edge from the last vertex to the first.
+        Lengths [px], of cycles including the edge from the last vertex to the first.
     """
 
     vertices: Index
@@ -37,20 +37,20 @@ class Ways:
 
     @property
     def first(self) -> Index:
-        """First vertex of each way."""
+        """First vertex of each path."""
         return self.vertices[self.start[:-1]]
 
     @property
     def last(self) -> Index:
-        """Last vertex of each way."""
+        """Last vertex of each path."""
         return self.vertices[self.start[1:] - 1]
 
     def path(self, way: int) -> Index:
-        """Vertices of a way."""
+        """Vertices of a path."""
         return self.vertices[self.start[way] : self.start[way + 1]]
 
     def edges(self) -> tuple[Index, Index]:
-        """Edges of all ways, shape (E, 2), in order along each, and the way that each belongs to, shape (E,)."""
+        """Edges of all paths in order, shape (E, 2), and the path of each edge, shape (E,)."""
         way = np.repeat(np.arange(len(self)), np.diff(self.start))
         following = np.roll(self.vertices, -1)
         following[self.start[1:] - 1] = np.where(self.closed, self.first, -1)
@@ -59,26 +59,12 @@ class Ways:
 
 
 def ways_of(points: Array, near: Index, degrees: Index) -> Ways:
-    """Walk along all edges of a graph.
+    """The paths of a graph of points, shape (N, 2), with their neighbors or -1, shape (N, K), and degrees, shape (N,).
 
-    Walks begin at the vertex with the lowest number and go towards its neighbor with the lowest number, first from
-    those that have not exactly two edges.
-
-    Parameters
-    ----------
-    points : ndarray, shape (N, 2)
-        Vertices [px].
-    near : ndarray of int64, shape (N, K)
-        The neighbors of each in any order, and -1.
-    degrees : ndarray of int64, shape (N,)
-        How many neighbors each has.
-
-    Returns
-    -------
-    Ways
-        The paths between ends and junctions, then the rounds.
+    Paths begin at the ends and junctions, then at the other vertices, in the order of their numbers, toward the
+    neighbor with the lowest number.
     """
-    total = int(degrees.sum())  # each edge twice: room for its two vertices by themselves
+    total = int(degrees.sum())  # each edge twice: room for its two vertices
     vertices, start = np.empty(total, np.int64), np.zeros(total // 2 + 1, np.int64)
     closed = np.zeros(total // 2, np.bool_)
     count = _walk_all(near, degrees, np.zeros(near.shape, np.bool_), vertices, start, closed)
@@ -100,7 +86,7 @@ def _walk_all(
     start: Index,
     closed: NDArray[np.bool_],
 ) -> int:
-    """Write all ways and return how many they are; `walked` says of each neighbor whether one has come from there."""
+    """Write all paths and return their number; `walked` marks the edges, shape (N, K), that a path has used."""
     count, filled = 0, 0
     for rounds in range(2):
         for v in range(len(near)):
@@ -126,10 +112,7 @@ def _walk_all(
 
 @compiled
 def follow(near: Index, degrees: Index, walked: NDArray[np.bool_], first: int, towards: int, out: Index) -> int:
-    """Write the path from a vertex towards a neighbor, up to the next that has not exactly two edges, or itself.
-
-    Returns how many vertices it has, both ends counted.
-    """
+    """Write the path from a vertex toward a neighbor, up to the next end or junction or itself; return its size."""
     out[0] = first
     before, vertex, count = first, towards, 1
     while True:

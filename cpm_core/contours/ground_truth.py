@@ -18,25 +18,25 @@ from cpm_core.numerics.types import Array
 Labels = NDArray[np.int32]
 
 _MOST_CHANGES = 0.5
-"""Share of neighboring pixels that may differ in a mask; of a picture with noise nearly all do."""
+"""Fraction of neighboring pixels that may differ in a mask; in a noisy image nearly all do."""
 
 _CLEAR = 0.125
-"""How far from black or white a pixel of a black and white mask may be that a lossy format has smeared."""
+"""Greatest distance from black or white, as a fraction of the range, in a mask from a lossy format."""
 
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """What is known to be in an image.
+    """The true objects and boundaries of an image.
 
     Attributes
     ----------
     labels : ndarray of int32, shape (H, W)
-        Which object each pixel belongs to: 0 for the background, 1, 2, ... for the objects in the order of their grey
-        levels. A mask of two levels knows a single class.
+        Object of each pixel: 0 for the background, 1, 2, ... for the objects in the order of their gray levels. A mask
+        of two gray levels has a single class.
     contours : tuple of Contour
         Boundaries of the objects [px]: between the pixels of a mask, or the contours of a file.
     source : str
-        Name of the file, for people.
+        Name of the file for the user.
     """
 
     labels: Labels
@@ -55,7 +55,7 @@ class Truth:
 
     @cached_property
     def objects(self) -> Labels:
-        """The objects one by one, shape (H, W): those of a single class are what hangs together of it."""
+        """Labels of the single objects, shape (H, W): those of a single class are its connected parts."""
         if self.labels.max(initial=0) > 1:
             return self.labels
         return np.asarray(scipy.ndimage.label(self.labels)[0], dtype=np.int32)
@@ -64,7 +64,7 @@ class Truth:
 def truth_of_contours(
     contours: Sequence[Contour], shape: Sequence[int], source: str = "ground truth", *, holes: bool = True
 ) -> Truth:
-    """Take contours for the truth: the closed ones are objects, each labelled as in the label mask, but for holes.
+    """Ground truth from contours: the closed ones are objects, labeled as in the label mask except for holes.
 
     Parameters
     ----------
@@ -73,9 +73,9 @@ def truth_of_contours(
     shape : sequence of int
         Shape of the image, (rows, columns).
     source : str
-        Name for people.
+        Name for the user.
     holes : bool
-        Whether a contour in another is a hole of it, and one in that again an object; see `rasterize.inside`.
+        Whether a contour in another is a hole, and one in a hole an object again; see `rasterize.inside`.
     """
     size = (int(shape[0]), int(shape[1]))
     labels = np.where(inside(contours, size, holes=holes), paint(contours, size), 0)
@@ -83,40 +83,40 @@ def truth_of_contours(
 
 
 def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> Truth:
-    """Take a mask for the truth.
+    """Ground truth from a mask.
 
     Parameters
     ----------
     values : ndarray of real numbers or bool, shape (H, W)
-        Grey levels: the lowest is the background, each other an object.
+        Gray levels: the lowest is the background, each other an object.
     source : str
-        Name for people.
+        Name for the user.
 
     Returns
     -------
     Truth
-        Boundaries run through the middles of the sides between pixels of different objects, cutting their corners, and
-        meet where three objects do; the border of the image is none.
+        Boundaries run through the centers of the sides between pixels of different objects and meet where three
+        objects do; the image border is no boundary.
 
     Raises
     ------
     ValueError
-        When all pixels are the same, or so many neighbors differ that it is no mask.
+        When all pixels are equal, or so many neighbors differ that it is no mask.
     """
     levels, index = np.unique(values, return_inverse=True)
     labels = index.reshape(values.shape).astype(np.int32)
     if len(levels) > 2 and values.dtype.kind != "b":
         span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / float(levels[-1] - levels[0])
         smeared = np.minimum(span, 1.0 - span)
-        if len(levels) > 8 and smeared.max() < _CLEAR:  # black and white out of a lossy format
+        if len(levels) > 8 and smeared.max() < _CLEAR:  # black and white from a lossy format
             labels = (span > 0.5).astype(np.int32)
     if len(levels) < 2:
-        raise ValueError(f"{source} has one grey level everywhere, so it tells of no object: choose another mask.")
+        raise ValueError(f"{source} has one gray level everywhere, so it shows no object: choose another mask.")
     changes = np.mean([(np.diff(labels, axis=axis) != 0).mean() for axis in range(2)])
     if len(levels) > 2 and changes > _MOST_CHANGES:
         raise ValueError(
-            f"{source} has {len(levels)} grey levels that change from pixel to pixel, so it is a picture and no mask: "
-            "choose an image with one grey level for the background and one for each object."
+            f"{source} has {len(levels)} gray levels that change from pixel to pixel, so it is an image and no mask: "
+            "choose an image with one gray level for the background and one for each object."
         )
     return Truth(labels, _between(labels), source)
 
@@ -124,30 +124,30 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
 def _between(labels: Labels) -> tuple[Contour, ...]:
     """Boundaries between pixels of different labels.
 
-    Around each corner of four pixels up to four sides divide labels. Two of them are joined; three or four meet in the
-    corner.
+    Around each corner of four pixels up to four sides separate labels. Two of them are joined; three or four meet at
+    the corner.
     """
     rows, cols = labels.shape
-    upright, level = labels[:, :-1] != labels[:, 1:], labels[:-1] != labels[1:]
-    # numbers of the middles of upright sides, of level sides, and of corners
+    vertical, horizontal = labels[:, :-1] != labels[:, 1:], labels[:-1] != labels[1:]
+    # numbers of the centers of vertical sides, of horizontal sides, and of corners
     first = np.arange(rows * (cols - 1)).reshape(rows, cols - 1)
     second = first.size + np.arange((rows - 1) * cols).reshape(rows - 1, cols)
     corner = first.size + second.size + np.arange((rows - 1) * (cols - 1))
     sides = np.stack([first[:-1], first[1:], second[:, :-1], second[:, 1:]], axis=-1).reshape(-1, 4)
-    divide = np.stack([upright[:-1], upright[1:], level[:, :-1], level[:, 1:]], axis=-1).reshape(-1, 4)
-    count = divide.sum(axis=1)
-    pairs = sides[count == 2][divide[count == 2]].reshape(-1, 2)
+    separating = np.stack([vertical[:-1], vertical[1:], horizontal[:, :-1], horizontal[:, 1:]], axis=-1).reshape(-1, 4)
+    count = separating.sum(axis=1)
+    pairs = sides[count == 2][separating[count == 2]].reshape(-1, 2)
     many = count > 2
-    rays = np.stack([sides[many], np.repeat(corner[many, None], 4, axis=1)], axis=-1)[divide[many]]
+    rays = np.stack([sides[many], np.repeat(corner[many, None], 4, axis=1)], axis=-1)[separating[many]]
     used, edges = np.unique(np.concatenate([pairs, rays]), return_inverse=True)
     return chains(_places(used, rows, cols), edges.reshape(-1, 2).astype(np.int64))
 
 
 def _places(numbers: NDArray[np.integer], rows: int, cols: int) -> Array:
-    """Where the middles of sides and the corners of these numbers are [px]."""
-    upright, level = rows * (cols - 1), (rows - 1) * cols
-    kind = np.searchsorted([upright, upright + level], numbers, side="right")
-    offset = numbers - np.array([0, upright, upright + level])[kind]
+    """Positions of the centers of sides and the corners with these numbers, shape (N, 2) [px]."""
+    vertical, horizontal = rows * (cols - 1), (rows - 1) * cols
+    kind = np.searchsorted([vertical, vertical + horizontal], numbers, side="right")
+    offset = numbers - np.array([0, vertical, vertical + horizontal])[kind]
     width = np.array([cols - 1, cols, cols - 1])[kind]
     half = np.array([(0.0, 0.5), (0.5, 0.0), (0.5, 0.5)])[kind]
     return np.asarray(np.stack([offset // width, offset % width], axis=1) + half)

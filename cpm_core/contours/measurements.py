@@ -1,4 +1,4 @@
-"""The table of contours: what is known about each, and which lies in which."""
+"""The table of contours: measurements of each, and which lies in which."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from cpm_core.contours.contour import Contour
 from cpm_core.numerics.polyline import inside, middles
 
 _PROBES = 16
-"""Places along a contour that are looked for in others: where they touch, most of them tell on which side it lies."""
+"""Samples along a contour that are tested for containment; the majority decides where contours touch."""
 
 _MARGIN = 1.0
-"""How far a contour may reach out of one that it lies in; those that share a stretch of edge touch there [px]."""
+"""How far a contour may extend beyond the one around it, since contours may share a stretch of edge [px]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,34 +24,33 @@ class Measures:
     Attributes
     ----------
     number : int
-        Place among the contours, from 1.
+        Number of the contour, from 1.
     label : int
         Label in the label mask, counted over the closed contours from 1; 0 when open.
-    name, colour : str
-        Those of the contour; empty when it has none.
+    name, color : str
+        Those of the contour, or empty.
     closed : bool
-        Whether it is closed.
+        Whether the contour is closed.
     junctions : int
-        How many of its ends lie on a junction, 0 to 2.
+        Number of ends on a junction, 0 to 2.
     length : float
-        Length along it [px].
+        Length along the contour [px].
     area : float
-        Enclosed area, that of contours inside included [px²]; 0 when open.
+        Enclosed area, including that of contours inside [px²]; 0 when open.
     strength : float
         Mean edge strength [gray levels / px].
     contrast : float or None
-        Mean contrast of the regions on both sides, 0 to 1; None when it was not asked for or there is no image to
-        measure it in.
+        Mean contrast of the regions on both sides, 0 to 1; None when it was not requested or there is no image.
     inside : int
-        Number of the innermost closed contour that it lies in; 0 when it lies in none.
+        Number of the innermost closed contour around it; 0 without any.
     length_in_units, area_in_units : float
-        Length and area in the unit of the image's spacing and its square; those in px where the spacing is 1.
+        Length and area in the unit of the image's spacing and its square.
     """
 
     number: int
     label: int
     name: str
-    colour: str
+    color: str
     closed: bool
     junctions: int
     length: float
@@ -66,21 +65,21 @@ class Measures:
 def measure(
     contours: Sequence[Contour], spacing: Sequence[float] = (1.0, 1.0), *, contrast: bool = True
 ) -> tuple[Measures, ...]:
-    """Tell what is known about each contour.
+    """Measure contours.
 
     Parameters
     ----------
     contours : sequence of Contour
         The contours of a result.
     spacing : sequence of float
-        Size of a pixel along (row, col), in whatever unit.
+        Size of a pixel along (row, col), in any unit.
     contrast : bool
-        Whether to measure the contrast, which takes longer than all the rest the first time that it is asked for.
+        Whether to measure the contrast, which takes longer than everything else at the first access.
 
     Returns
     -------
     tuple of Measures
-        One row a contour, in their order.
+        One row for each contour, in their order.
     """
     around = containment(contours)
     rows: list[Measures] = []
@@ -92,7 +91,7 @@ def measure(
                 number=number,
                 label=label if contour.closed else 0,
                 name=contour.name,
-                colour=contour.colour,
+                color=contour.color,
                 closed=contour.closed,
                 junctions=sum(contour.junctions),
                 length=contour.length,
@@ -110,8 +109,8 @@ def measure(
 def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:
     """Find for each contour the innermost closed one that it lies in.
 
-    A contour lies in another when most of `_PROBES` places along it do, so that contours which share a
-    junction or a stretch of edge are told apart; a closed one lies only in larger ones.
+    A contour lies in another when most of `_PROBES` samples along it do, so that contours which share a junction or a
+    stretch of edge are classified correctly; a closed one lies only in larger ones.
 
     Parameters
     ----------
@@ -130,7 +129,7 @@ def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:
     high = np.array([contour.points.max(axis=0) for contour in contours])
     area = np.array([contour.area for contour in contours])
     closed = np.array([contour.closed and len(contour.points) > 2 for contour in contours])
-    # which boxes lie in which: row by contour, column by candidate around it, the smallest candidate first
+    # which boxes contain which: rows are contours, columns are candidates around them, the smallest first
     order = np.flatnonzero(closed)[np.argsort(area[closed], kind="stable")]
     fits = (low[:, None] >= low[order] - _MARGIN).all(axis=2) & (high[:, None] <= high[order] + _MARGIN).all(axis=2)
     fits &= area[:, None] < area[order]  # an open contour has no area

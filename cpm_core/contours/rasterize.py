@@ -1,4 +1,4 @@
-"""Pixels of contours: the label mask that they paint, and what lies inside of them."""
+"""Rasterization of contours: the label mask, and the pixels inside contours."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def numbers(contours: Sequence[Contour]) -> tuple[int, ...]:
 def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
     """Fill the inside of each closed contour with its label.
 
-    A pixel is inside when its center is. Contours are painted from the largest to the smallest, so one that lies inside
-    another shows on top with its own label: an object in an object, and likewise a hole, which a measurement can then
-    leave out or subtract. Open contours enclose nothing and leave no trace.
+    A pixel is inside when its center is. Contours are filled from the largest to the smallest, so one inside another
+    keeps its own label: an object in an object, and likewise a hole, which a measurement can then leave out or
+    subtract. Open contours enclose nothing.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
 
 
 def label_type(count: int) -> type[np.unsignedinteger]:
-    """Type that holds so many labels."""
+    """Smallest type for this number of labels."""
     return np.uint16 if count <= MOST_LABELS else np.uint32
 
 
@@ -70,7 +70,7 @@ def inside(contours: Sequence[Contour], shape: tuple[int, ...], *, holes: bool =
     shape : tuple of int
         Shape of the image.
     holes : bool
-        Whether a contour in another is a hole of it, and one in that again an object.
+        Whether a contour inside another is a hole in it, and a contour inside a hole an object again.
 
     Returns
     -------

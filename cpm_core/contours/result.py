@@ -1,4 +1,4 @@
-"""What a run gives: particles, contours, and how it ended."""
+"""The result of a run: particles, contours, and how it ended."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Result:
     surface : None
         Reserved for volumes; always None for images.
     steps : int
-        Steps taken over all scales.
+        Number of steps over all scales.
     converged : bool
         Whether the particles came to rest.
     stop_reason : str
@@ -33,9 +33,9 @@ class Result:
     spacing : tuple of float
         Size of a pixel along each axis, in `unit`.
     unit : str or None
-        Unit of `spacing`; None when the image tells none.
+        Unit of `spacing`; None when the image gives none.
     source : str
-        Name of the image, for people.
+        Name of the image for the user.
     bridges : tuple of Bridge
         Gaps that were bridged in the contours.
     """

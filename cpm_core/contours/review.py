@@ -1,8 +1,8 @@
-"""Curation: what a person says about contours, kept although every reconstruction makes the contours anew.
+"""Review: verdicts, names and colors that the user gives contours, kept through further reconstructions.
 
-A mark is put on a place, its anchor, and belongs to the contour that passes there; the next reconstruction moves the
-contours by fractions of a pixel and may change their order, but not the place. A contour that splits leaves its mark
-with the piece at the anchor. A mark that no contour passes stays where it is and waits.
+A mark has a fixed position, its anchor, and belongs to the contour that passes there. The next reconstruction moves
+contours by fractions of a pixel and may change their order, but not the anchor. When a contour splits, the piece at the
+anchor keeps the mark. A mark without a contour at its anchor is kept for later.
 """
 
 from __future__ import annotations
@@ -23,73 +23,73 @@ from cpm_core.numerics.segments import distances_to_segments
 from cpm_core.numerics.types import Array, Position
 
 Verdict = Literal["", "kept", "rejected"]
-"""What a person thinks of a contour: nothing yet, that it is right, or that it is none."""
+"""Verdict on a contour: none yet, kept, or rejected."""
 
 REACH = 4.0
-"""Farthest that a contour may pass from an anchor to be the one that is meant [px]."""
+"""Greatest distance of a contour from an anchor that belongs to it [px]."""
 
 _PLACES = 24
-"""Places along a contour among which its anchor is chosen."""
+"""Number of positions along a contour among which its anchor is chosen."""
 
 _ALONE = 3.0 * REACH
-"""Distance from all other contours beyond which a place is as good as any [px]."""
+"""Distance from all other contours beyond which positions are equally good [px]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """What a person says about the contour at a place.
+    """Verdict, name and color of the contour at a position.
 
     Attributes
     ----------
     anchor : tuple of float
-        Place (row, col) [px].
+        Position (row, col) [px].
     verdict : {"", "kept", "rejected"}
-        Rejected contours are not written; empty where nothing has been decided.
+        Rejected contours are not exported; empty where nothing is decided.
     name : str
-        What it is called, empty for nothing.
-    colour : str
-        Colour that it is drawn in, ``"#rrggbb"``; empty for that of its kind.
+        Name, or empty.
+    color : str
+        Color, ``"#rrggbb"``; empty for the default color.
 
     Raises
     ------
     ValueError
-        When a value is none of these.
+        When a value is invalid.
     """
 
     anchor: Position
     verdict: Verdict = ""
     name: str = ""
-    colour: str = ""
+    color: str = ""
 
     def __post_init__(self) -> None:
         if len(self.anchor) != 2 or not all(math.isfinite(place) for place in self.anchor):
             raise ValueError(f"The anchor of a mark is {self.anchor} but must be two finite numbers, row and column.")
         if self.verdict not in get_args(Verdict):
             raise ValueError(f'The verdict of a mark is "{self.verdict}" but must be "kept", "rejected" or empty.')
-        if self.colour and not re.fullmatch("#[0-9A-Fa-f]{6}", self.colour):
+        if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
             raise ValueError(
-                f'The colour of a mark is "{self.colour}" but must be "#rrggbb", two hexadecimal digits each for red, '
+                f'The color of a mark is "{self.color}" but must be "#rrggbb", two hexadecimal digits each for red, '
                 "green and blue, or empty."
             )
 
     @property
     def says_nothing(self) -> bool:
-        """Whether it can be left out."""
-        return not (self.verdict or self.name or self.colour)
+        """Whether the mark can be dropped."""
+        return not (self.verdict or self.name or self.color)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ReviewedContour:
-    """A contour with what has been said about it.
+    """A contour with its mark.
 
     Attributes
     ----------
     contour : Contour
-        With the name and the colour that its mark gives it.
+        The contour with the name and the color of its mark.
     mark : Mark or None
-        None when nothing has been said.
+        None without a mark.
     index : int
-        Its place among the contours of the reconstruction.
+        Index among the contours of the reconstruction.
     """
 
     contour: Contour
@@ -98,49 +98,36 @@ class ReviewedContour:
 
     @property
     def verdict(self) -> Verdict:
-        """What is thought of it."""
+        """The verdict of the mark."""
         return self.mark.verdict if self.mark else ""
 
     @property
     def rejected(self) -> bool:
-        """Whether it is not to be written."""
+        """Whether it is left out of exports."""
         return self.verdict == "rejected"
 
 
 def reviewed(contours: Sequence[Contour], marks: Sequence[Mark]) -> tuple[ReviewedContour, ...]:
-    """Give each contour the mark that is meant for it.
-
-    Parameters
-    ----------
-    contours : sequence of Contour
-        Contours of a reconstruction.
-    marks : sequence of Mark
-        What has been said, of whichever reconstruction.
-
-    Returns
-    -------
-    tuple of Curated
-        One for each contour, in their order.
-    """
+    """Each contour with its mark, in order; the marks may be from an earlier reconstruction."""
     owner = attached(contours, [mark.anchor for mark in marks])
     by_contour = {contour: mark for contour, mark in zip(owner, marks, strict=True) if contour is not None}
-    return tuple(_curated(contour, by_contour.get(index), index) for index, contour in enumerate(contours))
+    return tuple(_reviewed(contour, by_contour.get(index), index) for index, contour in enumerate(contours))
 
 
 def apply(result: Result, marks: Sequence[Mark]) -> Result:
-    """The result without the contours that have been rejected, and with names and colours.
+    """The result without rejected contours, and with names and colors.
 
     Parameters
     ----------
     result : Result
         Outcome of a run.
     marks : sequence of Mark
-        What has been said about its contours.
+        Marks of its contours.
 
     Returns
     -------
     Result
-        The same one when nothing has been said.
+        The same one without marks.
     """
     if not marks:
         return result
@@ -148,7 +135,7 @@ def apply(result: Result, marks: Sequence[Mark]) -> Result:
     kept = tuple(one.contour for one in every if not one.rejected)
     dropped = [one.contour for one in every if one.rejected]
     bridges = result.bridges
-    if dropped:  # a bridge is a stretch of a contour, and goes with it
+    if dropped:  # a bridge belongs to a contour
         lost = _on(dropped, [bridge.points for bridge in bridges])
         stays = _on(kept, [bridge.points for bridge in bridges])
         bridges = tuple(b for b, off, on in zip(bridges, lost, stays, strict=True) if on <= off)
@@ -156,24 +143,10 @@ def apply(result: Result, marks: Sequence[Mark]) -> Result:
 
 
 def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: float = REACH) -> list[int | None]:
-    """Find for each anchor the contour that is meant: the one that passes nearest.
+    """For each anchor (row, col) the index of its contour: the nearest one within `reach` [px]; None without one.
 
-    Each anchor has one contour at most and each contour one anchor: the nearest pair comes first, then the nearest
-    among the others. Of anchors that lie equally near, the first comes first; of contours, the longest.
-
-    Parameters
-    ----------
-    contours : sequence of Contour
-        Contours in any order.
-    anchors : sequence of tuple of float
-        Places (row, col) [px].
-    reach : float
-        Farthest that a contour may pass from its anchor [px].
-
-    Returns
-    -------
-    list of (int or None)
-        For each anchor the index of its contour; None where there is none.
+    Each anchor has at most one contour and each contour one anchor: the nearest pair is assigned first, then the
+    nearest of the others. Among equally near anchors the first has priority, among contours the longest.
     """
     found: list[int | None] = [None] * len(anchors)
     if not contours or not anchors:
@@ -192,13 +165,7 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
 
 
 class Neighborhood:
-    """Contours by the places where they pass, so that those near a place are found without looking at them all.
-
-    Parameters
-    ----------
-    contours : sequence of Contour
-        Contours.
-    """
+    """Spatial index of contours, to find those near a position."""
 
     def __init__(self, contours: Sequence[Contour]) -> None:
         paths = [contour.path if len(contour.path) > 1 else contour.path[[0, 0]] for contour in contours]
@@ -215,39 +182,16 @@ class Neighborhood:
         self._tallest = float(half[:, 0].max(initial=0.0))
 
     def passing(self, place: Position, reach: float) -> list[tuple[int, float]]:
-        """The contours that pass near a place, nearest first.
-
-        Parameters
-        ----------
-        place : tuple of float
-            (row, col) [px].
-        reach : float
-            How near [px].
-
-        Returns
-        -------
-        list of (int, float)
-            Index and distance [px] of each.
-        """
+        """Index and distance [px] of the contours within `reach` [px] of a position, nearest first."""
         _, index, away = self.pairs(np.array([place]), reach)
         return sorted(zip(index.tolist(), away.tolist(), strict=True), key=lambda one: (one[1], one[0]))
 
     def pairs(self, places: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-        """The pairs of a place and a contour that passes near it.
+        """Pairs of a position, of shape (N, 2), and a contour within `reach` [px] of it.
 
-        Parameters
-        ----------
-        places : ndarray, shape (N, 2)
-            Places (row, col) [px].
-        reach : float
-            How near [px].
-
-        Returns
-        -------
-        tuple of three ndarray, shape (P,)
-            For each pair the index of the place, that of the contour, and their distance [px].
+        Returns the index of the position, that of the contour, and their distance [px], each of shape (P,).
         """
-        # Segments are in the order of their rows, so that those beside a place stand together.
+        # Segments are sorted by row, so that those near a position are contiguous.
         width = reach + self._tallest
         first = np.searchsorted(self._row, places[:, 0] - width)
         count = np.searchsorted(self._row, places[:, 0] + width, side="right") - first
@@ -260,35 +204,22 @@ class Neighborhood:
         number, owner, away = number[near], self._owner[segment[near]], away[near]
         order = np.lexsort((away, owner, number))
         number, owner, away = number[order], owner[order], away[order]
-        nearest = np.ones(len(number), np.bool_)  # the first of a place and a contour is the nearest segment
+        nearest = np.ones(len(number), np.bool_)  # the first row of a position and a contour is its nearest segment
         nearest[1:] = (np.diff(number) != 0) | (np.diff(owner) != 0)
         return number[nearest], owner[nearest], away[nearest]
 
 
 def middle(contour: Contour) -> Position:
-    """Place half the way along a contour."""
+    """Position halfway along a contour."""
     row, col = polyline.middles(contour.path, 1)[0].tolist()
     return row, col
 
 
 def anchor(contours: Sequence[Contour], index: int) -> Position:
-    """Place on a contour that tells it best from the others: far from them, and from its own ends.
-
-    Parameters
-    ----------
-    contours : sequence of Contour
-        All contours.
-    index : int
-        Which one is to be marked.
-
-    Returns
-    -------
-    tuple of float
-        (row, col) [px].
-    """
+    """Position (row, col) on the contour of an index that is far from the others, and from its own ends [px]."""
     contour = contours[index]
     share = (np.arange(_PLACES) + 0.5) / _PLACES
-    order = np.argsort(np.abs(share - 0.5), kind="stable")  # the middle comes first among equals
+    order = np.argsort(np.abs(share - 0.5), kind="stable")  # the middle has priority among equals
     places = polyline.middles(contour.path, _PLACES)[order]
     clear = np.full(_PLACES, _ALONE)
     low, high = contour.box
@@ -300,13 +231,13 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
     return row, col
 
 
-def _curated(contour: Contour, mark: Mark | None, index: int) -> ReviewedContour:
-    if mark is not None and (mark.name, mark.colour) != (contour.name, contour.colour):
-        contour = replace(contour, name=mark.name or contour.name, colour=mark.colour or contour.colour)
+def _reviewed(contour: Contour, mark: Mark | None, index: int) -> ReviewedContour:
+    if mark is not None and (mark.name, mark.color) != (contour.name, contour.color):
+        contour = replace(contour, name=mark.name or contour.name, color=mark.color or contour.color)
     return ReviewedContour(contour, mark, index)
 
 
 def _on(contours: Sequence[Contour], paths: Sequence[Array]) -> list[float]:
-    """How far the middle of each path lies off the nearest of some contours [px]."""
+    """Distance of the middle of each path from the nearest of some contours [px]."""
     places = [path[len(path) // 2] for path in paths]
     return [min((float(polyline.distances(c.path, p[None])[0]) for c in contours), default=math.inf) for p in places]

@@ -1,4 +1,4 @@
-"""The boundary that a medial axis is the middle of: the crest of the edge map, as evenly spaced points."""
+"""The boundary of a medial axis: the ridge of the edge map as evenly spaced points."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 
 _SPACING = 1.0
-"""Spacing of the points that contours are found through [px]: less than half the width of the thinnest line."""
+"""Spacing of the points that contours pass through [px]: less than half the width of the thinnest line."""
 
 _STRIDE = 0.5
-"""Distance of neighbouring points along the boundary [px]."""
+"""Distance of neighboring points along the boundary [px]."""
 
 _NEAR, _TANGENT, _OUTWARD = 3.0, 6, 0.3
-"""A contour that ends within so many pixels of the image's border leaves the image there: in the direction of so many
-of its last points, if the part of that towards the border is at least so large, else straight."""
+"""A contour that ends within this distance [px] of the image border is continued beyond it: in the direction of this
+many last points if its component toward the border is at least this large, else perpendicular to the border."""
 
 _SHORTEST = 4.0
-"""Length, in d_min, under which a contour is a speck and no boundary."""
+"""Least length of a boundary, in d_min."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Boundary:
     neighbors : ndarray of int64, shape (M, 2)
         Pairs of points that follow each other along an edge.
     strength : ndarray, shape (N,)
-        Edge strength at the points [grey levels / px].
+        Edge strength at the points [gray levels / px].
     """
 
     points: Array
@@ -48,23 +48,11 @@ class Boundary:
 
 
 def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
-    """Find the edges of an image without a drawing, at a fraction of a pixel.
+    """Find the edges of an image without seeds, with subpixel accuracy.
 
-    Every pixel above the floor is where a particle could sit; from there on it is the reconstruction of a run: crest,
-    trace, gaps, contours. A contour that ends at the border of the image goes on straight beyond it, as far as
-    the image is large, so that what is cut off by the border has no edge there.
-
-    Parameters
-    ----------
-    scale_field : ScaleField
-        Fields of the image at its own scale.
-    parameters : Parameters
-        For `d_min`, `min_strength` and `min_length`.
-
-    Returns
-    -------
-    Boundary
-        Of all edges; empty when there are none.
+    Every pixel above the edge floor is a candidate position of a particle. The rest is the reconstruction of a run:
+    ridge, tracing, gaps, contours. A contour that ends at the image border is continued straight beyond it by the size
+    of the image, so that an object cut off by the border has no edge there.
     """
     pixels = np.argwhere(scale_field.edge_map >= scale_field.floor).astype(float)
     shortest = max(parameters.min_length, _SHORTEST * parameters.d_min)
@@ -81,7 +69,7 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
 
 
 def _evenly(contour: Contour) -> Array:
-    """Points along a contour, its vertices among them, the first again at the end where it closes."""
+    """Points along a contour, including its vertices; of a closed one the first is repeated at the end."""
     path = contour.path
     parts = [path[:1]]
     for a, b in pairwise(path):
@@ -92,7 +80,7 @@ def _evenly(contour: Contour) -> Array:
 
 
 def _continued(path: Array, shape: tuple[int, ...]) -> Array:
-    """Path with straight continuations where it leaves the image."""
+    """Path with straight continuations at the image border."""
     if (path[0] == path[-1]).all():
         return path
     before, behind = _continuation(path[::-1], shape), _continuation(path, shape)
@@ -100,7 +88,7 @@ def _continued(path: Array, shape: tuple[int, ...]) -> Array:
 
 
 def _continuation(path: Array, shape: tuple[int, ...]) -> Array:
-    """Points on the way out of the image from the end of a path; none if it ends inside."""
+    """Points from the end of a path out of the image; none if it ends inside."""
     size = np.array(shape, dtype=float)
     end = path[-1]
     beyond = np.concatenate([end, size - 1.0 - end])

@@ -1,4 +1,4 @@
-"""Disks: the shape that a medial axis and its radii stand for."""
+"""Disks: the shape that a medial axis and its radii represent."""
 
 from __future__ import annotations
 
@@ -9,50 +9,25 @@ from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array
 
 _STRIDE = 0.25
-"""Distance of the disks along an axis [px]: between two of radius 1.5 px, the rim dips by 0.005 px."""
+"""Distance of the disks along an axis [px]: between two disks of radius 1.5 px the outline dips by 0.005 px."""
 
 _RIM = 0.005
-"""Distance from a rim at which a pixel's centre lies on it [px], so that rounding decides nothing."""
+"""Tolerance of a disk's radius [px], so that rounding errors have no effect."""
 
 
 def along(points: Array, radii: Array) -> Array:
-    """Disks on a path, those between two vertices interpolated.
-
-    Parameters
-    ----------
-    points : ndarray, shape (K, 2)
-        Vertices [px].
-    radii : ndarray, shape (K,)
-        Radius at each [px].
-
-    Returns
-    -------
-    ndarray, shape (M, 3)
-        Row, column and radius of each disk [px].
-    """
+    """Disks (row, col, radius), shape (M, 3), along a path, shape (K, 2), with interpolated radii, shape (K,) [px]."""
     way = lengths_along(points)
     at = np.union1d(way, np.arange(0.0, way[-1], _STRIDE))
     return np.column_stack([np.interp(at, way, values) for values in (*points.T, radii)])
 
 
 def covered(disks: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Pixels whose centres lie in a disk or on its rim.
+    """Pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px].
 
-    Every disk is a run of pixels in each of its rows, and every run a one where it begins and a minus one where it has
-    ended; their sums along the rows are above zero where there is a disk. This is as many steps as the disks are high
-    altogether, however much they overlap.
-
-    Parameters
-    ----------
-    disks : ndarray, shape (M, 3)
-        Row, column and radius of each [px].
-    shape : tuple of int
-        Shape of the image, (rows, columns).
-
-    Returns
-    -------
-    ndarray of bool, shape `shape`
-        Union of the disks.
+    Every disk is a run of pixels in each of its rows. A run adds one where it begins and subtracts one after its end;
+    cumulative sums along the rows are above zero inside a disk. The cost is the sum of the disks' heights, however much
+    they overlap.
     """
     rows, cols = shape
     row, col, radius = disks.T

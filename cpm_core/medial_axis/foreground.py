@@ -1,4 +1,4 @@
-"""Sides: which parts of a medial axis lie in objects, and which in the background."""
+"""Foreground: which parts of a medial axis lie in objects, and which in the background."""
 
 from __future__ import annotations
 
@@ -13,33 +13,31 @@ from cpm_core.medial_axis.pruning import parts
 from cpm_core.numerics.types import Array
 
 _CLEAR, _MIDDLE = 2.5, 0.5
-"""Distance from an edge at which grey levels tell what lies beside it, in widths of its smoothed step; in parts without
-room for that, fraction of the largest radius."""
+"""Distance from an edge at which gray levels are compared, in widths of its smoothed step; in narrower parts, the
+fraction of the largest radius."""
 
 _DIFFERENT = 0.25
-"""Part of the contrast of an edge by which what lies behind it must differ from the background to be an object."""
+"""Fraction of an edge's contrast by which an object must differ from the background."""
 
 _LEAST_SMOOTHING = 1.0
-"""Smoothing of the grey levels that are compared [px]."""
+"""Least smoothing of the compared gray levels [px]."""
 
 
 def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: float) -> NDArray[np.bool_]:
-    """Tell which edges of an axis lie in objects.
+    """Find the edges of an axis that lie in objects.
 
-    The background has the grey level of the image's border (the median of its outermost pixels). A connected part of
-    the axis lies in an object if its grey level, beside the edges around it as well as away from them, differs from
-    that by more than a quarter of their contrast, be it brighter or darker; so the hole of a ring is background again.
+    The gray level of the background is the median at the image border. A connected part of the axis lies in an object
+    if its gray level, near the surrounding edges as well as away from them, differs from the background by more than a
+    quarter of the contrast of these edges, brighter or darker; so the hole of a ring is background.
 
     Parameters
     ----------
-    axis : Axis
-        Medial axis of all that the boundary parts.
-    boundary : Boundary
-        The edges.
+    axis, boundary
+        Medial axis of all regions, and the edges between them.
     values : ndarray, shape (H, W)
-        Image.
+        Gray values of the image.
     smoothing : float
-        Sigma with which the strength of the edges was taken [px].
+        Sigma of the edge map [px].
 
     Returns
     -------
@@ -50,23 +48,23 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
         return np.zeros(0, np.bool_)
     low, high = np.full(2, -0.5), np.array(values.shape) - 0.5
     clear = _CLEAR * step_width(smoothing)
-    # two places tell: the vertex itself, and one on its side of the edge and just clear of it, for behind a sharp tip
-    # the object shows for some way, and far off there may be something else that has no edges
+    # two positions are compared: the vertex itself and one just beside the edge, since beyond a sharp tip the object
+    # is still visible for some distance, and far away there may be something else without edges
     share = np.minimum(clear / np.maximum(axis.radius, clear), 1.0)
     edge = boundary.points[axis.nearest]
     places = edge + share[:, None] * (axis.points - edge)
-    rim = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
+    border = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
     smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_SMOOTHING), mode="nearest")
-    grey = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
-    away = np.min(np.abs(np.array(grey) - np.median(rim)), axis=0)
+    gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
+    away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
     contrast = step_height(boundary.strength[axis.nearest], smoothing)
     inside = axis.inside(low, high)
     count, part = parts(axis)
     every = np.arange(count)
     largest = scipy.ndimage.maximum(np.where(inside, axis.radius, 0.0), part, every)
-    telling = inside & (axis.radius >= np.minimum(clear, _MIDDLE * largest[part]))
-    seen = np.isin(every, part[telling])
+    reliable = inside & (axis.radius >= np.minimum(clear, _MIDDLE * largest[part]))
+    seen = np.isin(every, part[reliable])
     difference, height = np.zeros(count), np.ones(count)
-    difference[seen] = scipy.ndimage.median(away[telling], part[telling], every[seen])
-    height[seen] = scipy.ndimage.median(contrast[telling], part[telling], every[seen])
+    difference[seen] = scipy.ndimage.median(away[reliable], part[reliable], every[seen])
+    height[seen] = scipy.ndimage.median(contrast[reliable], part[reliable], every[seen])
     return np.asarray((difference > _DIFFERENT * height)[part[axis.edges[:, 0]]])

@@ -1,7 +1,7 @@
 """The medial axis: the edges of the Voronoi diagram of a boundary that do not cross the boundary.
 
-It is the other half of the crust (`cpm_core.reconstruction.curve.crust`): of each pair of an edge of the Delaunay
-triangulation and its dual edge of the Voronoi diagram, one belongs to the curve or the other to its skeleton (Gold and
+It is the counterpart of the crust (`cpm_core.reconstruction.curve.crust`): of each edge of the Delaunay triangulation
+and its dual edge of the Voronoi diagram, either the first belongs to the curve or the second to its skeleton (Gold and
 Snoeyink 2001, doi:10.1007/s00453-001-0014-x).
 """
 
@@ -17,19 +17,18 @@ from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.numerics.types import Array, Index
 
 _FAR = 8.0
-"""Distance, in sizes of the image, of the points that keep all others' cells bounded."""
+"""Distance, in sizes of the image, of the additional points that keep all Voronoi cells bounded."""
 
 _AROUND = 0.5
-"""Width, in sizes of the image, of the surroundings of the image into which the axis is followed."""
-
+"""Margin around the image in which the axis is kept, in sizes of the image."""
 
 _LONGEST = 1.0
-"""Length of the edges of an axis at most [px]."""
+"""Greatest length of the edges of an axis [px]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """A graph of places that are nearest to two or more points of a boundary.
+    """A graph of positions with two or more nearest points on a boundary.
 
     Attributes
     ----------
@@ -49,23 +48,25 @@ class Axis:
     nearest: Index
 
     def only(self, edges: Index, alone: Index | None = None) -> Axis:
-        """The axis with some of its edges, the vertices that they join, and some vertices by themselves."""
+        """The axis with some of its edges, the vertices that they join, and some isolated vertices."""
         alone = np.zeros(0, np.int64) if alone is None else alone
         used, index = np.unique(np.concatenate([edges.ravel(), alone]), return_inverse=True)
         joined = index.ravel()[: edges.size].reshape(-1, 2)
         return Axis(self.points[used], joined, self.radius[used], self.nearest[used])
 
     def inside(self, low: Array, high: Array) -> NDArray[np.bool_]:
-        """Tell which vertices lie in a rectangle."""
+        """Which vertices lie in a rectangle, shape (N,)."""
         return np.asarray(((self.points >= low) & (self.points <= high)).all(axis=1))
 
     def within(self, low: Array, high: Array) -> Axis:
-        """The part of the axis in a rectangle: edges are cut off where they leave it."""
+        """The part of the axis in a rectangle; edges are clipped."""
         start = self.points[self.edges[:, 0]]
         along = self.points[self.edges[:, 1]] - start
         with np.errstate(divide="ignore", invalid="ignore"):
             to_low, to_high = (low - start) / along, (high - start) / along
-        aside = np.where((start < low) | (start > high), np.inf, -np.inf)  # edges along a side: wholly in or wholly out
+        aside = np.where(
+            (start < low) | (start > high), np.inf, -np.inf
+        )  # edges along a side are inside or outside as a whole
         still = along == 0.0
         enter = np.where(still, aside, np.minimum(to_low, to_high)).max(axis=1).clip(min=0.0)
         leave = np.where(still, -aside, np.maximum(to_low, to_high)).min(axis=1).clip(max=1.0)
@@ -88,36 +89,25 @@ class Axis:
         return cutting.only(edges, np.flatnonzero(self.inside(low, high) & ~joined))
 
 
-def nowhere() -> Axis:
-    """An axis without vertices."""
+def _empty() -> Axis:
     return Axis(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
 
 
 def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
-    """Medial axis of everything that a boundary parts, inside and outside.
+    """Medial axis of all regions between edges, in objects and in the background.
 
-    Parameters
-    ----------
-    boundary : Boundary
-        Evenly spaced points.
-    shape : tuple of int
-        Shape of the image; its border is no boundary.
-
-    Returns
-    -------
-    Axis
-        In the image and half of its size around it, with edges of at most a pixel, and a twig for every irregularity of
-        the points.
+    It covers the image of this shape and a margin around it. Edges are at most a pixel long, and every irregularity of
+    the boundary has a short branch. The image border is no boundary.
     """
     size = np.array(shape, dtype=float)
     middle, widest = 0.5 * (size - 1.0), float(size.max())
     corners = middle + _FAR * widest * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     if len(boundary.points) < 2:
-        return nowhere()
+        return _empty()
     try:
         diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
-    except scipy.spatial.QhullError:  # all points in a row
-        return nowhere()
+    except scipy.spatial.QhullError:  # all points on one line
+        return _empty()
     count = len(boundary.points)
     sites = np.sort(diagram.ridge_points.astype(np.int64), axis=1)
     edges = np.asarray(diagram.ridge_vertices, dtype=np.int64)
@@ -138,7 +128,7 @@ def _measured(points: Array, edges: Index, tree: scipy.spatial.cKDTree) -> Axis:
 
 
 def _divided(points: Array, edges: Index) -> tuple[Array, Index]:
-    """Points and edges with vertices along the long edges, for between them the radius does not change evenly."""
+    """Points and edges, long edges divided: along these the radius does not change linearly."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     pieces = np.maximum(np.ceil(np.linalg.norm(b - a, axis=1) / _LONGEST), 1).astype(np.int64)
     edge = np.repeat(np.arange(len(edges)), pieces - 1)

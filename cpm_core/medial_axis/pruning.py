@@ -1,4 +1,4 @@
-"""Pruning: cutting an axis back from its tips where that changes next to nothing of the shape."""
+"""Pruning: shortening an axis from its tips where that hardly changes the shape."""
 
 from __future__ import annotations
 
@@ -11,30 +11,18 @@ from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.numerics.types import Array
 
 _SHORTEST = 1.0
-"""Length under which a branch, or the way from one junction to the next, is none [px]."""
+"""Least length of a branch, and of a path between two junctions [px]."""
 
 
 def prune(axis: Axis, pruning: float) -> Axis:
-    """Cut an axis back from its tips.
+    """Shorten an axis from its tips.
 
-    On every vertex stands a disk that reaches to the boundary; all of them together are the shape. The last vertex of
-    a tip is taken away if its disk, and those of all that has been taken away behind it, stick out of the disk of the
-    next vertex by at most `pruning`. So whatever the disks of an axis cover is covered by the disks that remain, grown
-    by `pruning`; what hangs together goes on doing so, rounds stay, the order of the tips does not matter, and more
-    `pruning` only takes more away. In the end, branches and ways between junctions of less than a pixel are taken for
-    one place.
-
-    Parameters
-    ----------
-    axis : Axis
-        Medial axis.
-    pruning : float
-        How far from what remains the shape may have reached [px].
-
-    Returns
-    -------
-    Axis
-        What remains. Of each part without a round that is at least the vertex with the largest disk, be it by itself.
+    Every vertex is the center of a disk that reaches to the boundary; their union is the shape. The last vertex of a
+    tip is removed if its disk, and the disks removed before it, extend beyond the disk of the next vertex by at most
+    `pruning` [px]. So the remaining disks, enlarged by `pruning`, cover the whole shape. Connected parts stay
+    connected, cycles stay, the order of the tips has no effect, and a larger `pruning` removes more. Then branches
+    shorter than a pixel are dropped and junctions nearer than that are merged. Of each part without a cycle at least
+    the vertex with the largest disk remains.
     """
     if not len(axis.edges):
         return axis
@@ -61,18 +49,18 @@ def _largest(radius: Array, part: NDArray[np.int32], count: int) -> NDArray[np.i
     """Vertex with the largest disk of each part."""
     order = np.argsort(radius, kind="stable")
     largest = np.zeros(count, np.int64)
-    largest[part[order]] = order  # the last one to be written stays
+    largest[part[order]] = order  # the last value written is kept
     return largest
 
 
 def _cut_back(axis: Axis, roots: set[int], pruning: float) -> NDArray[np.int64]:
-    """Edges that are left when tips have been cut back, each as far as `pruning` allows."""
+    """Edges that remain when every tip is shortened as far as `pruning` allows."""
     links: list[set[int]] = [set() for _ in axis.points]
     for a, b in axis.edges.tolist():
         links[a].add(b)
         links[b].add(a)
     radius = axis.radius.tolist()
-    reach = axis.radius.tolist()  # how far around each vertex the shape reaches that has been taken away behind it
+    reach = axis.radius.tolist()  # how far the shape removed behind a vertex reaches around it
     tips = [v for v, near in enumerate(links) if len(near) == 1 and v not in roots]
     while tips:
         tip = tips.pop()
@@ -89,16 +77,16 @@ def _cut_back(axis: Axis, roots: set[int], pruning: float) -> NDArray[np.int64]:
 
 
 def _drop_stubs(graph: Graph) -> None:
-    """Take away the shortest branches that are less than a pixel long."""
+    """Remove branches shorter than a pixel, the shortest first."""
     stubs = [graph.branch(end) for end in graph.ends().tolist()]
     for stub in sorted(stubs, key=graph.length):
-        path = graph.branch(int(stub[0]))  # longer by now if its junction is none any more
+        path = graph.branch(int(stub[0]))  # longer if its junction has become a plain vertex
         if graph.degree(path[-1]) > 2 and graph.length(path) < _SHORTEST:
             graph.drop(path)
 
 
 def _merge_junctions(graph: Graph, radius: Array) -> None:
-    """Make one junction of two that are less than a pixel apart: the one with the larger disk."""
+    """Merge junctions less than a pixel apart into the one with the larger disk."""
     walks = graph.ways()
     short = np.flatnonzero(~walks.closed & (walks.lengths < _SHORTEST))
     moved: dict[int, int] = {}

@@ -1,11 +1,11 @@
-"""Skeletons: the middle lines of objects, with the distance to the boundary at every place (section 5.3).
+"""Skeletons: the center lines of objects, with the distance to the boundary at every vertex (section 5.3).
 
-Section 5.3 takes local minima of the field, or what a second field of such charges attracts. That is not done here,
-for the minima of the exact field (of 95 percent in 5 x 5 pixels) are isolated places and the rim of the object: on
-an ellipse of half axes 70 and 30 px they come within 2 px of 6 % of the medial axis. The divergence of the unit
-field is a clean ridge, but not on the medial axis where the two sides differ in length, curvature or strength: in a
-ring of radii 20 and 80 px it runs 3 px beside it, in the arms of an L up to 13 px. A disk there touches one
-side only, and no shape can be rebuilt from such disks.
+Section 5.3 uses local minima of the field, or the particles that a second field of such charges attracts. This program
+does not: the minima of the exact field (95 percent of them in 5 x 5 pixels) are isolated positions and the boundary of
+the object; on an ellipse of half axes 70 and 30 px they come within 2 px of only 6 % of the medial axis. The divergence
+of the unit field has a clear ridge, but it is not on the medial axis where the two sides differ in length, curvature or
+strength: in a ring of radii 20 and 80 px it is off by 3 px, in the arms of an L by up to 13 px. A disk there touches
+only one side, and no shape can be rebuilt from such disks.
 """
 
 from __future__ import annotations
@@ -26,35 +26,30 @@ from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
-from cpm_core.medial_axis import (
-    Axis,
-    Boundary,
-    along,
-    covered,
-    find_boundary,
-    half_width,
-    medial_axis,
-    prune,
-    within_objects,
-)
+from cpm_core.medial_axis.blur_correction import half_width
+from cpm_core.medial_axis.boundary import Boundary, find_boundary
+from cpm_core.medial_axis.disks import along, covered
+from cpm_core.medial_axis.foreground import within_objects
+from cpm_core.medial_axis.medial_axis import Axis, medial_axis
+from cpm_core.medial_axis.pruning import prune
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles.state import Particles
 
 PRUNING = 1.0
-"""How far the shape may reach beyond what the skeleton stands for, unless told otherwise [px]."""
+"""Default of `pruning`: how far the shape may extend beyond the one that the skeleton represents [px]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Middle lines of the objects in an image.
+    """Center lines of the objects in an image.
 
     Attributes
     ----------
     contours : tuple of Contour
         The branches, longest first, in px of the image. They end in tips or, where three or more meet, in junctions;
-        a closed one goes round a hole. An object without a direction, such as a disk, has a branch of one vertex.
-        Their `strength` is the mean edge strength of the boundary on both sides [grey levels / px].
+        a closed one encloses a hole. An object without a direction, such as a disk, has a branch of one vertex.
+        Their `strength` is the mean edge strength of the boundary on both sides [gray levels / px].
     radii : tuple of ndarray of float64, shape (K,)
         For every branch the distance from each of its vertices to the boundary [px].
     shape : tuple of int
@@ -62,9 +57,9 @@ class Skeleton:
     spacing : tuple of float
         Size of a pixel along each axis, in `unit`.
     unit : str or None
-        Unit of `spacing`; None when the image tells none.
+        Unit of `spacing`; None when the image gives none.
     source : str
-        Name of the image, for people.
+        Name of the image for the user.
     """
 
     contours: tuple[Contour, ...]
@@ -80,12 +75,12 @@ class Skeleton:
         return sum(contour.length for contour in self.contours)
 
     def rebuilt(self) -> NDArray[np.bool_]:
-        """The shape that the skeleton stands for: the disks around its vertices, and those between two vertices.
+        """The shape that the skeleton represents: the disks around its vertices, and those between two vertices.
 
         Returns
         -------
         ndarray of bool, shape `shape`
-            True where the centre of a pixel lies in one of the disks.
+            True where the center of a pixel lies in one of the disks.
         """
         disks = [np.zeros((0, 3))]
         for contour, radii in zip(self.contours, self.radii, strict=True):
@@ -100,7 +95,7 @@ class SkeletonState:
     Attributes
     ----------
     step : int
-        Steps done in all; three of them find a skeleton.
+        Number of steps; three of them find a skeleton.
     steering : tuple
         `SkeletonMethod.steering` of the last step; empty before the first.
     boundary : Boundary or None
@@ -108,7 +103,7 @@ class SkeletonState:
     axis : Axis or None
         Their medial axis before it is pruned, found by the second step.
     contours, radii : tuple
-        Branches and their radii, found by the third step; those of the parameters before until they are found anew.
+        Branches and their radii, found by the third step; until then those of the previous parameters.
     stop_reason : str
         Why the run ended, in words; empty while it goes on.
     converged : bool
@@ -126,7 +121,7 @@ class SkeletonState:
 
     @property
     def scale(self) -> int:
-        """Level of the image pyramid: always the image itself."""
+        """Scale of the image pyramid: always the image itself."""
         return 0
 
     @property
@@ -136,46 +131,46 @@ class SkeletonState:
 
     @property
     def position(self) -> Array:
-        """Points that the next step works on, shape (N, 2) [px]: of the boundary, then of the axis, none at the end."""
+        """Points of the next step, shape (N, 2) [px]: of the boundary, then of the axis, none at the end."""
         points = self.axis or self.boundary
         return np.zeros((0, 2)) if self.stop_reason or points is None else points.points
 
     @property
     def particles(self) -> Particles:
-        """The same as particles at rest, those of the axis by other numbers than those of the boundary."""
+        """The points as particles at rest; those of the axis have other identities than those of the boundary."""
         first = 0 if self.axis is None or self.boundary is None else len(self.boundary.points)
         return Particles.at_rest(self.position, first)
 
     def arrays(self) -> list[NDArray[Any]]:
-        """The arrays that keeping this state costs."""
+        """The arrays that take up memory."""
         parts = [vars(part).values() for part in (self.boundary, self.axis) if part is not None]
         return [*itertools.chain(*parts), *(contour.points for contour in self.contours), *self.radii]
 
     def resumed(self) -> SkeletonState:
-        """Return this state as one that goes on, for other parameters to act on."""
+        """The same state as one of a running run, to continue with other parameters."""
         return replace(self, stop_reason="", converged=False)
 
 
 class SkeletonMethod(ImageFields):
-    """The skeleton of what is in an image: a `Method` of three steps, for the boundary, its medial axis and pruning.
+    """The skeleton of the objects in an image: a `Method` of three steps for boundary, medial axis and pruning.
 
-    It needs no start, and is of the whole image, whatever the regions of interest.
+    It needs no seeds and always uses the whole image, independent of the regions of interest.
 
     Parameters
     ----------
     values : array_like, shape (H, W), or Image
         Image.
     parameters : Parameters, optional
-        For the fields to prepare at once; by default the preset "noisy".
+        For the fields that are prepared first; by default the preset "noisy".
     regions : Regions, optional
-        Kept, and without effect.
+        Without effect.
     pruning, outside
         See `skeleton`.
 
     Raises
     ------
     ValueError
-        For an image or a value that cannot be worked with.
+        For an unusable image or value.
     """
 
     name: ClassVar[str] = "skeleton"
@@ -202,15 +197,15 @@ class SkeletonMethod(ImageFields):
 
     @classmethod
     def steering(cls, parameters: Parameters) -> tuple[object, ...]:
-        """Values that a step obeys; see `Method.steering`."""
+        """Values that a step depends on; see `Method.steering`."""
         return tuple(getattr(parameters, name) for name in cls.parameters)
 
     def suits(self, parameters: Parameters) -> bool:
-        """Whether a run with these parameters can start here: it always works on the image at its full size."""
+        """Always true: the method works on the image at full size."""
         return True
 
     def with_regions(self, regions: Regions | None) -> Self:
-        """The same for other regions, which have no effect."""
+        """The same method; regions have no effect."""
         other = copy(self)
         other.regions = regions
         return other
@@ -220,21 +215,10 @@ class SkeletonMethod(ImageFields):
         return SkeletonState()
 
     def step(self, state: SkeletonState, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> SkeletonState:
-        """Find the boundary, then its medial axis, then the branches of what pruning leaves of that.
+        """Find the boundary, then its medial axis, then the branches that remain after pruning.
 
-        Parameters
-        ----------
-        state : SkeletonState
-            Any state of a run on this image.
-        parameters : Parameters
-            Other values than in the last step let it begin anew with the boundary.
-        charges : sequence of PlacedCharge, optional
-            Without effect.
-
-        Returns
-        -------
-        SkeletonState
-            The next state: the same one if the run has stopped.
+        Parameter values that differ from those of the last step start again with the boundary; charges have no effect.
+        The state of a run that has stopped is returned unchanged.
         """
         if state.stop_reason:
             return state
@@ -255,21 +239,21 @@ class SkeletonMethod(ImageFields):
         return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
 
     def result(self, state: SkeletonState, parameters: Parameters) -> Skeleton:
-        """The skeleton that a state knows of; without any branch before the first is found."""
+        """The skeleton of a state; without branches until the first is found."""
         image = self.image
         return Skeleton(state.contours, state.radii, image.shape, image.spacing, image.unit, image.source)
 
     def measures(self, state: SkeletonState, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
-        """Figures of a state by name; see `Method.measures`."""
+        """Metrics of a state by name; see `Method.measures`."""
         length = sum(contour.length for contour in state.contours)
         return {"count": state.count, "scale": 0.0, "branches": len(state.contours), "length": length}
 
     def positions(self, state: SkeletonState) -> Array:
-        """Points that the next step works on, shape (N, 2) [px]."""
+        """Points of the next step, shape (N, 2) [px]."""
         return state.position
 
     def _axis(self, boundary: Boundary, smoothing: float) -> Axis:
-        """Medial axis of a boundary, in the objects alone unless the background is wanted too."""
+        """Medial axis of a boundary, only in objects unless the background is included."""
         axis = medial_axis(boundary, self.image.shape)
         if self._outside:
             return axis
@@ -283,28 +267,28 @@ def skeleton(
     pruning: float = PRUNING,
     outside: bool = False,
 ) -> Skeleton:
-    """Find the skeleton of the objects in a binary or grey image, from which they can be rebuilt.
+    """Find the skeleton of the objects in a binary or gray image, from which they can be rebuilt.
 
-    The skeleton is the medial axis: the places with more than one nearest point on the boundary, which is the crest of
-    the edge map, found to a fraction of a pixel as the contours of a run are. Contours come from the Delaunay
+    The skeleton is the medial axis: the positions with more than one nearest point on the boundary. The boundary is the
+    ridge of the edge map, found with the subpixel accuracy of the contours of a run. Contours come from the Delaunay
     triangulation of points on the boundary, by the crust; the edges of its dual, the Voronoi diagram, that do not cross
-    a contour are the medial axis (`cpm_core.medial_axis`). It is then cut back from its tips (`pruning`).
+    a contour are the medial axis (`cpm_core.medial_axis`). It is then shortened from its tips (`pruning`).
 
     Parameters
     ----------
     values : array_like, shape (H, W), or Image
-        Image. Objects are what differs from its border in grey level, brighter or darker, within edges; in a grey image
-        an object may lie in another. The border of the image is no edge: an object goes on beyond it, and one whose
-        middle lies out there has no skeleton in the image.
+        Image. Objects are regions within edges that differ from the image border in gray level, brighter or darker; in
+        a gray image an object may lie in another. The image border is no edge: an object continues beyond it, and
+        one whose center line lies outside has no skeleton in the image.
     params : Parameters, optional
-        For `smoothing`, `edge_floor`, `min_strength` and `min_length`, which say what is an edge; by default the preset
+        For `smoothing`, `edge_floor`, `min_strength` and `min_length`, which define the edges; by default the preset
         "noisy", which chooses the smoothing from the image's noise.
     pruning : float, optional
-        How far a part of the shape may stick out of the disks of the rest for its branch to be left out [px]. More of
-        it leaves fewer and shorter branches, and a rounder shape. What hangs together stays together. At the default
-        of a pixel neither the stairs of a black and white image nor moderate noise leave twigs (at a quarter they do).
+        How far a part of the shape may extend beyond the disks of the rest for its branch to be left out [px]. A larger
+        value leaves fewer and shorter branches, and a rounder shape; connected parts stay connected. At the default of
+        one pixel neither the steps of a binary image nor moderate noise cause short branches (at 0.25 they do).
     outside : bool, optional
-        Whether to give the skeleton of the background, too.
+        Whether to include the skeleton of the background.
 
     Returns
     -------
@@ -314,7 +298,7 @@ def skeleton(
     Raises
     ------
     ValueError
-        For an image or a value that cannot be worked with; the message says what to do.
+        For an unusable image or value; the message says what to do.
     """
     chosen = params or PRESETS["noisy"]
     method = SkeletonMethod(values, chosen, pruning=pruning, outside=outside)
@@ -328,10 +312,10 @@ def _branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Co
     """Branches of an axis, and their radii."""
     graph = Graph(axis.points, axis.edges)
     ways = graph.ways()
-    walks = [(ways.path(n), bool(ways.closed[n])) for n in range(len(ways))]
+    paths = [(ways.path(n), bool(ways.closed[n])) for n in range(len(ways))]
     points = [(np.array([v]), False) for v in np.flatnonzero(graph.degrees == 0)]
     found = []
-    for path, closed in [*walks, *points]:
+    for path, closed in [*paths, *points]:
         forks = (False, False) if closed else (graph.degree(path[0]) > 2, graph.degree(path[-1]) > 2)
         strength = float(boundary.strength[axis.nearest[path]].mean())
         contour = Contour(axis.points[path], closed, strength, junctions=forks)

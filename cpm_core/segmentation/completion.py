@@ -1,4 +1,4 @@
-"""How particles come to rest, and who is left at the end of a scale and of a run."""
+"""Completion: how particles come to rest, and which remain at the end of a scale and of a run."""
 
 from __future__ import annotations
 
@@ -18,47 +18,35 @@ from cpm_core.particles.state import State
 from cpm_core.segmentation.enclosed_regions import RESEEDINGS, reseeding_places
 
 _UNDER_WAY, _PATIENCE = 0.3, 2
-"""Part of the speed at which the field alone drives a particle above which one far from all ground counts as on its way
-to some, and how many times as slowly it is then made to rest: it may have a long way to go."""
+"""Fraction of the speed that the field alone gives a particle, above which one outside the coverage map counts as
+under way, and the factor by which it then comes to rest more slowly: it may have far to go."""
 
 _CERTAIN = 1.25
-"""How many times as strong as the weakest edge that counts one is that holds particles in any case."""
+"""Edge strength, in multiples of the edge floor, that holds particles in any case."""
 
 _LEAST_BETA = 0.1
-"""Damping with which the speed is reckoned where there is none."""
+"""Damping with which the speed is estimated where there is none."""
 
-_NOWHERE = -1
-"""What stands for the idle steps of a particle far from all ground."""
+_OUTSIDE = -1
+"""Value for the idle steps of a particle outside the coverage map."""
 
 _GATHERING, _GATHERED = 100, 0.02
-"""Steps without news that particles have to gather round a charge, and the speed under which one has done so before
-[px / unit of time]."""
+"""Steps without new coverage in which particles gather around a charge, and the speed under which one has done so
+earlier [px / unit of time]."""
 
 
 def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters) -> Index:
-    """Steps since there was new ground around each particle, as far as they make it rest.
+    """Steps since there was new coverage around each particle, shape (N,), which bring it to rest.
 
-    Parameters
-    ----------
-    state : State
-        Before the step.
-    scale_field : ScaleField
-        What is felt, placed charges included.
-    parameters : Parameters
-        For the speed that counts as being under way.
-
-    Returns
-    -------
-    ndarray of int64, shape (N,)
-        Steps.
+    `state` is the one before the step, and `scale_field` includes the placed charges.
     """
     particles = state.particles
-    idle = idle_at(state.coverage, particles.position, state.step_of_scale, _NOWHERE)
-    away = idle == _NOWHERE
+    idle = idle_at(state.coverage, particles.position, state.step_of_scale, _OUTSIDE)
+    away = idle == _OUTSIDE
     if away.any():
         driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
         speed = np.einsum("ni,ni->n", particles.velocity, particles.velocity)
-        under_way = state.idle // _PATIENCE if state.coverage.size else 0  # the first to find any may take all the time
+        under_way = state.idle // _PATIENCE if state.coverage.size else 0  # before the first coverage there is no limit
         idle[away] = np.where(speed[away] > (_UNDER_WAY * driven) ** 2, under_way, state.idle)
     if state.charges:
         _let_gather(state, scale_field, idle)
@@ -66,9 +54,9 @@ def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters)
 
 
 def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
-    """Keep up the repulsion of what gathers round an attracting charge off any edge, and then let it stand, in place.
+    """Keep the repulsion of particles that gather around an attracting charge off the edges, then fix them (in place).
 
-    If the repulsion faded first, they would all fall into one spot, and of those that stand in one all but one go.
+    If the repulsion faded first, they would all move to one position, and all but one would be deleted.
     """
     near = np.flatnonzero(_drawn(state))
     strength, _ = contact_at(state.particles.position[near], scale_field)
@@ -86,9 +74,9 @@ def _drawn(state: State) -> NDArray[np.bool_]:
 
 
 def reseeded(state: State, scale_field: ScaleField) -> State | None:
-    """Go on with particles beside enclosed boundaries that no particle has reached; None when nothing is missing.
+    """Reseed beside enclosed boundaries that no particle has reached; None when none is missing.
 
-    Nor are any launched where some have been erased, or where a placed charge lets none sit.
+    There is no reseeding in a run with erased particles, nor where a placed charge is stronger than an edge.
     """
     if state.reseedings == RESEEDINGS or state.erased:
         return None
@@ -97,7 +85,7 @@ def reseeded(state: State, scale_field: ScaleField) -> State | None:
         places = places[~_is_cleared(state, scale_field, places)]
     if not len(places):
         return None
-    state = without_resting_off_edge(state, scale_field)  # else they would be set going again, and to no purpose
+    state = without_resting_off_edge(state, scale_field)  # else they would be reactivated in vain
     return replace(
         state,
         particles=state.particles.with_more(places, state.next_identity),
@@ -112,17 +100,17 @@ def reseeded(state: State, scale_field: ScaleField) -> State | None:
 
 
 def _is_cleared(state: State, scale_field: ScaleField, places: Array) -> NDArray[np.bool_]:
-    """At which pixels, shape (N, 2), the placed charges are stronger than an edge."""
+    """At which pixels, shape (N, 2), the placed charges are stronger than an edge, shape (N,)."""
     charges, radius = at_scale(state.charges, state.scale, state.shape), radius_at(state.scale)
     force = placed_force(charges, radius, (0, scale_field.shape[0], 0, scale_field.shape[1]))
     return np.asarray((force[tuple(places.astype(int).T)] ** 2).sum(axis=1) > GATE**2)
 
 
 def without_resting_off_edge(state: State, scale_field: ScaleField) -> State:
-    """Leave out the particles at rest that sit on no edge, if any have found one: nothing draws them on.
+    """Leave out the particles at rest off the edge, if any particle has found an edge.
 
-    In a hole of a pixel or two none sits in the strict sense, but the edge around is strong. What has gathered round
-    an attracting charge stays.
+    In a hole of one or two pixels no particle has edge contact in the strict sense, but the edge around it is strong.
+    Particles around an attracting charge stay.
     """
     position = state.particles.position
     strength, on_edge = contact_at(position, scale_field)
@@ -136,9 +124,9 @@ def without_resting_off_edge(state: State, scale_field: ScaleField) -> State:
 
 
 def without_off_edge(state: State, scale_field: ScaleField, and_drawn: bool = False) -> State:
-    """Leave out the particles that sit on no edge; a finer scale launches them anew from the drawing.
+    """Leave out the particles off the edge, since a finer scale begins with all seeds again.
 
-    Those that an attracting charge draws may be kept.
+    Those within reach of an attracting charge can be kept.
     """
     _, found = contact_at(state.particles.position, scale_field)
     if and_drawn:

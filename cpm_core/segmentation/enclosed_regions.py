@@ -1,10 +1,10 @@
-"""Enclosed regions: what particles at rest have found one boundary of, and not yet the others.
+"""Enclosed regions of which the particles at rest have found one boundary but not the others.
 
-A start wholly inside a ring finds the hole or the rim, whichever pulls harder, and repulsion that is weaker than the
-attraction of edges (w1 < w2) never lets anybody cross to the other one. A region between edges that does not reach the
-border of the image is the inside of something; once any of its boundaries has been reached, the others belong to the
-same thing, and particles are launched beside them. What lies outside, up to the border, is left to the drawing, and so
-is what a wall runs through.
+A start inside a ring finds the hole or the outline, whichever attracts more strongly, and while repulsion is weaker
+than the attraction of edges (w1 < w2) no particle crosses to the other one. A region between edges that does not reach
+the image border is the inside of an object. Once one of its boundaries has been reached, the others belong to the same
+object, and particles are reseeded beside them. Regions at the image border, and those that a barrier crosses, depend on
+the seeds alone.
 """
 
 from __future__ import annotations
@@ -23,56 +23,46 @@ from cpm_core.numerics.types import Array
 Labels = NDArray[np.int64]
 
 RESEEDINGS = 3
-"""Times that particles may be launched beside boundaries that no particle has reached, until parameters are changed."""
+"""Greatest number of reseedings until parameters are changed."""
 
-_BESIDE_WALL = 1.0
-"""Distance under which a pixel is one that a wall runs through [px]."""
+_AT_BARRIER = 1.0
+"""Distance to a barrier under which it crosses a pixel [px]."""
 
 _LEAST_AREA = 16
-"""Pixels that a region must have."""
+"""Least area of a region [px²]."""
 
 _REACH, _REACH_SMOOTHING = 3.0, 2.0
-"""Distance from a region's rim to the crest of the edge around it at most: so much, and so many sigma [px]."""
+"""Greatest distance from a region's rim to the ridge of the edge around it: a length [px] plus a multiple of sigma."""
 
 _COVERED = 0.5
-"""Share of a boundary that must have particles beside it for it to count as reached."""
+"""Fraction of a boundary that must have particles beside it to count as reached."""
 
 _LEAST_STRETCH = 8
-"""Pixels in a row of a boundary without particles for some to be launched there: boundaries a few pixels apart
-share their rim, and one of them may be missing alone."""
+"""Least length of a stretch without particles that is reseeded [px]: boundaries a few pixels apart share their rim, and
+only one of them may be missing."""
 
 _NEIGHBORS = 8
-"""Particles nearest to a pixel of a rim that are looked at."""
+"""Number of nearest particles that are examined for a pixel of a rim."""
 
 _STRIDE = 6.0
-"""Distance between particles that are launched [px]."""
+"""Distance between reseeded particles [px]."""
 
 
 def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
-    """Places beside boundaries, or stretches of them, of enclosed regions that have been reached elsewhere only.
+    """Positions, shape (M, 2), beside the boundaries of enclosed regions that have been reached only elsewhere [px].
 
-    Parameters
-    ----------
-    scale_field : ScaleField
-        Fields of the scale.
-    positions : ndarray, shape (N, 2)
-        The particles that sit on an edge [px].
-
-    Returns
-    -------
-    ndarray, shape (M, 2)
-        Where to launch particles; empty when nothing is missing.
+    `positions`, shape (N, 2), are those of the particles on an edge [px of the scale].
     """
-    nowhere = np.zeros((0, 2))
+    none = np.zeros((0, 2))
     if not len(positions):
-        return nowhere
-    walled = np.zeros(scale_field.shape, bool)
+        return none
+    blocked = np.zeros(scale_field.shape, bool)
     if len(scale_field.barrier_map.segments):
-        walled = scale_field.barrier_map.clearance < _BESIDE_WALL
-    regions = _enclosed(scale_field.edge_map < scale_field.floor, walled)
+        blocked = scale_field.barrier_map.clearance < _AT_BARRIER
+    regions = _enclosed(scale_field.edge_map < scale_field.floor, blocked)
     rims, region_of = _rims(regions)
     if not len(region_of):
-        return nowhere
+        return none
     place = np.argwhere(rims > 0)
     number = rims[rims > 0]
     reach = _REACH + _REACH_SMOOTHING * scale_field.smoothing
@@ -87,9 +77,9 @@ def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
 
 
 def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
-    """Which pixels of a rim have a particle near them on the same side of an edge.
+    """Which pixels of a rim, shape (N, 2), have a particle near them on the same side of an edge, shape (N,).
 
-    Of two edges that run close to each other one rises where the other falls.
+    Of two edges close to each other one rises where the other falls.
     """
     uphill = scale_field.gradient[(slice(None), *place.T)].T
     known = interpolate(scale_field.gradient, positions)
@@ -101,7 +91,7 @@ def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Arra
 
 
 def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: tuple[int, ...]) -> NDArray[np.int64]:
-    """Pixels in the connected stretch of chosen ones that each pixel belongs to; 0 for those that are not chosen."""
+    """Size of the connected stretch of chosen pixels that each pixel belongs to; 0 for pixels that are not chosen."""
     mask = np.zeros(shape, bool)
     mask[tuple(place[chosen].T)] = True
     labels, _ = scipy.ndimage.label(mask, structure=np.ones((3, 3), bool))
@@ -110,10 +100,10 @@ def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: tuple[i
     return np.asarray(size[labels[tuple(place.T)]])
 
 
-def _enclosed(free: NDArray[np.bool_], walled: NDArray[np.bool_]) -> Labels:
-    """Number the regions between edges that touch neither the border of the image nor a wall."""
+def _enclosed(free: NDArray[np.bool_], blocked: NDArray[np.bool_]) -> Labels:
+    """Number the regions between edges that touch neither the image border nor a barrier."""
     labels, count = scipy.ndimage.label(free)
-    outside = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1], labels[walled]]))
+    outside = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1], labels[blocked]]))
     small = np.flatnonzero(np.bincount(labels.ravel(), minlength=count + 1) < _LEAST_AREA)
     dropped = np.zeros(count + 1, bool)
     dropped[outside], dropped[small], dropped[0] = True, True, True
@@ -121,14 +111,14 @@ def _enclosed(free: NDArray[np.bool_], walled: NDArray[np.bool_]) -> Labels:
 
 
 def _rims(regions: Labels) -> tuple[Labels, Labels]:
-    """Number the rims of the regions, each closed curve of pixels around or inside one by itself.
+    """Number the rims of the regions: each closed curve of pixels around or inside one has its own number.
 
     Returns
     -------
     rims : ndarray of int64
         Number of the rim that each pixel lies on, 0 for none.
     region_of : ndarray of int64
-        Region of each rim; entry 0 stands for none.
+        Region of each rim; entry 0 is unused.
     """
     eight = np.ones((3, 3), bool)
     beside = np.where(regions > 0, 0, scipy.ndimage.maximum_filter(regions, size=3, mode="nearest"))
@@ -137,7 +127,7 @@ def _rims(regions: Labels) -> tuple[Labels, Labels]:
     count = 0
     windows = cast("list[tuple[slice, ...] | None]", scipy.ndimage.find_objects(beside))
     for number, window in enumerate(windows, start=1):
-        if window is None:  # the region has no pixel beside it that is not another region's
+        if window is None:  # all pixels beside the region belong to other regions
             continue
         labels, found = scipy.ndimage.label(beside[window] == number, structure=eight)
         part = rims[window]

@@ -1,7 +1,7 @@
 """The engine: one step of a run is the composition of motion, deletion, insertion and equilibrium.
 
-``Engine(image, parameters)`` prepares what the particles feel; ``start`` makes the first state of a run; ``step`` makes
-the next one from any state, without memory of its own, so that a run can be paused, steered, replayed and branched.
+``Engine(image, parameters)`` prepares the fields; ``start`` makes the first state of a run; ``step`` makes the next one
+from any state, without memory of its own, so that a run can be paused, changed, replayed and branched.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from cpm_core.segmentation.scale_schedule import advance, start_scale
 def reconstruction(state: State, image: Image, scale_field: ScaleField, parameters: Parameters) -> Result:
     """Contours through the particles of a state, from the fields of its scale, in px of the image."""
     scale, shape, size = state.scale, image.shape, 2.0**state.scale
-    # an edge without particles may have been cleared by the user, and is then not walked along
+    # an edge without particles may have been cleared by the user; it is then not traced
     filled = state.converged and not state.charges and not state.erased
     found, bridged = find_contours(state.particles.position, scale_field, parameters, at_rest=filled)
     contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
@@ -62,7 +62,7 @@ def reconstruction(state: State, image: Image, scale_field: ScaleField, paramete
 class Engine(ImageFields):
     """The charged-particle model on one image: a `Method` whose states are `State`.
 
-    It is made of image, parameters and regions as `ImageFields` is, which says what they are and which are refused.
+    `ImageFields` describes image, parameters and regions and the errors that they raise.
     """
 
     name: ClassVar[str] = "cpm"
@@ -72,7 +72,7 @@ class Engine(ImageFields):
 
     @staticmethod
     def steering(parameters: Parameters) -> tuple[object, ...]:
-        """Values that a step obeys; see `Method.steering`."""
+        """Values that a step depends on; see `Method.steering`."""
         return parameters.steering
 
     def start(self, seeds: ArrayLike) -> State:
@@ -81,8 +81,8 @@ class Engine(ImageFields):
         Parameters
         ----------
         seeds : array_like, shape (N, 2)
-            Where the particles begin (row, col) [px]; those outside the image or the regions of interest, and those on
-            a barrier, are left out.
+            Positions (row, col) [px]; those outside the image or the regions of interest, and those on a barrier, are
+            left out.
 
         Returns
         -------
@@ -96,8 +96,8 @@ class Engine(ImageFields):
         """
         points = starting_points(seeds, self.image.shape, self.regions)
         none = Particles.at_rest(points[:0])
-        begun = State(none, points, self.image.shape, self.scales, no_coverage(()), regions=self.regions)
-        return start_scale(begun, self.scales - 1, self.regions)
+        first = State(none, points, self.image.shape, self.scales, no_coverage(()), regions=self.regions)
+        return start_scale(first, self.scales - 1, self.regions)
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
         """One time step.
@@ -107,21 +107,21 @@ class Engine(ImageFields):
         state : State
             Any state of a run on this image.
         parameters : Parameters
-            Obeyed at once, `scales` from the next start on. Other values than in the last step set particles that have
-            come to rest going again.
+            Effective at once, `scales` from the next start. Values that differ from the last step's reactivate all
+            particles.
         charges : sequence of PlacedCharge, optional
-            Obeyed at once. One that comes, goes or is moved sets those particles going again that it is or was felt by;
-            a run that has ended goes on for it once it is `State.resumed`.
+            Effective at once. One that is added, removed or moved reactivates the particles within its old and new
+            reach; a run that has ended continues once its state is `State.resumed`.
 
         Returns
         -------
         State
-            The next state: the same one if the run has stopped. A state of an engine with other regions goes on with
-            the particles that lie in this one's.
+            The next state: the same one if the run has stopped. A state of an engine with other regions continues with
+            the particles inside the regions of this one.
         """
         if state.stop_reason:
             return state
-        state = interventions.taken_up(state, self.regions, parameters, charges)
+        state = interventions.applied(state, self.regions, parameters, charges)
         scale_field = self._charged_field(parameters, state.scale, state.charges)
         idle = idle_steps_of(state, scale_field, parameters)
         repulsion_gone = not (idle < FADED).any()
@@ -137,62 +137,60 @@ class Engine(ImageFields):
         charges: Sequence[PlacedCharge] = (),
         index: ArrayLike | None = None,
     ) -> Forces:
-        """Forces on the particles of a state: those with which a step from it begins.
+        """Forces on the particles of a state, with which a step from it begins.
 
         Parameters
         ----------
         state : State
-            A state of a run on this image, at rest or not.
+            A state of a run on this image.
         parameters : Parameters
             Of the step.
         charges : sequence of PlacedCharge, optional
             Of the step.
         index : array_like of int, optional
-            Which of the particles are asked about, in the order of `state.position`; by default all of them.
+            Indices of particles in the order of `state.position`; by default all.
 
         Returns
         -------
         Forces
-            In the order asked for; NaN for particles that the step takes away, since they lie outside new regions. As
-            exactly as a step reckons them: pairs in single precision (2e-4 of a force of unit size), and what comes
-            from afar by a mesh, which serves for four steps (`mesh_force` tells what that leaves out). A step carries
-            the force on by its change in the last two steps, eq. (15), and integrates the damping exactly; friction
-            also takes the speed along the edge at once. None of this is a force.
+            In the order of `index`; NaN for particles that the step removes because they lie outside new regions. As
+            exact as in a step: near pairs in single precision (2e-4 of a unit force), distant particles by a mesh that
+            is used for four steps (see `mesh_force`). A step also extrapolates the force, eq. (15), integrates the
+            damping exactly and applies friction along the edge at once; these are not forces.
         """
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
-        taken_up = interventions.taken_up(state, self.regions, parameters, charges)
+        changed = interventions.applied(state, self.regions, parameters, charges)
         scale_field = self.scale_field(parameters, state.scale)
-        charged = self._charged_field(parameters, state.scale, taken_up.charges)
-        idle = idle_steps_of(taken_up, charged, parameters)
-        place = _places(state.particles.identity, taken_up.particles.identity)[asked]
-        there = place >= 0
-        found = forces(taken_up, scale_field, charged, idle, parameters, place[there])
+        charged = self._charged_field(parameters, state.scale, changed.charges)
+        idle = idle_steps_of(changed, charged, parameters)
+        row = _places(state.particles.identity, changed.particles.identity)[asked]
+        there = row >= 0
+        found = forces(changed, scale_field, charged, idle, parameters, row[there])
         return found if there.all() else Forces(*(_spread(getattr(found, f.name), there) for f in fields(Forces)))
 
     def energies(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Energies:
         """Kinetic and potential energy of the particles of a state, as `cpm_core.dynamics.energies` defines them.
 
-        The potential of the fixed charges is made when it is first asked for at a scale, and kept as long as the field.
+        The potential of the fixed charges is computed at the first call for a scale and cached with the field.
         """
         placed = replace(state, charges=in_order(charges))
         return energies(placed, self.scale_field(parameters, state.scale), parameters)
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
-        """Put more particles into a run.
+        """Add particles to a run.
 
         Parameters
         ----------
         state : State
             A state of a run on this image.
         seeds : array_like, shape (M, 2)
-            Where the new particles begin (row, col) [px]; those outside the image or the regions of interest, and those
-            on a barrier, are left out.
+            Positions of the new particles (row, col) [px]; left out as in `start`.
 
         Returns
         -------
         State
-            With the new particles at rest, at the same scale; they are remembered for the finer scales. All particles
-            are set going again, and a run that has ended goes on.
+            With the new particles at rest, at the same scale; finer scales begin with them as well. All particles are
+            reactivated, and a run that has ended continues.
 
         Raises
         ------
@@ -202,21 +200,21 @@ class Engine(ImageFields):
         return interventions.joined(state, seeds, self.regions)
 
     def erased(self, state: State, inside: interventions.Chosen) -> State:
-        """Take particles out of a run.
+        """Remove particles from a run.
 
         Parameters
         ----------
         state : State
             A state of a run on this image.
         inside : ndarray of bool, shape (N,), or callable
-            Which particles, or what tells so of positions, shape (M, 2) [px of the image]. It is then asked of the
-            places where the particles began as well, so that a finer scale does not begin there again.
+            Which particles, or a function of positions, shape (M, 2) [px of the image]. The function is applied to the
+            seeds as well, so that a finer scale does not begin there again.
 
         Returns
         -------
         State
-            With the others, which are not woken by it: where none of them moves nothing grows anew, and a run that has
-            ended stays so. Where none is left the run ends.
+            With the other particles, which are not reactivated: no particles are inserted beside those at rest, and a
+            run that has ended stays so. Without any particle left the run ends.
 
         Raises
         ------
@@ -226,7 +224,7 @@ class Engine(ImageFields):
         return interventions.erased(state, inside)
 
     def result(self, state: State, parameters: Parameters) -> Result:
-        """Contours and figures of any state of a run.
+        """Contours and metrics of any state of a run.
 
         Parameters
         ----------
@@ -243,35 +241,35 @@ class Engine(ImageFields):
         return reconstruction(state, self.image, self.scale_field(parameters, state.scale), parameters)
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
-        """Figures of a state by name, the potential energy only if `thorough`; see `Method.measures`."""
-        figures = {name: float(getattr(state, attribute)) for name, attribute in _FIGURES.items()}
-        figures["kinetic"] = kinetic_energy(state)
+        """Metrics of a state by name, the potential energy only if `thorough`; see `Method.measures`."""
+        metrics = {name: float(getattr(state, attribute)) for name, attribute in _METRICS.items()}
+        metrics["kinetic"] = kinetic_energy(state)
         slow = {"potential": self.energies(state, parameters, state.charges).potential} if thorough else {}
-        return figures | slow
+        return metrics | slow
 
     def positions(self, state: State) -> Array:
-        """Where the particles are, shape (N, 2) [px of the image]."""
+        """Positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
 
     def _populate(
         self, state: State, moved: Moved, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
     ) -> State:
-        """Population of a step, by itself for the experiments that do without."""
+        """Insertion and deletion of a step; a method of its own so that experiments can replace it."""
         return populated(state, moved, repulsion_gone, scale_field, parameters)
 
 
-_FIGURES = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {"numbered": "next_identity"}
-"""Figures by name, and what of a state they are."""
+_METRICS = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {"numbered": "next_identity"}
+"""Metrics by name -> attributes of a state."""
 
 
 def _places(before: Index, after: Index) -> Index:
-    """For each identity before the index of the same one after, -1 where it is gone; those after keep their order."""
+    """For each earlier identity its index among the later ones, which keep their order; -1 where it is gone."""
     stays = np.isin(before, after)
     return np.where(stays, np.cumsum(stays) - 1, -1)
 
 
 def _spread(rows: Array, there: NDArray[np.bool_]) -> Array:
-    """Rows, shape (K, 2), put where `there`, shape (M,), is true; NaN elsewhere."""
+    """Rows, shape (K, 2), at the positions where `there`, shape (M,), is true; NaN elsewhere."""
     spread = np.full((len(there), 2), np.nan)
     spread[there] = rows
     return spread

@@ -1,4 +1,4 @@
-"""Steering: what a person changes in a run that is under way, and how the particles come to know."""
+"""Interventions: changes by the user in a run that is under way, and which particles they reactivate."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from cpm_core.particles.state import State
 Chosen = NDArray[np.bool_] | Callable[[Array], ArrayLike]
 
 
-def taken_up(state: State, regions: Regions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
-    """A state as a step takes it up, under other parameters, regions or charges than its last one or the same."""
+def applied(state: State, regions: Regions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
+    """The state with which a step begins, reactivated where parameters, regions or charges have changed."""
     if state.steering != parameters.steering or state.regions != regions:
         state = replace(reactivated(within(state, regions)), steering=parameters.steering)
     placed = in_order(charges)
@@ -29,7 +29,7 @@ def taken_up(state: State, regions: Regions | None, parameters: Parameters, char
 
 
 def reactivated(state: State) -> State:
-    """Set all particles going again: what has come to rest must be able to obey."""
+    """Reactivate all particles, so that those at rest follow the change."""
     return replace(
         state,
         coverage=renewed(state.coverage, state.step_of_scale),
@@ -44,7 +44,7 @@ def reactivated(state: State) -> State:
 
 
 def within(state: State, regions: Regions | None) -> State:
-    """Go on in other regions, with the particles that may be there."""
+    """Continue in other regions with the particles inside them."""
     if state.regions == regions:
         return state
     allowed = allowed_by(state.position, regions)
@@ -52,25 +52,12 @@ def within(state: State, regions: Regions | None) -> State:
 
 
 def reactivated_near(state: State, charges: Charges) -> State:
-    """Go on with other placed charges, and set the particles going again that feel, or felt, one that is another.
-
-    Parameters
-    ----------
-    state : State
-        Before the step.
-    charges : tuple of PlacedCharge
-        Those of the step, in order.
-
-    Returns
-    -------
-    State
-        The others sleep on.
-    """
+    """Continue with other placed charges, in order, and reactivate the particles within reach of a changed one."""
     step, others = state.step_of_scale, changed(state.charges, charges)
     places = at_scale(others, state.scale, state.shape)[:, :2]
     coverage = renewed_near(state.coverage, places, REACH * 0.5**state.scale, step)
-    served = state.mesh is not None and len(state.mesh.force) > 0  # else everybody may have been asleep
-    mesh = state.mesh if served else None
+    valid = state.mesh is not None and len(state.mesh.force) > 0  # else all particles may have been at rest
+    mesh = state.mesh if valid else None
     return replace(state, charges=charges, coverage=coverage, annealed=1.0, reactivated=step, quiet=0, mesh=mesh)
 
 
@@ -101,8 +88,8 @@ def erased(state: State, inside: Chosen) -> State:
 
 
 def _mask(inside: ArrayLike, count: int, noun: str) -> NDArray[np.bool_]:
-    """Check which of some things are meant."""
+    """Check a mask of the chosen particles, shape (N,)."""
     mask = np.asarray(inside)
     if mask.dtype != np.bool_ or mask.shape != (count,):
-        raise ValueError(f"which {noun} to erase must be told by {count} truth values, one for each.")
+        raise ValueError(f"which {noun} to erase must be given by {count} truth values, one for each.")
     return mask

@@ -1,7 +1,7 @@
-"""The seam for methods: what a way to find contours has, and all that there are.
+"""The interface of methods that find contours, and the table of all methods.
 
-Whatever runs a method, records it or shows it knows no more than this. A new method is a module of its own and a place
-in `METHODS`.
+All code that runs, records or shows a method uses only this interface. A new method is a module and an entry in
+`METHODS`.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from cpm_core.segmentation.interventions import Chosen
 
 
 class MethodState(Protocol):
-    """A moment of a run of any method: frozen, and all that the next step depends on besides image and parameters."""
+    """A moment of a run: frozen, and all that the next step depends on besides image and parameters."""
 
     @property
     def step(self) -> int:
-        """Steps done in all."""
+        """Number of steps so far."""
 
     @property
     def scale(self) -> int:
-        """Level of the image pyramid that it works on, 0 for the image itself."""
+        """Scale of the image pyramid, 0 for the image itself."""
 
     @property
     def steering(self) -> tuple[object, ...]:
@@ -42,29 +42,29 @@ class MethodState(Protocol):
 
     @property
     def particles(self) -> Particles:
-        """The points that move, with their numbers, velocities and forces; none where a method moves none."""
+        """The moving points with identities, velocities and forces; empty where a method has none."""
 
     @property
     def position(self) -> Array:
-        """Where they are, shape (N, 2) [px of the image]."""
+        """Positions of the points, shape (N, 2) [px of the image]."""
 
     @property
     def count(self) -> int:
-        """Number of them."""
+        """Number of points."""
 
     @property
     def stop_reason(self) -> str:
-        """Why the run ended, in words; empty while it goes on."""
+        """Why the run ended, in words; empty while it continues."""
 
     @property
     def converged(self) -> bool:
-        """Whether it ended with what the method looks for."""
+        """Whether the run ended with a result."""
 
     def arrays(self) -> Sequence[NDArray[Any]]:
-        """The arrays that keeping it costs, without those that all states of a run have in common."""
+        """The arrays that take up memory, without those that all states of a run share."""
 
     def resumed(self) -> Self:
-        """Return this state as one that goes on, for other parameters to act on."""
+        """The same state as one of a running run, to continue with other parameters."""
 
 
 S = TypeVar("S", bound=MethodState)
@@ -76,15 +76,15 @@ class Method(Protocol[S]):
     Attributes
     ----------
     name : str
-        Its key in `METHODS`.
+        Key in `METHODS`.
     title : str
-        Name for people.
+        Name for the user.
     parameters : tuple of str
-        Which of `PARAMETERS` matter.
+        The `PARAMETERS` that have an effect.
     seeded : bool
-        Whether a run starts from seeds, and obeys charges, regions and seeds that come later.
+        Whether a run starts from seeds, and responds to charges, regions and further seeds.
     image : Image
-        What it works on.
+        The image.
     regions : Regions or None
         Regions of interest and barriers.
     """
@@ -102,48 +102,48 @@ class Method(Protocol[S]):
 
     @staticmethod
     def steering(parameters: Parameters) -> tuple[object, ...]:
-        """Values of those parameters that a step obeys: a run that has ended goes on when they are others."""
+        """Values of the parameters that a step depends on: a run that has ended continues when they change."""
 
     def suits(self, parameters: Parameters) -> bool:
-        """Whether a run with these parameters can start; if not, another one has to be made for the image."""
+        """Whether a run with these parameters can start; if not, a new method object is needed."""
 
     def with_regions(self, regions: Regions | None) -> Self:
-        """The same for other regions, in which a state of a run can be stepped on."""
+        """The same method with other regions, which can continue a run."""
 
     def start(self, seeds: ArrayLike) -> S:
         """First state of a run from points, shape (N, 2) [px]."""
 
     def step(self, state: S, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> S:
-        """Next state, without memory of what was before; the same one if the run has stopped."""
+        """Next state, computed from this one alone; the same one if the run has stopped."""
 
     def result(self, state: S, parameters: Parameters) -> Result | Skeleton:
         """Contours of a state."""
 
     def measures(self, state: S, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
-        """Figures of a state by name, for plots and for the status; `thorough` adds those that take longer."""
+        """Metrics of a state by name, for plots and the status; `thorough` adds those that take longer."""
 
     def positions(self, state: S) -> Array:
-        """Points that are shown of a state, shape (N, 2) [px of the image]."""
+        """Points of a state to display, shape (N, 2) [px of the image]."""
 
     def edge_map(self, parameters: Parameters) -> Array:
         """Edge strength on the pixels of the image, shape (H, W)."""
 
     def field(self, parameters: Parameters, scale: int = 0, charges: Sequence[PlacedCharge] = ()) -> Array:
-        """What draws points to edges on the pixels of a scale, shape (2, H, W)."""
+        """Field that attracts points to edges, on the pixels of a scale, shape (2, H, W)."""
 
     def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
-        """Its potential on the pixels of the image, shape (H, W)."""
+        """Potential of the field on the pixels of the image, shape (H, W)."""
 
 
 @runtime_checkable
 class Steerable(Method[S], Protocol[S]):
-    """A method in whose runs points can be added, erased and probed."""
+    """A method whose points can be added, erased and examined during a run."""
 
     def joined(self, state: S, seeds: ArrayLike) -> S:
-        """Put more points into a run."""
+        """Add points to a run."""
 
     def erased(self, state: S, inside: Chosen) -> S:
-        """Take points out of a run."""
+        """Remove points from a run."""
 
     def forces(
         self,

@@ -1,4 +1,4 @@
-"""The course of a run: from scale to scale, and to its end."""
+"""The scale schedule of a run: from coarse to fine, and to its end."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from cpm_core.particles.state import Particles, State
 from cpm_core.segmentation.completion import reseeded, without_off_edge, without_resting_off_edge
 
 _STEPS_A_PIXEL = 2.0
-"""Steps that a scale may take, for each pixel of the longest side: a front advances about two pixels a step."""
+"""Greatest number of steps of a scale for each pixel of the longest side: a front advances about two pixels a step."""
 
 _LEAST_STEPS = 400
-"""Steps that a scale may take however small it is."""
+"""Number of steps that every scale may take."""
 
 
 def advance(state: State, scale_field: ScaleField, regions: Regions | None) -> State:
-    """Rest, the way to the next scale, and the bound on steps."""
+    """End a scale or the run at equilibrium or after the greatest number of steps; else return the state."""
     quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
     state = replace(state, quiet=state.quiet + 1 if quiet else 0)
     most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(scale_field.shape)))
@@ -35,9 +35,9 @@ def advance(state: State, scale_field: ScaleField, regions: Regions | None) -> S
     if state.count == 0:
         return state.stopped("all particles left the image")
     if state.quiet >= QUIET_STEPS:
-        going_on = reseeded(state, scale_field)
-        if going_on is not None:
-            return going_on
+        continued = reseeded(state, scale_field)
+        if continued is not None:
+            return continued
         reason = f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps"
         return without_resting_off_edge(state, scale_field).stopped(reason, True)
     if overdue:
@@ -46,11 +46,11 @@ def advance(state: State, scale_field: ScaleField, regions: Regions | None) -> S
 
 
 def start_scale(state: State, scale: int, regions: Regions | None) -> State:
-    """Begin a scale with what the coarser one found and with the drawing itself."""
+    """Begin a scale with the particles of the coarser one and with all seeds."""
     found = to_scale(to_image(state.particles.position, state.scale, state.shape), scale, state.shape)
-    drawn = to_scale(state.start, scale, state.shape)
+    seeds = to_scale(state.start, scale, state.shape)
     shape = shape_of_scale(state.shape, scale)
-    position = np.concatenate([found, drawn])
+    position = np.concatenate([found, seeds])
     position = position[inside_image(position, shape)]
     position = position[allowed_by(to_image(position, scale, state.shape), regions)]
     first = state.next_identity

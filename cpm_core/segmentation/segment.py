@@ -1,4 +1,4 @@
-"""The whole method in one call."""
+"""A complete run in one call."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def segment(
     regions: Regions | None = None,
     charges: Sequence[PlacedCharge] = (),
 ) -> Result:
-    """Find the contours of objects by particles that flow from seeds to edges and along them, until they are at rest.
+    """Find the contours of objects by particles that flow from seeds to edges and along them, until equilibrium.
 
     Parameters
     ----------
@@ -35,23 +35,23 @@ def segment(
     parameters : Parameters, optional
         The paper's defaults unless given.
     max_steps : int, optional
-        Stop after so many steps even if not at rest.
+        Greatest number of steps.
     progress : callable, optional
         Called with every `State`.
     regions : Regions, optional
         Regions of interest, which particles stay in, and barriers, which they do not cross.
     charges : sequence of PlacedCharge
-        Charges that attract or repel particles, beside those of the edges.
+        Charges that attract or repel particles, in addition to the fixed charges of the edges.
 
     Returns
     -------
     Result
-        Particles, contours through them, and how the run ended.
+        Particles, contours through them, and the reason why the run ended.
 
     Raises
     ------
     ValueError
-        For an image, seeds or parameters that cannot be worked with; the message says what to do.
+        For an unusable image, seeds or parameters; the message says what to do.
     """
     if max_steps is not None and max_steps < 1:
         raise ValueError(f"max_steps is {max_steps} but must be at least 1.")

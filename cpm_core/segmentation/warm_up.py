@@ -1,9 +1,9 @@
-"""Compiling the model's loops ahead of their first use.
+"""Compiling the loops of the model before their first use.
 
-The first time ever takes many seconds of two cores: one process compiles what a step needs and another the rest, while
-this one only waits, so that a window beside it moves freely. Numba cannot compile in two threads at once, nor may two
-processes keep loops in one folder, where each could overwrite what the other has noted of a loop that both compile;
-therefore each has a folder of its own, from which this one takes over what is new to it.
+The first compilation takes many seconds on two cores: one process compiles the loops of a step and another the rest.
+The calling process only waits, so that its window stays responsive. Numba cannot compile in two threads at once, and
+two processes must not share a cache folder, where each could overwrite entries of the other. Therefore each process has
+its own folder, from which the calling process copies new entries.
 """
 
 from __future__ import annotations
@@ -30,41 +30,36 @@ from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
 
 _ROW, _COL = np.indices((32, 32))
-_DISK = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
+_IMAGE = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
 _REGIONS = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=(((5.3, 2.2), (6.1, 28.4)),))
 _PARAMETERS = Parameters(scales=2)
 _CHARGES = (PlacedCharge((4.0, 4.0), 1.0),)
 _STEPS = 12
 
 _LOOK_EVERY = 0.05
-"""Time between two looks at whether the other processes are done [s]."""
+"""Interval at which the other processes are polled [s]."""
 
 
-def warm_up(unwanted: Callable[[], bool] = lambda: False) -> None:
-    """Run every compiled loop once on a small disk.
+def warm_up(canceled: Callable[[], bool] = lambda: False) -> None:
+    """Run every compiled loop once on an image of a small disk; this may happen in a background thread.
 
-    The first time ever this compiles them, in other processes where there is a second core, and keeps them on disk;
-    later it loads them. It may run in a thread of its own while a window is being shown.
-
-    Parameters
-    ----------
-    unwanted : callable
-        Asked while other processes compile; these are ended, and nothing else is done, as soon as it is true.
+    The first time this compiles the loops, in other processes where there is a second core, and stores them in the
+    cache; later it loads them. When `canceled()` becomes true the other processes are ended and nothing else is done.
     """
     folder = jit_cache.folder_of_this_package()
     if folder is not None and cores() > 1 and not any(folder.rglob("*.nbi")):
-        _compile_aside(folder, unwanted)
-    if unwanted():
+        _compile_aside(folder, canceled)
+    if canceled():
         return
     engine, state = step_once()
     engine.result(state, _PARAMETERS)
     engine.energies(state, _PARAMETERS, _CHARGES)
-    clean(_DISK)
+    clean(_IMAGE)
 
 
 def step_once() -> tuple[Engine, State]:
-    """Run the loops of a step, with placed charges too, and those that tell its forces."""
-    engine = Engine(_DISK, _PARAMETERS, _REGIONS)
+    """Run the loops of a step, with and without placed charges, and those of its forces."""
+    engine = Engine(_IMAGE, _PARAMETERS, _REGIONS)
     state = engine.start(circle((15.5, 15.5), 5.0))
     for _ in range(_STEPS):
         state = engine.step(state, _PARAMETERS)
@@ -73,35 +68,32 @@ def step_once() -> tuple[Engine, State]:
 
 
 def reconstruct_once() -> None:
-    """Run the loops of the reconstruction and of the energies, and those that clean an image."""
-    clean(_DISK)
-    engine = Engine(_DISK, _PARAMETERS, _REGIONS)
+    """Run the loops of denoising, the reconstruction and the energies."""
+    clean(_IMAGE)
+    engine = Engine(_IMAGE, _PARAMETERS, _REGIONS)
     state = engine.start(circle((15.5, 15.5), 9.0))
     engine.result(state, _PARAMETERS)
     engine.energies(state, _PARAMETERS, _CHARGES)
 
 
 def end_with_the_caller() -> None:
-    """End this process as soon as the one that has started it is gone, however that came to its end."""
+    """End this process when the one that has started it ends, for any reason."""
 
     def watch() -> None:
-        os.read(0, 1)  # nothing is ever sent, so that this lasts until the other end is closed
+        os.read(0, 1)  # nothing is ever sent: this blocks until the other end is closed
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _compile_aside(folder: Path, unwanted: Callable[[], bool]) -> None:
-    """Let other processes compile, and take over what they have kept.
-
-    Where there can be none, as in a frozen program, nothing is lost but time: whatever is not kept is compiled here.
-    """
+def _compile_aside(folder: Path, canceled: Callable[[], bool]) -> None:
+    """Compile in other processes and copy their caches; what they cannot compile is compiled by the caller."""
     asides = [folder / f"aside-{os.getpid()}-{part.__name__}" for part in (step_once, reconstruct_once)]
     processes = []
     try:
         for part, aside in zip((step_once, reconstruct_once), asides, strict=True):
             processes.append(_other_process(part.__name__, aside))
-        while any(process.poll() is None for process in processes) and not unwanted():
+        while any(process.poll() is None for process in processes) and not canceled():
             time.sleep(_LOOK_EVERY)
         for process, aside in zip(processes, asides, strict=True):
             if process.poll() is not None:
@@ -122,7 +114,7 @@ def _other_process(part: str, aside: Path) -> subprocess.Popen[bytes]:
     found_in = [str(Path(__file__).parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])]
     code = f"from cpm_core.segmentation import warm_up; warm_up.end_with_the_caller(); warm_up.{part}()"
     return subprocess.Popen(
-        # -P: nothing is imported from the folder that the user happens to be in
+        # -P: nothing is imported from the current folder of the user
         [sys.executable, "-P", "-c", code],
         env={**os.environ, "PYTHONPATH": os.pathsep.join(found_in), "NUMBA_CACHE_DIR": str(aside)},
         stdin=subprocess.PIPE,

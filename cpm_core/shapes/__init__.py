@@ -1,28 +1,25 @@
-"""The shapes that a person draws: starts, which give particles; limits, which hold them back; and placed charges.
+"""The shapes that a user draws: starts, which give particles; limits, which hold them back; and placed charges.
 
-Each is frozen, checks itself, knows how it is moved, resized and reshaped by its handles, and how far off a position
-lies; none knows of a window. A new one is a module of its own and a place in the unions and in `SHAPES` below. By its
-fields it is then kept in session files; a start gives particles on the command line as well. A limit also needs its
-place in `document_shapes.regions_of`. For the window to draw it: a tool (`app.views.canvas.tools`), its look in the
-layer of what is drawn (`app.views.canvas.layers.drawn`), and words for what can be done to it
-(`app.model.state.resolve`).
+A shape is frozen and checks its values. It can be moved, resized and reshaped by its handles, and gives the distance of
+a position. Shapes do not depend on the window. A new shape needs a class and an entry in the unions below; session
+files then keep its fields, and a start gives particles on the command line as well. A limit also needs an entry in
+`document_shapes.regions_of`. To draw it in the window add a tool (`app.views.canvas.tools`), an item in the layer of
+drawn shapes (`app.views.canvas.layers.drawn`) and its texts (`app.model.state.resolve`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import get_args
 
+from cpm_core.shapes.areas import Grid, Threshold
 from cpm_core.shapes.charge import Charge
 from cpm_core.shapes.circle import SMALLEST_RADIUS, Circle
 from cpm_core.shapes.ellipse import Ellipse
 from cpm_core.shapes.everywhere import KINDS, Everywhere, Kind
-from cpm_core.shapes.grid import Grid
-from cpm_core.shapes.limits import Barrier, Region
+from cpm_core.shapes.lines import Barrier, Polygon, Region, Stroke
 from cpm_core.shapes.points import Points
-from cpm_core.shapes.polygon import Polygon
-from cpm_core.shapes.stroke import Stroke
-from cpm_core.shapes.threshold import Threshold
 
 Start = Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere
 """Shapes that give particles."""
@@ -32,25 +29,8 @@ Limit = Region | Barrier
 
 Shape = Start | Limit | Charge
 
-SHAPES: Mapping[str, type[Shape]] = MappingProxyType(
-    {
-        kind.__name__.lower(): kind
-        for kind in (
-            Circle,
-            Ellipse,
-            Polygon,
-            Stroke,
-            Points,
-            Grid,
-            Threshold,
-            Everywhere,
-            Region,
-            Barrier,
-            Charge,
-        )
-    }
-)
-"""Shapes by the names under which files keep them."""
+SHAPES: Mapping[str, type[Shape]] = MappingProxyType({kind.__name__.lower(): kind for kind in get_args(Shape)})
+"""Shapes by the names that files have for them."""
 
 __all__ = [
     "KINDS",

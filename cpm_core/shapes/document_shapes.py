@@ -1,4 +1,4 @@
-"""What is drawn on an image, as a run takes it: starts, regions of interest and barriers, placed charges."""
+"""The drawn shapes as input of a run: starts, regions of interest and barriers, placed charges."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
 
 
 def regions_of(shapes: Iterable[Shape]) -> Regions | None:
-    """What holds particles back; None when nothing of the kind is drawn."""
+    """Regions of interest and barriers; None when there are none."""
     drawn = tuple(shapes)
     interest = tuple(shape.points for shape in drawn if isinstance(shape, Region))
     barriers = tuple(shape.points for shape in drawn if isinstance(shape, Barrier))
@@ -28,35 +28,23 @@ def regions_of(shapes: Iterable[Shape]) -> Regions | None:
 
 
 def charges_of(shapes: Iterable[Shape]) -> tuple[PlacedCharge, ...]:
-    """The charges placed."""
+    """The placed charges."""
     return tuple(shape.placed for shape in shapes if isinstance(shape, Charge))
 
 
 def seeds_of(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -> Array:
-    """Positions of the particles that shapes give, shape (N, 2), in their order; none where nothing gives any.
+    """Positions of the particles of shapes, shape (N, 2), in their order.
 
-    Parameters
-    ----------
-    shapes : iterable of Shape
-        What is drawn.
-    image_seeds : mapping of start to ndarray
-        For each start that depends on the image its positions there.
+    For starts that depend on the image the positions are taken from `image_seeds`.
     """
     found = [image_seeds[start] if isinstance(start, ImageStart) else start.seeds() for start in starts_of(shapes)]
     return np.concatenate([np.empty((0, 2)), *found])
 
 
 def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str) -> Array:
-    """Positions of the particles that shapes give on an image, shape (N, 2), as `seeds_of` does.
+    """Positions of the particles of shapes on an image, shape (N, 2).
 
-    Parameters
-    ----------
-    image : Image
-        What they are drawn on; some starts depend on it.
-    shapes : iterable of Shape
-        What is drawn.
-    smoothing : float or "auto"
-        Gaussian before the gradient [px], for starts that follow it.
+    `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it.
     """
     drawn = tuple(shapes)
     dependent = [shape for shape in drawn if isinstance(shape, ImageStart)]

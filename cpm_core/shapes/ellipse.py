@@ -1,4 +1,4 @@
-"""An ellipse of particles."""
+"""Particles on an ellipse."""
 
 from __future__ import annotations
 
@@ -7,23 +7,22 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Array, Position
 from cpm_core.particles import initialization
-from cpm_core.shapes.checks import LARGEST, check_number
 from cpm_core.shapes.circle import SMALLEST_RADIUS
+from cpm_core.shapes.path import LARGEST, check_number
 
 _CORNERS = 180
 
 _ARM, _OUT = 1.25, 4.0
-"""How far from the center the handle lies by which it is turned: so many times the first radius, and so many px."""
+"""Distance of the rotation handle from the center: a multiple of the first radius, plus a number of px."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ellipse:
-    """An ellipse of particles.
+    """Particles on an ellipse.
 
     Attributes
     ----------
@@ -45,13 +44,13 @@ class Ellipse:
         for radius in self.radii:
             check_number("radii", radius)
 
-    def seeds(self) -> NDArray[np.float64]:
-        """Positions of its particles, shape (N, 2)."""
+    def seeds(self) -> Array:
+        """Positions of the particles, shape (N, 2)."""
         return initialization.loop(self.outline[:-1])
 
     @property
-    def outline(self) -> NDArray[np.float64]:
-        """Its line for drawing, shape (K, 2), closed."""
+    def outline(self) -> Array:
+        """Vertices of the line, shape (K, 2), the first repeated at the end."""
         turn = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
         (along, across), (first, second) = self._axes(), self.radii
         return np.asarray(
@@ -65,11 +64,11 @@ class Ellipse:
         return Ellipse((self.center[0] + by[0], self.center[1] + by[1]), self.radii, self.angle)
 
     def resized(self, by: float) -> Ellipse:
-        """The same center with both radii changed by so many px."""
+        """The ellipse with both radii changed by so many px."""
         return self._with_radii(self.radii[0] + by, self.radii[1] + by)
 
     def handles(self) -> tuple[Position, ...]:
-        """The four ends of its axes, by which it is resized, and one beyond the first, by which it is turned."""
+        """The four ends of the axes, for resizing, and one beyond the first, for rotation."""
         (along, across), (first, second) = self._axes(), self.radii
         return (
             self._at(along, first),
@@ -80,7 +79,7 @@ class Ellipse:
         )
 
     def with_handle_at(self, handle: Position, to: Position) -> Ellipse:
-        """The same center with a radius that reaches a position, or the direction turned towards it."""
+        """The ellipse with the radius of the handle reaching a position, or rotated toward it."""
         handles = self.handles()
         which = min(range(len(handles)), key=lambda index: math.dist(handles[index], handle))
         row, col = to[0] - self.center[0], to[1] - self.center[1]
@@ -93,7 +92,7 @@ class Ellipse:
         return self._with_radii(reached, second) if which % 2 == 0 else self._with_radii(first, reached)
 
     def distance(self, position: Position) -> float:
-        """Distance of a position from the rim [px]."""
+        """Distance of a position from the line [px]."""
         return polyline.distance([(row, col) for row, col in self.outline.tolist()], position)
 
     def encloses(self, position: Position) -> bool:

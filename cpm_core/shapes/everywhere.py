@@ -1,4 +1,4 @@
-"""Particles all over the image, which take no drawing."""
+"""Particles all over the image, without anything drawn."""
 
 from __future__ import annotations
 
@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, get_args
 
-import numpy as np
-from numpy.typing import NDArray
-
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Array, Position
 from cpm_core.particles.initialization import STRONG, above, divergence_centers, uniform_grid
+from cpm_core.shapes.path import WithoutOutline
 
 Kind = Literal["grid", "gradient", "centers"]
-"""Where particles start that are not drawn: evenly, on strong edges, or where the electric field diverges."""
+"""Automatic seeding: evenly, on strong edges, or where the electric field diverges."""
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
@@ -25,7 +23,7 @@ _TITLES: Mapping[Kind, str] = MappingProxyType(
 
 
 @dataclass(frozen=True, slots=True)
-class Everywhere:
+class Everywhere(WithoutOutline):
     """Particles all over the image, at positions that depend on it (`cpm_core.shapes.image_starts`).
 
     Attributes
@@ -38,18 +36,16 @@ class Everywhere:
 
     @property
     def title(self) -> str:
-        """What it is called."""
+        """Name for the user."""
         return _TITLES[self.kind]
 
     @property
     def follows_smoothing(self) -> bool:
-        """Whether its positions depend on the smoothing."""
+        """Whether the positions depend on the smoothing."""
         return self.kind == "gradient"
 
-    def seeds_for(
-        self, values: NDArray[np.float64], strength: Callable[[], NDArray[np.float64]]
-    ) -> NDArray[np.float64]:
-        """Positions of its particles on an image, shape (N, 2).
+    def seeds_for(self, values: Array, strength: Callable[[], Array]) -> Array:
+        """Positions of the particles on an image, shape (N, 2).
 
         Parameters
         ----------
@@ -64,31 +60,10 @@ class Everywhere:
             return above(strength(), STRONG)
         return divergence_centers(values)
 
-    @property
-    def outline(self) -> NDArray[np.float64]:
-        """It has no line to be drawn."""
-        return np.empty((0, 2))
-
     def moved(self, by: Position) -> Everywhere:
-        """Itself, for it has no place."""
-        return self
-
-    def resized(self, by: float) -> Everywhere:
-        """Itself, for it has no size."""
-        return self
-
-    def handles(self) -> tuple[Position, ...]:
-        """It has no size to drag, so there are none."""
-        return ()
-
-    def with_handle_at(self, handle: Position, to: Position) -> Everywhere:
-        """Itself, for it has no handles."""
+        """The same shape: it has no position."""
         return self
 
     def distance(self, position: Position) -> float:
-        """Infinite: what has no place of its own would be in the way of all that is drawn."""
+        """Infinite, so that it is never selected in place of a drawn shape."""
         return math.inf
-
-    def encloses(self, position: Position) -> bool:
-        """It encloses nothing, for the same reason."""
-        return False

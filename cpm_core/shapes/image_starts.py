@@ -1,4 +1,4 @@
-"""Positions of the particles whose starts depend on the image, worked out for an image once and kept."""
+"""Seeds of starts that depend on the image, with a cache."""
 
 from __future__ import annotations
 
@@ -15,19 +15,13 @@ ImageStart = Everywhere | Threshold
 """Starts whose positions depend on the image."""
 
 ImageSeeds = Mapping[ImageStart, Array]
-"""Positions of the particles of such starts, shape (N, 2) each."""
+"""Positions of the particles of each such start, shape (N, 2)."""
 
 NO_SEEDS: ImageSeeds = MappingProxyType({})
 
 
 class SeedCache:
-    """Positions on one image.
-
-    Parameters
-    ----------
-    image : Image
-        The image.
-    """
+    """Seeds on one image, computed once for each start and smoothing."""
 
     def __init__(self, image: Image) -> None:
         self._image = image
@@ -38,34 +32,26 @@ class SeedCache:
     def seeds_for(
         self, starts: Iterable[ImageStart], smoothing: float | str, regions: Regions | None = None
     ) -> ImageSeeds:
-        """Positions for each of the starts, those in the regions of interest only.
+        """Positions for each of the starts, only those in the regions of interest.
 
-        Parameters
-        ----------
-        starts : iterable
-            Starts whose positions depend on the image.
-        smoothing : float or "auto"
-            Gaussian before the gradient [px], for starts that follow it.
-        regions : Regions, optional
-            What limits the particles.
+        `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it.
         """
         sigma = self._smoothing(smoothing)
         found = {start: self._positions(start, sigma) for start in starts}
-        # What is no longer drawn is not asked for again soon, but for the starts that have no place to be dragged from.
+        # Starts all over the image are switched on and off; others that are gone are not needed again soon.
         self._kept = {
             start: kept for start, kept in self._kept.items() if start in found or isinstance(start, Everywhere)
         }
-        return {start: _within(regions, positions) for start, positions in found.items()}
+        return {s: p if regions is None else p[regions.contains(p)] for s, p in found.items()}
 
     def _positions(self, start: ImageStart, smoothing: float) -> Array:
         key = smoothing if start.follows_smoothing else 0.0
         if start not in self._kept or self._kept[start][0] != key:
-            # What was found with another smoothing is not asked for again soon.
             self._kept[start] = (key, start.seeds_for(self._image.values, lambda: self._edges(smoothing)))
         return self._kept[start][1]
 
     def _edges(self, smoothing: float) -> Array:
-        """Edge strength of the image, kept because an area is dragged about with the same smoothing."""
+        """Edge strength of the image, cached because dragging an area does not change the smoothing."""
         if self._strength is None or self._strength[0] != smoothing:
             self._strength = (smoothing, edge_map(self._image.values, smoothing))
         return self._strength[1]
@@ -76,7 +62,3 @@ class SeedCache:
         if self._automatic is None:
             self._automatic = automatic_smoothing(self._image.values)
         return self._automatic
-
-
-def _within(regions: Regions | None, positions: Array) -> Array:
-    return positions if regions is None else positions[regions.contains(positions)]

@@ -1,8 +1,9 @@
-"""What shapes have in common that are drawn as a line, from corner to corner or around an area."""
+"""What shapes have in common: checks of values, and the behavior of open lines, closed lines and single positions."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar, Self
 
@@ -11,23 +12,60 @@ import numpy as np
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import MOST_HANDLES
 from cpm_core.numerics.types import Array, Position
-from cpm_core.shapes.checks import check_positions
+
+SMALLEST, LARGEST = 0.5, 1e5
+"""Bounds of radii and of distances between particles [px]."""
+
+
+def check_number(name: str, value: float, low: float = SMALLEST, high: float = LARGEST) -> None:
+    """Check that a number of a shape lies within its bounds, else raise ValueError."""
+    if not low <= value <= high:
+        raise ValueError(f"{name} is {value:g} but must be a number from {low:g} to {high:g}.")
+
+
+def check_positions(name: str, positions: Sequence[Position], least: int) -> None:
+    """Check that enough corners or points of a shape differ, else raise ValueError."""
+    different = len(set(positions))
+    if different < least:
+        raise ValueError(f"{different} different {name} are given but at least {least} are needed.")
+
+
+class WithoutOutline:
+    """A shape without an outline: it has no handles, no size and no inside. Subclasses are frozen dataclasses."""
+
+    __slots__ = ()
+
+    @property
+    def outline(self) -> Array:
+        """Empty, shape (0, 2)."""
+        return np.empty((0, 2))
+
+    def resized(self, by: float) -> Self:
+        """The same shape."""
+        return self
+
+    def handles(self) -> tuple[Position, ...]:
+        """Empty: the shape is dragged as a whole."""
+        return ()
+
+    def with_handle_at(self, handle: Position, to: Position) -> Self:
+        """The same shape."""
+        return self
+
+    def encloses(self, position: Position) -> bool:
+        """Always false."""
+        return False
 
 
 class OpenPath:
-    """A line from corner to corner; subclasses are frozen dataclasses.
+    """A line from corner to corner. Subclasses are frozen dataclasses.
 
     Attributes
     ----------
     points : tuple of tuple of float
         Corners (row, col) in px of the image.
     least : int
-        How many of them must differ.
-
-    Raises
-    ------
-    ValueError
-        When fewer differ.
+        How many of them must differ; with fewer, ValueError is raised.
     """
 
     __slots__ = ()
@@ -41,31 +79,31 @@ class OpenPath:
 
     @property
     def outline(self) -> Array:
-        """Its line for drawing, shape (K, 2)."""
+        """Vertices of the line, shape (K, 2)."""
         return np.array(self.points)
 
     def moved(self, by: Position) -> Self:
-        """The same displaced by (rows, cols)."""
+        """The same shape displaced by (rows, cols)."""
         return self._with_points(polyline.moved(self.points, by))
 
     def resized(self, by: float) -> Self:
-        """Itself: its corners are what it is reshaped by."""
+        """The same shape: an open line is reshaped by its corners only."""
         return self
 
     def handles(self) -> tuple[Position, ...]:
-        """Its corners; there are none of one with so many that they would hide it."""
+        """The corners; empty where there are so many that they would hide the line."""
         return self.points if len(self.points) <= MOST_HANDLES else ()
 
     def with_handle_at(self, handle: Position, to: Position) -> Self:
-        """The same with the corner next to a handle moved to a position; itself where too few corners would differ."""
+        """The shape with the corner nearest to a handle moved; unchanged where too few corners would differ."""
         return self._with_points(polyline.with_handle_at(self.points, handle, to))
 
     def distance(self, position: Position) -> float:
-        """Distance of a position from its line [px]."""
+        """Distance of a position from the line [px]."""
         return polyline.distance(self.points, position)
 
     def encloses(self, position: Position) -> bool:
-        """It is taken hold of by its line only."""
+        """Always false: an open line is selected at the line only."""
         return False
 
     def _with_points(self, points: tuple[Position, ...]) -> Self:
@@ -81,20 +119,20 @@ class ClosedPath(OpenPath):
 
     @property
     def outline(self) -> Array:
-        """Its line for drawing, shape (K, 2), closed."""
+        """Vertices of the line, shape (K, 2), the first repeated at the end."""
         return np.array((*self.points, self.points[0]))
 
     def resized(self, by: float) -> Self:
-        """The same enlarged around its middle, so that its farthest corner goes so many px outwards."""
-        middle = np.mean(self.points, axis=0)
-        farthest = max(math.dist(middle, point) for point in self.points)
-        corners = (middle + max(farthest + by, 1.0) / farthest * (np.array(self.points) - middle)).tolist()
+        """The shape enlarged around its center, so that its farthest corner moves outward by so many px."""
+        center = np.mean(self.points, axis=0)
+        farthest = max(math.dist(center, point) for point in self.points)
+        corners = (center + max(farthest + by, 1.0) / farthest * (np.array(self.points) - center)).tolist()
         return self._with_points(tuple((row, col) for row, col in corners))
 
     def distance(self, position: Position) -> float:
-        """Distance of a position from its line [px]."""
+        """Distance of a position from the line [px]."""
         return polyline.distance((*self.points, self.points[0]), position)
 
     def encloses(self, position: Position) -> bool:
-        """Whether its line winds around a position."""
+        """Whether the line winds around a position."""
         return bool(polyline.inside(self.points, np.array([position]))[0])

@@ -30,7 +30,7 @@ def rename(document: Document, targets: Iterable[Target], name: str) -> Document
 
 def paint(document: Document, targets: Iterable[Target], color: str) -> Document:
     """The document in which contours have a color; the default one when it is empty."""
-    return _amended(document, targets, lambda mark: replace(mark, colour=color))
+    return _amended(document, targets, lambda mark: replace(mark, color=color))
 
 
 def clear_marks(document: Document) -> Document:

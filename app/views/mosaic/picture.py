@@ -56,7 +56,7 @@ class Picture:
 
 
 def _color(contour: Contour) -> str:
-    return contour.colour or (theme.CLOSED if contour.closed else theme.OPEN)
+    return contour.color or (theme.CLOSED if contour.closed else theme.OPEN)
 
 
 def _path(contour: Contour) -> QPainterPath:

@@ -17,5 +17,5 @@ def title(contour: Contour, number: int) -> str:
 
 def rgb(contour: Contour) -> RGB:
     """Red, green and blue of a contour, from 0 to 255."""
-    color = contour.colour or DEFAULT
+    color = contour.color or DEFAULT
     return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)

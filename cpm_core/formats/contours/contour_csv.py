@@ -20,7 +20,7 @@ def encode(result: Result | Skeleton) -> bytes:
     the label mask, 0 when open), ``strength`` (mean edge strength [gray levels / px]), ``vertex`` (from 1), ``row`` and
     ``col`` [px, pixel centers at integers], where the size of a pixel is known, ``x_...`` and ``y_...`` in its unit,
     from the center of the first pixel along columns and rows, ``contrast`` (mean contrast of both sides, empty where
-    there is no image to measure it in), and where any contour has one, ``name`` and ``colour``. Of a skeleton each
+    there is no image to measure it in), and where any contour has one, ``name`` and ``color``. Of a skeleton each
     branch is a contour, has a label in the branch mask, no contrast, and a last column ``radius``: the distance to the
     boundary [px].
 
@@ -36,9 +36,9 @@ def encode(result: Result | Skeleton) -> bytes:
         header += [f"x_{unit}", f"y_{unit}"]
     if not branched:
         header.append("contrast")
-    called = any(contour.name or contour.colour for contour in result.contours)
+    called = any(contour.name or contour.color for contour in result.contours)
     if called:
-        header += ["name", "colour"]
+        header += ["name", "color"]
     if branched:
         header.append("radius")
     stream = io.StringIO(newline="")
@@ -55,7 +55,7 @@ def encode(result: Result | Skeleton) -> bytes:
             if not branched:
                 line.append(contrast)
             if called:
-                line += [contour.name, contour.colour]
+                line += [contour.name, contour.color]
             if isinstance(result, Skeleton):
                 line.append(f"{result.radii[number - 1][vertex - 1]:.4f}")
             table.writerow(line)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, present_names
 from cpm_core.formats.contours import contour_json
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.json_text import PIXEL
@@ -104,7 +104,7 @@ def _contour(
 
 
 def _table(name: str, text: str) -> ContourFile:
-    rows = list(csv.DictReader(text.splitlines()))
+    rows = [present_names(row) for row in csv.DictReader(text.splitlines())]
     missing = {"contour", "closed", "row", "col"} - set(rows[0] if rows else ())
     if missing:
         raise UnreadableError(
@@ -121,7 +121,7 @@ def _table(name: str, text: str) -> ContourFile:
                 first["closed"].strip().upper() == "TRUE",
                 strength=float(first.get("strength") or 0.0),
                 name=first.get("name") or "",
-                color=first.get("colour") or "",
+                color=first.get("color") or "",
             )
         )
     return ContourFile(tuple(contours))
@@ -152,9 +152,9 @@ def _own(content: dict[str, Any]) -> ContourFile:
             strength=entry["strength"],
             junctions=entry["junctions"],
             name=entry["name"],
-            color=entry["colour"],
+            color=entry["color"],
         )
-        for entry in content["contours"]
+        for entry in map(present_names, content["contours"])
     )
     return ContourFile(tuple(contours), (int(rows), int(cols)))
 

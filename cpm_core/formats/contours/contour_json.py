@@ -52,7 +52,7 @@ def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
             "number": row.number,
             "label": row.label,
             "name": row.name,
-            "colour": row.colour,
+            "color": row.color,
             "closed": row.closed,
             "junctions": list(contour.junctions),
             "inside": row.inside,

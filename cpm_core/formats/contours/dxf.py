@@ -81,7 +81,7 @@ def _layer(contour: Contour) -> str:
 
 def _nearest(contour: Contour) -> int:
     """Number of the color next to that of a contour; the color of its layer when it has none."""
-    if not contour.colour:
+    if not contour.color:
         return _BY_LAYER
     red, green, blue = rgb(contour)
     return _NUMBERS[min(_NUMBERS, key=lambda known: math.dist(known, (red, green, blue)))]

@@ -14,7 +14,7 @@ from cpm_core.medial_axis.skeleton import Skeleton
 def encode(result: Result | Skeleton) -> bytes:
     """Tabulate what is known about each contour.
 
-    Columns: ``contour`` (from 1), ``label`` (the one in the label mask, 0 when open), ``name``, ``colour``, ``closed``
+    Columns: ``contour`` (from 1), ``label`` (the one in the label mask, 0 when open), ``name``, ``color``, ``closed``
     (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
     none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
     it in), ``length_px``, ``area_px2`` (0 when open), and the same in the unit of the image where it is known.
@@ -24,7 +24,7 @@ def encode(result: Result | Skeleton) -> bytes:
     bytes
         A UTF-8 CSV file with a header, commas, and points as decimal marks.
     """
-    header = ["contour", "label", "name", "colour", "closed", "junctions", "inside", "strength", "contrast"]
+    header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
     header += ["length_px", "area_px2"]
     if result.unit:
         unit = ASCII_UNIT.get(result.unit, result.unit)
@@ -34,7 +34,7 @@ def encode(result: Result | Skeleton) -> bytes:
     table.writerow(header)
     for row in measure(result.contours, result.spacing):
         contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
-        line = [row.number, row.label, row.name, row.colour, str(row.closed).upper(), row.junctions, row.inside]
+        line = [row.number, row.label, row.name, row.color, str(row.closed).upper(), row.junctions, row.inside]
         line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}", f"{row.area:.4f}"]
         if result.unit:
             line += [f"{row.length_in_units:.7g}", f"{row.area_in_units:.7g}"]

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 from typing import Any
 
+from cpm_core.contours.contour import present_names
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.sessions.plain_values import (
@@ -179,7 +180,7 @@ def decode(content: bytes, name: str) -> SessionFile:
             image=_image(plain["image"]) if plain.get("image") is not None else None,
             shapes=tuple(shape_from_plain(shape, f"shape {index}") for index, shape in _listed(plain, "shapes")),
             parameters=parameters,
-            marks=tuple(from_plain(Mark, mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
+            marks=tuple(_mark(mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
             mode=_text_of(plain.get("mode", ""), "mode"),
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
@@ -187,6 +188,10 @@ def decode(content: bytes, name: str) -> SessionFile:
         )
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
+
+
+def _mark(plain: object, where: str) -> Mark:
+    return from_plain(Mark, present_names(mapping(plain, where)), where)
 
 
 def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:

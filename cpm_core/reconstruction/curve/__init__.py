@@ -1,1 +1,1 @@
-"""Curves in the plane through particles: along the ridges of an edge map, or through points alone."""
+"""Curves in the plane through particles: along the ridges of an edge map, or through points only."""

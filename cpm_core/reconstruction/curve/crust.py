@@ -1,8 +1,8 @@
-"""Curve reconstruction: the crust of unorganised points (Amenta, Bern and Eppstein 1998, doi:10.1006/gmip.1998.0465).
+"""Curve reconstruction: the crust of unorganized points (Amenta, Bern and Eppstein 1998, doi:10.1006/gmip.1998.0465).
 
 The crust joins two points when some circle through both holds neither a point nor a vertex of the Voronoi diagram. It
-can be read off one Delaunay triangulation (Gold and Snoeyink 2001, doi:10.1007/s00453-001-0014-x): an edge qualifies,
-locally, when the two angles opposite to it sum to at most a right angle.
+can be computed from one Delaunay triangulation (Gold and Snoeyink 2001, doi:10.1007/s00453-001-0014-x): an edge
+qualifies, locally, when the two angles opposite to it sum to at most a right angle.
 """
 
 from __future__ import annotations
@@ -18,34 +18,23 @@ from cpm_core.numerics.types import Array, Index
 _LEAST_POINTS = 4
 
 _FLATTEST = 1e12
-"""Cotangent that stands for an angle of 0."""
+"""Cotangent used for an angle of 0."""
 
 
 def crust(points: Array) -> Index:
-    """Index of the one-step crust.
-
-    Parameters
-    ----------
-    points : ndarray, shape (N, 2)
-        Distinct points.
-
-    Returns
-    -------
-    ndarray of int64, shape (E, 2)
-        Pairs of indices, the lower one first, sorted.
-    """
+    """Edges of the one-step crust of distinct points, shape (N, 2): sorted pairs of indices, shape (E, 2)."""
     if len(points) < _LEAST_POINTS:
         return np.zeros((0, 2), np.int64)
     try:
         triangulation = scipy.spatial.Delaunay(points)
-    except scipy.spatial.QhullError:  # all on one line: there is no triangle, and the crust joins neighbors along it
+    except scipy.spatial.QhullError:  # all on one line: no triangles; the crust joins neighbors along it
         order = np.lexsort(points.T)
         return np.unique(np.sort(np.stack([order[:-1], order[1:]], axis=1), axis=1), axis=0)
     triangles, neighbors = triangulation.simplices.astype(np.int64), triangulation.neighbors
     cotangent = _cotangents(points[triangles])
     number = np.arange(len(triangles))
     edges = []
-    for k in range(3):  # the edge opposite to each corner, once for both triangles at it
+    for k in range(3):  # the edge opposite to each corner, once for both of its triangles
         beyond = neighbors[:, k]
         one = np.flatnonzero((cotangent[:, k] > 0.0) & ((beyond < 0) | (number < beyond)))
         beyond = beyond[one]
@@ -69,12 +58,12 @@ def _cotangents(triangles: Array) -> Array:
 
 
 def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
-    """Contours through unorganised points: the crust, walked from point to point.
+    """Contours through unorganized points: the paths of the crust.
 
     Parameters
     ----------
     points : array_like, shape (N, 2)
-        Points on curves, denser where the curves bend or come near each other.
+        Points on curves, denser where curves bend or are near each other.
 
     Returns
     -------

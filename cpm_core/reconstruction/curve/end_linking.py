@@ -1,4 +1,4 @@
-"""Joining loose ends where the edge goes on between them."""
+"""Linking loose ends where the edge continues between them."""
 
 from __future__ import annotations
 
@@ -12,30 +12,20 @@ from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array, Index
 
 _DETOUR = 3.0
-"""How many times as long as the gap the way along the curve must be for an end to be joined to its own curve."""
+"""Least length of the path along a curve, in lengths of the gap, for an end to be joined to its own curve."""
 
 _SIDE = 1.5
-"""How many times nearer than an end the side of a curve must be to be preferred: joining two ends closes a curve,
+"""How many times nearer than an end the side of a curve must be to have priority: joining two ends closes a curve,
 joining a side makes a junction."""
 
 _SAMPLES = 7
-"""Places across a gap at which the edge map is read."""
+"""Number of samples of the edge map across a gap."""
 
 
 def close_gaps(graph: Graph, scale_field: ScaleField, reach: float) -> None:
-    """Join loose ends to each other, and to curves that they run into.
+    """Join loose ends to each other and to the sides of curves, which makes a junction; the graph is changed in place.
 
-    The nearest pairs come first. A gap must be no wider than `reach` and have an edge of the image across it; it lies
-    between two ends, or between an end and the side of a curve, which makes a junction.
-
-    Parameters
-    ----------
-    graph : Graph
-        Changed in place.
-    scale_field : ScaleField
-        Fields of the scale.
-    reach : float
-        Widest gap [px].
+    The nearest pairs come first. A gap must not be wider than `reach` [px] and have an edge of the image across it.
     """
     ends = graph.ends()
     used = np.flatnonzero(graph.degrees)
@@ -58,12 +48,12 @@ def close_gaps(graph: Graph, scale_field: ScaleField, reach: float) -> None:
 
 
 def _way_between(graph: Graph, end: Index, other: Index) -> Array:
-    """Length of the way from loose ends to other vertices, shapes (N,), along the ends' own branches; else infinite."""
+    """Arc length from loose ends to other vertices, shapes (N,), along the ends' own branches; else infinite [px]."""
     ways = graph.ways()
     along = lengths_along(graph.points[ways.vertices])
     way = np.repeat(np.arange(len(ways)), np.diff(ways.start))
     place = np.empty(len(graph.points), np.int64)
-    place[ways.vertices] = np.arange(len(way))  # that of a junction is one of many, and not looked at
+    place[ways.vertices] = np.arange(len(way))  # a junction has several places; they are not used
     own = way[place[end]]
     within = (graph.degrees[other] <= 2) & (way[place[other]] == own)
     behind = (graph.degrees[other] > 2) & ((ways.first[own] == other) | (ways.last[own] == other))
@@ -72,7 +62,7 @@ def _way_between(graph: Graph, end: Index, other: Index) -> Array:
 
 
 def _edge_between(a: Array, b: Array, scale_field: ScaleField) -> NDArray[np.bool_]:
-    """Whether the edge map stays up on the ways from a to b, shapes (N, 2), and no wall is in them."""
+    """Whether the edge continues between a and b, shapes (N, 2), and no barrier is between them, shape (N,)."""
     along = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, _SAMPLES)[:, None]
     strength = scale_field.strength(along.reshape(-1, 2)).reshape(-1, _SAMPLES)
     goes_on = strength.min(axis=1) >= FAINTEST * np.minimum(strength[:, 0], strength[:, -1])

@@ -1,8 +1,8 @@
-"""Bridging gaps: joining loose ends where the edge does not go on, along what there is of it.
+"""Bridging gaps: joining loose ends where the edge is interrupted or faint.
 
-A bridge is the cheapest way over the edge map, where a step costs less the stronger the edge under it, down to a small
-fraction of a step where there is none. It therefore follows a faint edge. Where there is nothing to follow a small cost
-for leaving the curve that continues both ends smoothly keeps it to that curve.
+A bridge is a path of least cost over the edge map: the stronger the edge, the lower the cost of a step. It therefore
+follows a faint edge. Without any edge, a small cost for the distance from the smooth continuation of both ends keeps
+the bridge on that curve.
 """
 
 from __future__ import annotations
@@ -23,36 +23,35 @@ from cpm_core.numerics.segments import first_crossing
 from cpm_core.numerics.types import Array
 
 _EASE = 20.0
-"""How much cheaper than without an edge a step is on one as strong as those at the ends, less one."""
+"""Ratio, less one, of the costs of a step without an edge and on an edge as strong as at the ends."""
 
 _LEAVING, _BLOCKED = 0.04, 30.0
-"""Cost of a step for each pixel that it is off the smooth continuation, and on contours and walls."""
+"""Additional cost of a step for each pixel of distance from the smooth continuation, and on contours and barriers."""
 
 _BACK, _BACK_STRENGTH = 6.0, 12.0
-"""Lengths of the last stretch of a contour that tell its direction, and its strength before it faded [px]."""
+"""Lengths of the last stretch of a contour that give its direction and its strength [px]."""
 
 _TURN, _SIDE_TURN, _INCIDENCE = 0.26, 0.87, 0.82
-"""Cosines: the least between an end's direction and the way to another end (75 degrees), to the side of a contour (30),
-and the largest between a bridge and the side that it runs into (35); so that of two parallel lines neither is joined to
-the other's side."""
+"""Cosines: the least between the direction of an end and that to another end (75 degrees) or to the side of a contour
+(30), and the largest between a bridge and the side that it meets (35), so that parallel lines are not joined."""
 
 _DETOUR, _ROUND = 1.6, 3.0
-"""How many times as long as the gap a bridge may be, and how many times as long the way along a contour from one of its
-places to the other must be for them to be joined."""
+"""In lengths of the gap: the greatest length of a bridge, and the least length of the path along a contour between two
+of its vertices that may be joined."""
 
 _SIDE = 1.5
-"""How many times cheaper than an end the side of a contour must be to be preferred."""
+"""How many times cheaper than an end the side of a contour must be to have priority."""
 
 _AHEAD = 0.5
-"""Distance ahead, as a fraction of the shortest curve, within which a wall is what a curve ends at."""
+"""Distance ahead, as a fraction of the shortest curve, within which a barrier counts as the reason for an end."""
 
 _SMOOTHINGS = 6
-"""Times that the steps from pixel to pixel are smoothed."""
+"""Number of smoothing passes over a pixel path."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Way:
-    """A possible bridge: what it costs, from which vertex to which, and its places, theirs included."""
+    """A possible bridge: its cost, its two vertices, and its points including theirs, shape (K, 2)."""
 
     cost: float
     end: int
@@ -63,28 +62,23 @@ class _Way:
 def bridge_gaps(
     graph: Graph, scale_field: ScaleField, longest: float, spacing: float, least: float
 ) -> tuple[Bridge, ...]:
-    """Join loose ends that are at most `longest` apart, or that far from the side of a contour.
+    """Join loose ends to each other and to the sides of contours; returns the bridges, cheapest first.
 
-    The cheapest bridges come first. None leads across a contour or a wall, or turns back. A curve that ends because it
-    has run into a wall, a barrier or the rim of a region of interest, has no gap there.
+    No bridge crosses a contour or a barrier, or turns back. A curve that ends at a barrier or at the border of a region
+    of interest has no gap there.
 
     Parameters
     ----------
     graph : Graph
-        Changed in place: a bridge's vertices are added to it.
+        Changed in place: the vertices of bridges are added.
     scale_field : ScaleField
         Fields of the scale.
     longest : float
         Widest gap [px]; 0 for none.
     spacing : float
-        Largest distance of a bridge's vertices [px].
+        Largest distance between the vertices of a bridge [px].
     least : float
         Length of the shortest curve that is joined [px].
-
-    Returns
-    -------
-    tuple of Bridge
-        What was built, cheapest first.
     """
     ends = _ends(graph, scale_field, least) if longest > 0.0 else {}
     if not ends:
@@ -104,7 +98,7 @@ def bridge_gaps(
 
 
 def bridges_of(bridges: tuple[Bridge, ...], contours: tuple[Contour, ...]) -> tuple[Bridge, ...]:
-    """Those bridges that are part of one of the contours."""
+    """The bridges that are part of one of the contours."""
     if not bridges:
         return ()
     places = {tuple(point) for contour in contours for point in contour.points.tolist()}
@@ -112,7 +106,7 @@ def bridges_of(bridges: tuple[Bridge, ...], contours: tuple[Contour, ...]) -> tu
 
 
 class _CostGrid:
-    """Costs of the pixels for the path search: cheap along edges, dear on contours and barriers."""
+    """Costs of the pixels for the path search: low along edges, high on contours and barriers."""
 
     def __init__(self, graph: Graph, scale_field: ScaleField) -> None:
         self.graph = graph
@@ -127,14 +121,14 @@ class _CostGrid:
             self._blocked |= scale_field.barrier_map.clearance <= 0.0
 
     def costs(self, low: Array, high: Array, strength: float) -> tuple[Array, Array]:
-        """Cost of a step on every pixel from `low` to `high`, without what is in the way; and the pixels' places."""
+        """Cost of a step on every pixel from `low` to `high` without obstacles, and the positions of these pixels."""
         window = tuple(slice(int(a), int(b) + 1) for a, b in zip(low, high, strict=True))
         costs = 1.0 / (1.0 + _EASE * self.scale_field.edge_map[window] / max(strength, self.scale_field.floor))
         places = np.moveaxis(np.indices(costs.shape), 0, -1) + low
         return costs, places
 
     def obstacles(self, places: Array, spared: Array) -> Array:
-        """Cost of what is in the way on pixels, but for the surroundings of the places that are to be joined."""
+        """Cost of obstacles on pixels, except around the positions that are to be joined."""
         blocked = self._blocked[tuple(np.moveaxis(places.astype(np.int64), -1, 0))]
         for place in spared:
             blocked = blocked & (np.linalg.norm(places - place, axis=-1) > 2.0)
@@ -149,7 +143,7 @@ class _CostGrid:
         )
 
     def crossing(self, path: Array, spared: tuple[int, ...]) -> tuple[int, tuple[int, int]] | None:
-        """First segment of a path that crosses an edge of the graph, and that edge; edges at `spared` do not count."""
+        """First segment of a path that crosses an edge of the graph, and that edge; edges at `spared` are ignored."""
         edges = self._edges[~np.isin(self._edges, spared).any(axis=1)]
         at, crossed = first_crossing(path, self.graph.points[edges].reshape(-1, 4))
         if crossed < 0:
@@ -165,14 +159,14 @@ class _CostGrid:
         self._edges = np.concatenate([self._edges, np.stack([way[:-1], way[1:]], axis=1)])
 
     def free(self, path: Array, spared: tuple[int, ...]) -> bool:
-        """Whether a path crosses no contour and no wall."""
+        """Whether a path crosses neither a contour nor a barrier."""
         return (
             not self.scale_field.barrier_map.crossed(path[:-1], path[1:]).any() and self.crossing(path, spared) is None
         )
 
 
 def _between_ends(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
-    """Ways from end to end."""
+    """Bridges from end to end."""
     number = list(ends)
     for i, j in sorted(scipy.spatial.cKDTree(graph.points[number]).query_pairs(longest)):
         a, b = number[i], number[j]
@@ -195,7 +189,7 @@ def _between_ends(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest
 
 
 def _to_sides(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
-    """Ways from an end ahead to the side of a contour."""
+    """Bridges from an end to the side of a contour ahead."""
     sides = np.flatnonzero(graph.degrees > 1)
     if not len(sides):
         return
@@ -219,13 +213,13 @@ def _to_sides(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest: fl
         search = MCP_Geometric(costs + _LEAVING * off + _BLOCKED * (forward < -1.0))
         total, path = _cheapest(search, low, place, graph.points[near])
         way = _stopped(graph, grid, end, _smoothed(path, place, graph.points[near[_nearest(graph, near, path[-1])]]))
-        gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a vertex farther off
+        gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a vertex farther away
         if way is not None and gap <= longest and length(way.path) <= _DETOUR * gap:
             yield _Way(_SIDE * total, end, way.other, way.path)
 
 
 def _stopped(graph: Graph, grid: _CostGrid, end: int, path: Array) -> _Way | None:
-    """A way to the side of a contour that ends where it first meets one; None if it meets it at a narrow angle."""
+    """A bridge that ends where its path first meets a contour; None if it meets it at a narrow angle."""
     (before,) = graph.neighbors(end)
     meeting = grid.crossing(path, (end, before))
     if meeting is None:
@@ -245,7 +239,7 @@ def _nearest(graph: Graph, vertices: NDArray[np.int64], place: Array) -> int:
 
 
 def _cheapest(search: MCP_Geometric, low: Array, start: Array, goals: Array) -> tuple[float, Array]:
-    """Cost and pixels of the cheapest way from a place to one of others."""
+    """Cost and pixels of the cheapest path from a position to one of several others."""
     first = tuple(np.rint(start - low).astype(int))
     last = [tuple(goal) for goal in np.rint(goals - low).astype(int)]
     total, _ = search.find_costs([first])
@@ -254,7 +248,7 @@ def _cheapest(search: MCP_Geometric, low: Array, start: Array, goals: Array) -> 
 
 
 def _smoothed(path: Array, start: Array, end: Array) -> Array:
-    """A way from pixel to pixel as a smooth curve between two places."""
+    """A pixel path as a smooth curve between two positions."""
     inner = path[(np.linalg.norm(path - start, axis=1) > 1.0) & (np.linalg.norm(path - end, axis=1) > 1.0)]
     smooth = np.concatenate([start[None], inner, end[None]])
     for _ in range(_SMOOTHINGS):
@@ -263,7 +257,7 @@ def _smoothed(path: Array, start: Array, end: Array) -> Array:
 
 
 def _continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
-    """Cubic curve that leaves a and arrives at b in the directions of the ends there."""
+    """Cubic curve from a to b in the directions of the two ends."""
     handle = np.linalg.norm(b - a) / 3.0
     t = np.linspace(0.0, 1.0, 4 + int(2.0 * np.linalg.norm(b - a)))[:, None]
     s = 1.0 - t
@@ -273,16 +267,16 @@ def _continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
 
 
 def _ends(graph: Graph, scale_field: ScaleField, least: float) -> dict[int, Array]:
-    """Loose ends, and their directions, of curves that are long enough and do not end at a wall."""
+    """Loose ends, and their directions, of curves that are long enough and do not end at a barrier."""
     ends = [end for end in graph.ends().tolist() if _reaches(graph, end, least)]
     direction = np.array([_direction(graph, end) for end in ends]).reshape(-1, 2)
     place = graph.points[ends]
-    walled = scale_field.barrier_map.crossed(place, place + _AHEAD * least * direction)
-    return {end: way for end, way, wall in zip(ends, direction, walled, strict=True) if not wall}
+    blocked = scale_field.barrier_map.crossed(place, place + _AHEAD * least * direction)
+    return {end: way for end, way, at_barrier in zip(ends, direction, blocked, strict=True) if not at_barrier}
 
 
 def _reaches(graph: Graph, end: int, least: float) -> bool:
-    """Whether a vertex is connected to edges of a length of at least so much."""
+    """Whether a vertex is connected to edges of at least this total length."""
     seen, waiting, length = {end}, [end], 0.0
     while waiting and length < least:
         vertex = waiting.pop()

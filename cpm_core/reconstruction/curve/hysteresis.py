@@ -1,8 +1,8 @@
-"""Which contours stay: those that are strong enough, or connected to strong ones, and long enough.
+"""Hysteresis thresholding: contours stay that are strong enough, or connected to strong ones, and long enough.
 
-What is weak is taken out of the graph before contours are walked, so that an outline which a weak branch ran into is
-one contour again. For every criterion each edge of the graph has a rating, which does not depend on any threshold;
-therefore a higher threshold only ever takes away.
+Weak edges are removed from the graph before contours are read from it, so that an outline with a weak branch becomes
+one contour again. For every criterion each edge of the graph has a rating that does not depend on a threshold;
+therefore a higher threshold only removes more.
 """
 
 from __future__ import annotations
@@ -23,42 +23,25 @@ from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
 LEAST_LENGTH, _LEAST_IN_SIGMA = 4.0, 8.0
-"""Length, in d_min and in sigma, under which a contour is none: nothing as small as that outlives the smoothing. A
-closed one must enclose a square of side d_min as well."""
+"""Least length of a contour, in d_min and in sigma: smaller objects do not survive the smoothing. A closed contour must
+also enclose the area of a square of side d_min."""
 
 _STRETCH = 9
-"""Vertices over which the rating of a stretch is averaged: shorter dips do not cut a contour."""
+"""Number of vertices over which ratings are averaged, so that shorter weak parts do not cut a contour."""
 
 
 class Ratings(NamedTuple):
-    """What the edges of a graph are rated by.
-
-    Attributes
-    ----------
-    edges : ndarray of int64, shape (E, 2)
-        Every edge once.
-    rating : ndarray, shape (E,)
-        Of each.
-    """
+    """Every edge of a graph once, shape (E, 2), and its rating, shape (E,)."""
 
     edges: NDArray[np.int64]
     rating: Array
 
 
 def drop_weak(graph: Graph, scale_field: ScaleField, parameters: Parameters) -> None:
-    """Take weak contours out of a graph, with hysteresis.
+    """Remove weak contours from a graph, in place, with hysteresis.
 
-    Contours under `min_strength` or `min_contrast` go, and of those that end loose the stretches under it. What is left
-    stays where it is connected, through junctions and along other contours, to some that reaches `sure_edge`.
-
-    Parameters
-    ----------
-    graph : Graph
-        Changed in place.
-    scale_field : ScaleField
-        Fields of the scale.
-    parameters : Parameters
-        For `min_strength`, `sure_edge` and `min_contrast`.
+    Contours under `min_strength` or `min_contrast` are removed; of contours with a loose end only the weak stretches.
+    The others stay if they are connected, through junctions and other contours, to one that reaches `sure_edge`.
     """
     if parameters.min_strength > 0.0:
         drop_under(graph, ratings(graph, scale_field.strength), parameters.min_strength)
@@ -69,23 +52,10 @@ def drop_weak(graph: Graph, scale_field: ScaleField, parameters: Parameters) -> 
 
 
 def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
-    """Rate every edge of a graph by something that can be measured at its vertices.
+    """Rate every edge of a graph by a measure of its vertices, which maps points, shape (N, 2), to values, shape (N,).
 
-    A contour that is closed, or runs from junction to junction, is rated as a whole, by its mean: a weak stretch shall
-    not open it. One that ends loose is rated stretch by stretch: such a contour runs out gradually, and its weak
-    stretches tell nothing about the strong ones.
-
-    Parameters
-    ----------
-    graph : Graph
-        The graph.
-    measure : callable
-        Points, shape (N, 2), to values, shape (N,).
-
-    Returns
-    -------
-    Ratings
-        Edges in the order in which they are walked along.
+    A closed contour, or one between two junctions, is rated as a whole by its mean, so that a weak stretch does not
+    open it. A contour with a loose end is rated stretch by stretch, since it fades gradually.
     """
     ways = graph.ways()
     values = measure(graph.points)
@@ -102,12 +72,12 @@ def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
 
 
 def drop_under(graph: Graph, rated: Ratings, least: float) -> None:
-    """Take away the edges of a graph that are rated under `least`."""
+    """Remove the edges of a graph with a rating under `least`."""
     graph.unlink(rated.edges[rated.rating < least])
 
 
 def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
-    """Take away all that is not connected to a vertex of strength `sure` or more."""
+    """Remove everything that is not connected to a vertex of at least the strength `sure`."""
     ways = graph.ways()
     if not len(ways):
         return
@@ -121,27 +91,12 @@ def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
 
 
 def shortest(scale_field: ScaleField, parameters: Parameters) -> float:
-    """Length under which a contour is none, whatever the least length asked for [px]."""
+    """Least length of a contour for any value of `min_length` [px]."""
     return max(LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * scale_field.smoothing)
 
 
 def choose(contours: tuple[Contour, ...], scale_field: ScaleField, parameters: Parameters) -> tuple[Contour, ...]:
-    """Measure contours and leave out the short and the degenerate.
-
-    Parameters
-    ----------
-    contours : tuple of Contour
-        Contours of a graph.
-    scale_field : ScaleField
-        Fields of the scale.
-    parameters : Parameters
-        For `d_min` and `min_length`.
-
-    Returns
-    -------
-    tuple of Contour
-        Those that stay, with their strength.
-    """
+    """The contours of a graph that are neither too short nor degenerate, with their strength and contrast."""
     least = max(shortest(scale_field, parameters), parameters.min_length)
     chosen = [c for c in contours if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)]
     if not chosen:

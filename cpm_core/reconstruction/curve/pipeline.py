@@ -1,4 +1,4 @@
-"""The whole way from particles to contours: refine, thin, trace, tidy, close, choose, bridge, walk."""
+"""From particles to contours: refine, thin, trace, simplify, link, threshold, bridge, and read contours."""
 
 from __future__ import annotations
 
@@ -15,17 +15,16 @@ from cpm_core.reconstruction.curve.ridge_tracing import trace
 from cpm_core.reconstruction.curve.subpixel import ridge_points
 
 _LEAST_REACH = 2.5
-"""Distance, in d_min, up to which two points may be joined however small the insertion range is."""
+"""Distance, in d_min, up to which two points may be joined for any insertion range."""
 
 _SPECK, _SPUR = 2.0, 3.0
-"""Length, in d_min, that a piece by itself, and a loose branch at a junction, must exceed to be more than a wrinkle
-between two edges."""
+"""Greatest length, in d_min, of isolated pieces and of loose branches that are removed as artifacts."""
 
 _MERGED = 1.0
-"""Distance of junctions, at least sigma, up to which they are one [px]; the mouths of slits are wider."""
+"""Distance up to which junctions are merged, at least sigma [px]; the mouths of slits are wider."""
 
 _BRIDGE_SPACING = 2.0
-"""Largest distance of the vertices of a bridge [px]."""
+"""Largest distance between the vertices of a bridge [px]."""
 
 
 def find_contours(
@@ -42,14 +41,14 @@ def find_contours(
     parameters : Parameters
         For `d_min`, `d_max`, `max_gap`, `min_strength`, `sure_edge`, `min_contrast` and `min_length`.
     at_rest : bool
-        Whether no more particles will come, so that longer stretches of an edge without any are part of a contour.
+        Whether all particles are at rest, so that longer stretches of an edge without particles are part of a contour.
 
     Returns
     -------
     contours : tuple of Contour
         In px of the scale, longest first.
     bridges : tuple of Bridge
-        Gaps that were bridged in them.
+        Bridged gaps in the contours.
     """
     on_edge = positions[scale_field.strength(positions) >= scale_field.floor]
     points, found = ridge_points(on_edge, scale_field)

@@ -1,4 +1,4 @@
-"""The edge map as a landscape whose ridges are the edges: its height and slope at any place between the pixels."""
+"""The edge map as a height field whose ridges are the edges: its value and slope at any position between pixels."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.types import Array
 
 PROBE = 0.3
-"""Distance on either side of a place at which the edge map is read for its slope [px]."""
+"""Distance on both sides of a position at which the edge map is sampled for its slope [px]."""
 
 _ONE = np.uintp(1)
-"""One, as an index without a sign, which spares the loop the question whether it counts from the end."""
+"""One as an unsigned index, so that the compiled loop need not check for negative indices."""
 
 
 class Ridge(NamedTuple):
-    """What the ridge of an edge is told by; a plain tuple for the compiled loops.
+    """Arrays that define the ridges of a scale; a plain tuple for the compiled loops.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class Ridge(NamedTuple):
     spline : ndarray, shape (H + 6, W + 6)
         Coefficients of its cubic spline, `ScaleField.spline`.
     down, right : ndarray, shape (H, W)
-        The two parts of the image gradient.
+        Components of the image gradient.
     """
 
     strength: Array
@@ -37,14 +37,14 @@ class Ridge(NamedTuple):
 
 
 def ridge_of(scale_field: ScaleField) -> Ridge:
-    """The landscape of a scale; nothing is copied."""
+    """The ridge arrays of a scale, without copies."""
     down, right = scale_field.gradient
     return Ridge(scale_field.edge_map, scale_field.spline, down, right)
 
 
 @compiled
 def height(values: Array, row: float, col: float) -> float:
-    """Bilinear interpolation; beyond the border as on it."""
+    """Bilinear interpolation; positions beyond the image border are clamped to it."""
     rows, cols = values.shape
     row, col = min(max(row, 0.0), rows - 1.0), min(max(col, 0.0), cols - 1.0)
     above, before = int(row), int(col)
@@ -74,7 +74,7 @@ def uphill(ridge: Ridge, row: float, col: float) -> tuple[float, float]:
 
 @compiled
 def spline_height(spline: Array, row: float, col: float) -> float:
-    """Value of a cubic spline, from its coefficients, `SPLINE_MARGIN` of them beyond the border on every side."""
+    """Value of a cubic spline from its coefficients, which include `SPLINE_MARGIN` on every side."""
     rows, cols = spline.shape
     row = min(max(row, -1.0), rows - 2.0 * SPLINE_MARGIN)
     col = min(max(col, -1.0), cols - 2.0 * SPLINE_MARGIN)
@@ -95,7 +95,7 @@ def spline_height(spline: Array, row: float, col: float) -> float:
 
 @compiled
 def _weights(t: float) -> tuple[float, float, float, float]:
-    """Cubic B-spline at the four pixels around a place that is `t` beyond the second."""
+    """Cubic B-spline weights of the four pixels around a position that is `t` beyond the second."""
     u = 1.0 - t
     return (
         u * u * u / 6.0,
@@ -107,7 +107,7 @@ def _weights(t: float) -> tuple[float, float, float, float]:
 
 @inlined
 def slope(ridge: Ridge, row: float, col: float) -> float:
-    """Difference of the edge map on both sides of a place, along the image gradient."""
+    """Difference of the edge map on both sides of a position, along the image gradient."""
     down, right = uphill(ridge, row, col)
     ahead = spline_height(ridge.spline, row + PROBE * down, col + PROBE * right)
     difference: float = ahead - spline_height(ridge.spline, row - PROBE * down, col - PROBE * right)

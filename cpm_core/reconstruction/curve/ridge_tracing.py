@@ -1,10 +1,10 @@
 """Tracing the ridge of the edges from point to point.
 
-The ridge is where the edge map is largest along the image gradient: where its slope in that direction is zero, and
-falling. Such a zero line is a smooth curve without forks, and the gradient across it gives it a direction, bright on
-one side all along. So each point has one point that follows it, which is found by walking along the ridge in steps much
-shorter than anything that outlives the smoothing: curves that run a pixel apart on both sides of a slit are never taken
-for one, and no corner is cut, however far apart the points lie.
+On the ridge the edge map has a maximum along the image gradient: its slope in that direction is zero and decreasing.
+This zero line is a smooth curve without branches, and the gradient across it gives it a direction, with the bright side
+always on the same hand. So each point has one successor, which is found by following the ridge in steps much shorter
+than any structure that survives the smoothing: curves a pixel apart on both sides of a slit are never confused, and no
+corner is cut, however far apart the points are.
 """
 
 from __future__ import annotations
@@ -16,31 +16,31 @@ from cpm_core.image.barriers import BarrierMap
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, ridge_of
-from cpm_core.reconstruction.curve.ridge_tracing_kernels import Reach, Seeds, settle, walk
+from cpm_core.reconstruction.curve.ridge_tracing_kernels import Reach, Seeds, place_on_ridge, walk
 
 _STEP, _STEP_OF_SPACING = 0.4, 0.2
-"""Length of a step: so much [px], and at most so much of the spacing."""
+"""Greatest length of a step, in px and in spacings."""
 
 _LONGEST, _LOOSE = 10.0, 5.0
-"""Length, in d_min, of the ridge between two points at most, and beyond a last one."""
+"""Greatest length, in d_min, of the ridge between two points, and beyond a last one."""
 
 _LONGEST_AT_REST = 50.0
-"""The former at the end of a run: along a limb of two pixels the electric field has one place of rest for both sides,
-and particles leave one of them empty."""
+"""The first of these at the end of a run: along a limb of two pixels the electric field has one equilibrium for both
+sides, and one of them stays without particles."""
 
 _DIP = 2.5
-"""Length, in d_min, over which the ridge between two points may be under the floor: a longer one is a gap."""
+"""Greatest length, in d_min, over which the ridge between two points may be under the edge floor."""
 
 _SHARE = 300
-"""Seeds worth a thread."""
+"""Least number of seeds for a thread."""
 
 _FADING = 1.6
-"""Length over which an edge must not fade to less than `FAINTEST`, in d_min / 2 [px]; for a loose end twice as much, as
-a sudden end is blurred to."""
+"""Length over which an edge must not fade to less than `FAINTEST`, in d_min / 2; twice as much for a loose end, as an
+abrupt end is blurred."""
 
 
 def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = False) -> tuple[Array, Index]:
-    """Join points on the ridge along it.
+    """Join points along the ridge.
 
     Parameters
     ----------
@@ -49,15 +49,15 @@ def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = 
     scale_field : ScaleField
         Fields of the scale.
     d_min : float
-        Spacing of particles [px]. From a point up to ten of it are walked to the next one, and five of it are kept
-        where there is none.
+        Spacing of particles [px]. The ridge is followed from a point for up to 10 spacings to the next one; without a
+        next point 5 spacings are kept.
     at_rest : bool
-        Whether no more particles will come, so that up to fifty of it are walked.
+        Whether all particles are at rest, so that the ridge is followed for up to 50 spacings.
 
     Returns
     -------
     vertices : ndarray, shape (M, 2)
-        The points first, then what is needed between and beyond them for the contours to keep to the ridge.
+        The points, then the vertices between and beyond them that keep contours on the ridge.
     edges : ndarray of int64, shape (E, 2)
         Pairs of vertices.
     """
@@ -73,22 +73,22 @@ def trace(points: Array, scale_field: ScaleField, d_min: float, at_rest: bool = 
     ridge = ridge_of(scale_field)
     seeds = _image_seeds(points, ridge, reach)
     walks = _Walks(ridge, scale_field.barrier_map, seeds, reach)
-    everybody = np.arange(len(points))
-    following = walks.go(everybody, 1.0, loose=False)
+    every = np.arange(len(points))
+    following = walks.go(every, 1.0, loose=False)
     followed = np.zeros(len(points), np.bool_)
     followed[following[following >= 0]] = True
-    behind = everybody[~followed]
+    behind = every[~followed]
     before = walks.go(behind, -1.0)
     following[before[before >= 0]] = behind[before >= 0]
-    walks.go(everybody[following < 0], 1.0)
+    walks.go(every[following < 0], 1.0)
     return walks.graph()
 
 
 def _image_seeds(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
-    """Points as seeds, moved onto the very ridge."""
+    """Points as seeds, moved exactly onto the ridge."""
     place = np.array(points, dtype=float)
     ahead = np.zeros_like(place)
-    share(lambda first, last: settle(ridge, place, ahead, reach.step, first, last), len(place), _SHARE)
+    share(lambda first, last: place_on_ridge(ridge, place, ahead, reach.step, first, last), len(place), _SHARE)
     shape = ridge.strength.shape
     np.clip(place, 0.0, np.array(shape) - 1.0, out=place)
     row, col = (place + 0.5).astype(np.int64).T
@@ -102,7 +102,7 @@ def _image_seeds(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
 
 
 class _Walks:
-    """Ways from seed to seed, as they are found."""
+    """Paths from seed to seed, collected as they are found."""
 
     def __init__(self, ridge: Ridge, barrier_map: BarrierMap, seeds: Seeds, reach: Reach) -> None:
         self._walked = ridge, barrier_map, seeds, reach
@@ -111,9 +111,9 @@ class _Walks:
         self._count = len(seeds.place)
 
     def go(self, seeds: Index, sign: float, loose: bool = True) -> Index:
-        """Walk from some seeds ahead (1), or back (-1), and keep ways that have met a seed, and loose ones if asked to.
+        """Follow the ridge from some seeds ahead (1) or back (-1), and keep paths to a seed, and loose ones if `loose`.
 
-        Returns the seed that each way has met, -1 for none.
+        Returns the seed that each path has met, shape of `seeds`, -1 for none.
         """
         met = np.full(len(seeds), -1, np.int64)
         found: dict[int, list[tuple[Array, Index]]] = {}

@@ -1,4 +1,4 @@
-"""Walking along the ridge, in steps that keep to it: the loops behind `tracing`."""
+"""Following the ridge in small steps: the compiled loops of `ridge_tracing`."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, height, slope
 
 _HALVINGS = 4
-"""Times that a step may be halved where the ridge bends."""
+"""How often a step may be halved where the ridge bends."""
 
 _DEVIATION = 0.03
-"""Distance from the traced ridge that the sides of a contour keep [px]."""
+"""Greatest distance of the sides of a contour from the traced ridge [px]."""
 
 _DIFFERENCE = 0.05
-"""Distance on either side over which the slope of the slope is read [px]."""
+"""Half the distance of the finite difference of the slope [px]."""
 
 _ITERATIONS, _DONE = 8, 1e-4
-"""Corrections of a place until it is on the ridge, to so much [px]."""
+"""Greatest number of corrections of a position onto the ridge, and their tolerance [px]."""
 
 _SIDEWAYS = 0.7
-"""How far to the side a step may lead, in steps."""
+"""Greatest correction to the side, in steps."""
 
 _TURN = 0.7
 """Cosine of the largest turn from one step to the next (45 degrees)."""
 
 _MEETING = 0.6
-"""Distance from a point, in steps, at which it counts as reached."""
+"""Distance from a point at which it counts as reached, in steps."""
 
 
 class Reach(NamedTuple):
-    """Lengths of a search [px], and the weakest edge strengths: of a loose end, and between two points."""
+    """Lengths of a search [px], and the least edge strengths: of a loose end, and between two points."""
 
     step: float
     longest: float
@@ -47,12 +47,12 @@ class Reach(NamedTuple):
 
 
 class Seeds(NamedTuple):
-    """Points to walk between, sorted into pixels.
+    """Points on the ridge, sorted into pixels.
 
     Attributes
     ----------
     place, ahead : ndarray, shape (N, 2)
-        Where each is [px], and the direction of the ridge there; zero where there is none.
+        Positions [px], and the direction of the ridge there; zero where there is none.
     head : ndarray of int64, shape (H, W)
         First seed of each pixel, -1 for none.
     following : ndarray of int64, shape (N,)
@@ -66,8 +66,8 @@ class Seeds(NamedTuple):
 
 
 @compiled
-def settle(ridge: Ridge, place: Array, ahead: Array, step: float, first: int, last: int) -> None:
-    """Move some seeds onto the ridge, and tell the direction that it has there."""
+def place_on_ridge(ridge: Ridge, place: Array, ahead: Array, step: float, first: int, last: int) -> None:
+    """Move some seeds onto the ridge, and write its direction there."""
     farthest = _SIDEWAYS * step
     for i in range(first, last):
         down, right = height(ridge.down, place[i, 0], place[i, 1]), height(ridge.right, place[i, 0], place[i, 1])
@@ -93,10 +93,10 @@ def walk(
     vertices: Array,
     edges: Index,
 ) -> tuple[int, int, int]:
-    """Ways from some of the seeds, until all are walked or there is no more room.
+    """Paths from some of the seeds, until all are done or the output arrays are full.
 
-    Returns the next seed to begin with, and the numbers of vertices and of edges that were added. Since it is not known
-    yet how many vertices there are before the new ones, these are numbered from -1 downwards.
+    Returns the next seed to begin with, and the numbers of added vertices and edges. The new vertices are numbered from
+    -1 downward, since the number of earlier vertices is not yet known.
     """
     added, joined = 0, 0
     while first < last and added + len(way) < len(vertices) and joined + len(way) < len(edges):
@@ -109,7 +109,7 @@ def walk(
             way[steps, 0], way[steps, 1] = seeds.place[other, 0], seeds.place[other, 1]
         elif not loose:
             continue
-        at, one = steps - steps, i  # a bare 0 would have the function below compiled once more, for a constant
+        at, one = steps - steps, i  # a plain 0 would compile the function below a second time, for a constant
         while at < steps:
             ahead = _straight_to(way, at, steps)
             to = other
@@ -125,7 +125,7 @@ def walk(
 
 @compiled
 def _straight_to(way: Array, first: int, last: int) -> int:
-    """Farthest place up to which all places of a way lie next to the straight one."""
+    """Last vertex up to which all vertices of a path are near the straight line."""
     for end in range(first + 2, last + 1):
         down, right = way[end, 0] - way[first, 0], way[end, 1] - way[first, 1]
         squared = max(down * down + right * right, 1e-300)
@@ -141,15 +141,15 @@ def _straight_to(way: Array, first: int, last: int) -> int:
 def _follow(
     ridge: Ridge, barrier_map: BarrierMap, seeds: Seeds, i: int, sign: float, reach: Reach, way: Array
 ) -> tuple[int, int]:
-    """Walk from seed `i` ahead, or back, to the next one.
+    """Follow the ridge from seed `i` ahead or back to the next one.
 
-    Writes place, edge strength and length so far to `way`, the seed's own first. Returns the number of steps and the
-    seed that was met; -1 for none, and then only steps that are good for a loose end.
+    Writes position, edge strength and arc length to `way`, those of the seed first. Returns the number of steps and the
+    seed that was met; -1 for none, and then only the steps that are valid for a loose end.
     """
     row, col = seeds.place[i, 0], seeds.place[i, 1]
     down, right = sign * seeds.ahead[i, 0], sign * seeds.ahead[i, 1]
     way[0, 0], way[0, 1], way[0, 2], way[0, 3] = row, col, height(ridge.strength, row, col), 0.0
-    walled = len(barrier_map.segments) > 0
+    barred = len(barrier_map.segments) > 0
     steps, loose, behind, before = 0, 0, 0, 0
     length, under, leaving = 0.0, 0.0, False
     while length < reach.longest and steps < len(way) - 2 and not leaving:
@@ -157,7 +157,7 @@ def _follow(
             break
         found, leaving, row, col, down, right = _advance(ridge, row, col, down, right, sign, reach.step)
         way[steps + 1, 0], way[steps + 1, 1] = row, col
-        if not found or (walled and crosses(barrier_map, way[steps], way[steps + 1])):
+        if not found or (barred and crosses(barrier_map, way[steps], way[steps + 1])):
             break
         steps += 1
         step = np.sqrt((row - way[steps - 1, 0]) ** 2 + (col - way[steps - 1, 1]) ** 2)
@@ -175,7 +175,7 @@ def _follow(
         if good and length <= reach.loose and loose == steps - 1:
             loose = steps
         met = _meets(seeds, i, sign, row, col, down, right, length, reach.step)
-        if met >= 0 and not (walled and crosses(barrier_map, way[steps], seeds.place[met])):
+        if met >= 0 and not (barred and crosses(barrier_map, way[steps], seeds.place[met])):
             beyond = (row - seeds.place[met, 0]) * down + (col - seeds.place[met, 1]) * right
             return steps - 1 if beyond > 0.0 else steps, met
     return loose, -1
@@ -185,7 +185,7 @@ def _follow(
 def _meets(
     seeds: Seeds, i: int, sign: float, row: float, col: float, down: float, right: float, length: float, step: float
 ) -> int:
-    """Seed that lies at a place on the way and has the same direction; -1 for none."""
+    """Seed near a position on the path with the same direction; -1 for none."""
     near = _MEETING * step
     best, nearest = -1, near * near
     for k in range(int(max(row - near, 0.0) + 0.5), int(min(row + near, seeds.head.shape[0] - 1.0) + 0.5) + 1):
@@ -206,8 +206,8 @@ def _advance(
 ) -> tuple[bool, bool, float, float, float, float]:
     """One step along the ridge.
 
-    Returns whether the ridge goes on, whether it leaves the image, at whose border the place then is, the place, and
-    the direction there.
+    Returns whether the ridge continues, whether it leaves the image (the position is then at the image border), the
+    position, and the direction there.
     """
     for _ in range(_HALVINGS + 1):
         to_row, to_col = row + step * down, col + step * right
@@ -228,7 +228,7 @@ def _advance(
 
 @compiled
 def _part_inside(image: Array, row: float, col: float, to_row: float, to_col: float) -> float:
-    """Part of a straight way from a place in the image that lies in it."""
+    """Fraction of a straight line from a position in the image that lies inside."""
     part = 1.0
     if to_row < 0.0:
         part = row / (row - to_row)
@@ -243,7 +243,7 @@ def _part_inside(image: Array, row: float, col: float, to_row: float, to_col: fl
 
 @compiled
 def _cut(image: Array, row: float, col: float, to_row: float, to_col: float, part: float) -> tuple[float, float]:
-    """End of the part of a straight way that lies in the image."""
+    """End of a straight line, cut off at the image border."""
     if part < 1.0:
         to_row = min(max(row + part * (to_row - row), 0.0), image.shape[0] - 1.0)
         to_col = min(max(col + part * (to_col - col), 0.0), image.shape[1] - 1.0)
@@ -254,7 +254,7 @@ def _cut(image: Array, row: float, col: float, to_row: float, to_col: float, par
 def _correct(
     ridge: Ridge, row: float, col: float, down: float, right: float, farthest: float
 ) -> tuple[bool, float, float]:
-    """Move a place along a direction to where the slope is zero; tell whether there is such a place within reach."""
+    """Move a position along a direction to zero slope; also returns whether this exists within `farthest` [px]."""
     moved = 0.0
     e = _DIFFERENCE
     for _ in range(_ITERATIONS):
@@ -278,7 +278,7 @@ def _correct(
 
 @compiled
 def _direction(ridge: Ridge, row: float, col: float) -> tuple[bool, float, float]:
-    """Direction of the ridge at a place on it, with the brighter side always on the same hand; False if it is none."""
+    """Direction of the ridge at a position, with the brighter side always on the same hand; False off a ridge."""
     e = _DIFFERENCE
     down, right = 0.0, 0.0
     for k in range(4):
@@ -288,7 +288,7 @@ def _direction(ridge: Ridge, row: float, col: float) -> tuple[bool, float, float
         down += along_row * there
         right += along_col * there
     size = np.sqrt(down * down + right * right)
-    # towards the brighter side the slope falls on a ridge; in a trough it rises
+    # toward the brighter side the slope decreases on a ridge and increases in a trough
     if down * height(ridge.down, row, col) + right * height(ridge.right, row, col) <= 0.0:
         return False, 0.0, 0.0
     return True, -right / size, down / size

@@ -1,4 +1,4 @@
-"""Sub-pixel refinement: from where a particle rests to the ridge of the edge."""
+"""Subpixel refinement: from the position of a particle to the ridge of the edge."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from cpm_core.numerics.types import Array
 from cpm_core.reconstruction.curve.ridge import PROBE, Ridge, ridge_of, spline_height, uphill
 
 FARTHEST = 2.5
-"""Distance from its place to the ridge beyond which a particle is not taken to belong to it [px]."""
+"""Greatest distance of a particle from the ridge that it belongs to [px]."""
 
 _ITERATIONS = 8
 _LONGEST_MOVE = 0.4
 _DONE = 1e-4
 
 _STILL = 1e-12
-"""Move after which a point is not moved any more, whatever the others do [px]."""
+"""Move under which a point is final [px]."""
 
 _SHARE = 500
-"""Points worth a thread."""
+"""Least number of points for a thread."""
 
 
 def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, NDArray[np.bool_]]:
-    """Move points across the edge to the maximum of the cubic interpolated edge map.
+    """Move points across the edge to the maximum of the edge map, interpolated by cubic splines.
 
-    Each point is moved along the image gradient, by the vertex of the parabola through the edge strength at three
-    places of its normal, until none moves any more.
+    Each point is moved along the image gradient to the vertex of the parabola through three samples of the edge
+    strength on its normal, until no point moves.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, NDAr
 
 @compiled
 def _climb(ridge: Ridge, place: Array, move: Array, bend: Array, first: int, last: int) -> None:
-    """Move some points once, by the vertex of a parabola, or uphill where there is none."""
+    """Move some points once, to the vertex of the parabola, or uphill where it has no maximum."""
     for i in range(first, last):
         if abs(move[i]) < _STILL:
             continue

@@ -15,7 +15,7 @@ def test_a_first_word_on_a_contour_puts_a_mark_on_it_and_later_ones_change_that_
     assert document.marks == (Mark(HERE, "rejected"),)
     named = marking.rename(document, [Target(document.marks[0], THERE)], " aorta ")
     assert named.marks == (Mark(HERE, "rejected", "aorta"),)
-    assert marking.paint(named, [Target(named.marks[0], HERE)], "#e69f00").marks[0].colour == "#e69f00"
+    assert marking.paint(named, [Target(named.marks[0], HERE)], "#e69f00").marks[0].color == "#e69f00"
     assert document.marks == (Mark(HERE, "rejected"),)
 
 

@@ -227,7 +227,7 @@ def test_a_color_is_chosen_from_the_menu_drawn_and_exported(found, table, hand, 
     layer = hand.canvas.layers.contours
     assert {color: curves.count for color, curves in layer._own.items()} == {"#e69f00": 1}
     assert layer._curves[True].count == 3
-    assert "#e69f00" in [contour["colour"] for contour in exported(hand, found, tmp_path)]
+    assert "#e69f00" in [contour["color"] for contour in exported(hand, found, tmp_path)]
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert layer._curves[True].count == 4
 

@@ -24,7 +24,7 @@ def line(*corners, closed=False):
     return Contour(np.array(corners, dtype=float), closed=closed)
 
 
-def test_the_truth_itself_is_perfect():
+def test_the_truth_agrees_perfectly_with_itself():
     truth = [round_contour(20.0), line((0, 0), (0, 30), (10, 30))]
     seen = agreement(truth, truth)
     assert (seen.recall, seen.precision, seen.f, recovered(truth, truth)) == (1.0, 1.0, 1.0, 1)
@@ -47,7 +47,7 @@ def test_beyond_the_tolerance_nothing_agrees():
 
 
 @pytest.mark.parametrize("share", [0.25, 0.6, 1.0])
-def test_recall_is_the_share_of_the_boundary_that_was_found(share):
+def test_recall_is_the_fraction_of_the_boundary_that_was_found(share):
     arc = Contour(circle_points(CENTER, 20.0, 4000)[: int(4000 * share)], closed=False)
     seen = agreement([arc], [round_contour(20.0)], 1.0)
     beyond_the_ends = 2.0 / (2.0 * np.pi * 20.0)
@@ -56,7 +56,7 @@ def test_recall_is_the_share_of_the_boundary_that_was_found(share):
     assert recovered([arc], [round_contour(20.0)], 1.0) == 0
 
 
-def test_precision_is_the_share_of_the_contours_that_is_true():
+def test_precision_is_the_fraction_of_the_contours_that_is_true():
     true, wrong = line((10, 0), (10, 30)), line((30, 0), (30, 70))
     seen = agreement([true, wrong], [true], 1.0)
     assert (seen.recall, seen.precision) == (1.0, pytest.approx(0.3))
@@ -66,7 +66,7 @@ def test_precision_is_the_share_of_the_contours_that_is_true():
     assert seen.hausdorff == pytest.approx(np.hypot(20, 40))
 
 
-def test_only_closed_contours_that_are_the_true_one_are_recovered():
+def test_only_closed_contours_that_match_count_as_recovered():
     truth = [round_contour(20.0), round_contour(8.0), line((0, 0), (0, 50))]
     opened = Contour(truth[0].points, closed=False)
     halves = [
@@ -106,7 +106,7 @@ def test_nothing_found_and_nothing_to_find(judge):
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])
-def test_a_tolerance_that_is_none_is_refused(tolerance):
+def test_an_invalid_tolerance_is_refused(tolerance):
     with pytest.raises(ValueError, match=f"tolerance is {tolerance:g} px but must be a number above 0"):
         agreement([], [], tolerance)
 

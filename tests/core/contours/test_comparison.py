@@ -1,4 +1,4 @@
-"""Comparison with the ground truth: circles and squares, whose overlap and distances geometry tells."""
+"""Comparison with the ground truth: circles and squares, whose overlap and distances are known from geometry."""
 
 import math
 
@@ -31,7 +31,7 @@ def lens(radius, shift):
     return 2 * radius**2 * math.acos(shift / (2 * radius)) - 0.5 * shift * math.sqrt(4 * radius**2 - shift**2)
 
 
-def test_the_truth_itself_agrees_with_itself():
+def test_the_truth_agrees_with_itself():
     contours = [disk(30.0), disk(10.0)]
     seen = compare(contours, truth_of_contours(contours, SHAPE))
     assert (seen.dice, seen.jaccard, seen.recall, seen.precision, seen.f) == (1.0, 1.0, 1.0, 1.0, 1.0)
@@ -92,7 +92,7 @@ def test_squares_that_lie_on_pixels_are_counted_exactly(shift):
     assert seen.hausdorff == pytest.approx(shift if shift else math.sqrt(0.125), abs=0.36)
 
 
-def test_what_is_missing_and_what_is_wrong_is_shown_where_it_is():
+def test_missing_and_wrong_parts_are_located():
     left, right = disk(15.0, (60.0, 30.0)), disk(15.0, (60.0, 100.0))
     wrong = Contour(np.array([(5.0, 5.0), (5.0, 35.0)]), closed=False)
     seen = compare([left, wrong], truth_of_contours([left, right], SHAPE))
@@ -106,7 +106,7 @@ def test_what_is_missing_and_what_is_wrong_is_shown_where_it_is():
     assert np.array_equal(seen.missing_area, inside([right], SHAPE))
 
 
-def test_a_contour_in_another_is_a_hole_unless_told_otherwise():
+def test_a_contour_in_another_is_a_hole_by_default():
     ring, core = [disk(30.0), disk(20.0)], disk(10.0)
     mask = inside([ring[0]], SHAPE) & ~inside([ring[1]], SHAPE) | inside([core], SHAPE)
     truth = truth_of_mask(mask)
@@ -134,14 +134,14 @@ def test_each_object_is_matched_with_the_contour_that_covers_it_best():
     assert (third.label, third.contour, third.dice) == (3, None, 0.0)
 
 
-def test_the_objects_of_one_class_are_what_hangs_together():
+def test_the_objects_of_one_class_are_its_connected_parts():
     mask = np.zeros(SHAPE, bool)
     mask[10:30, 10:30] = mask[50:70, 50:70] = True
     matches = compare([square(49.5, 49.5, 20)], truth_of_mask(mask)).matches
     assert [(match.contour, match.dice) for match in matches] == [(None, 0.0), (0, 1.0)]
 
 
-def test_nothing_found_is_infinitely_far_and_not_precise():
+def test_without_contours_the_distance_is_infinite_and_the_precision_zero():
     seen = compare([], truth_of_contours([disk(20.0)], SHAPE))
     assert (seen.dice, seen.jaccard, seen.recall, seen.f) == (0.0, 0.0, 0.0, 0.0)
     assert math.isinf(seen.hausdorff)
@@ -162,6 +162,6 @@ def test_open_contours_have_boundaries_and_no_inside():
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, math.nan, math.inf])
-def test_a_tolerance_that_is_none_is_refused(tolerance):
+def test_an_invalid_tolerance_is_refused(tolerance):
     with pytest.raises(ValueError, match=r"tolerance is .* px but must be a number above 0"):
         compare([disk(5.0)], truth_of_contours([disk(5.0)], SHAPE), tolerance)

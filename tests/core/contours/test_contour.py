@@ -37,7 +37,7 @@ def test_regular_polygon(corners, radius, shift, angle, backwards):
     assert contour.area == pytest.approx(area, rel=1e-6, abs=1e-6 * shift**2)
 
 
-def test_area_of_a_dented_polygon():
+def test_area_of_a_concave_polygon():
     arrow = np.array([(0.0, 0.0), (4.0, 2.0), (0.0, 4.0), (1.0, 2.0)])
     assert Contour(arrow, closed=True).area == pytest.approx(6.0, rel=1e-14)
 

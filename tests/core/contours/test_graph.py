@@ -1,4 +1,4 @@
-"""Graphs of points and edges, tidied way by way, against sets of edges that are tidied edge by edge."""
+"""Graphs of points and edges, simplified by paths, against sets of edges simplified one by one."""
 
 import itertools
 
@@ -11,7 +11,7 @@ from cpm_core.contours.graph import Graph
 
 
 class Linked:
-    """A graph as a set of neighbours for each vertex: brute force."""
+    """A graph as a set of neighbors for each vertex: brute force."""
 
     def __init__(self, points, edges):
         self.points = np.array(points)
@@ -40,7 +40,7 @@ class Linked:
         return path
 
     def ways(self):
-        """Paths, the first vertex again at the end of rounds: those from ends and junctions, then the others."""
+        """Paths, the first vertex again at the end of cycles: those from ends and junctions, then the others."""
         found, seen = [], set()
         for rounds in (False, True):
             for v in sorted(self.near):
@@ -93,7 +93,7 @@ class Linked:
 
 @st.composite
 def drawings(draw):
-    """Points and edges: junctions with ways of some vertices between them, loose ends and rounds."""
+    """Points and edges: junctions with paths between them, loose ends and cycles."""
     count = draw(st.integers(2, 9))
     pairs = st.tuples(st.integers(0, count - 1), st.integers(0, count - 1)).filter(lambda p: p[0] != p[1])
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
@@ -122,7 +122,7 @@ def edges_of(graph):
 
 @settings(max_examples=150, deadline=None)
 @given(drawings())
-def test_ways_are_walked_in_the_order_of_their_first_vertices(made):
+def test_paths_are_in_the_order_of_their_first_vertices(made):
     graph, linked = both(made)
     ways = graph.ways()
     walked = [(path[:-1] if path[0] == path[-1] else path, path[0] == path[-1]) for path in linked.ways()]
@@ -137,7 +137,7 @@ def test_ways_are_walked_in_the_order_of_their_first_vertices(made):
 
 @settings(max_examples=100, deadline=None)
 @given(drawings())
-def test_branches_and_neighbours_are_those_of_the_edges(made):
+def test_branches_and_neighbors_are_those_of_the_edges(made):
     graph, linked = both(made)
     assert edges_of(graph) == linked.edges()
     assert [graph.neighbors(v) for v in range(len(graph.points))] == [sorted(linked.near[v]) for v in linked.near]
@@ -149,14 +149,14 @@ def test_branches_and_neighbours_are_those_of_the_edges(made):
         assert graph.way_from(end) == pytest.approx(dict(zip(path, lengths, strict=True)))
 
 
-@pytest.mark.parametrize("tidy", ["drop_spurs", "drop_specks", "drop_ties", "merge_junctions"])
+@pytest.mark.parametrize("operation", ["drop_spurs", "drop_specks", "drop_ties", "merge_junctions"])
 @settings(max_examples=150, deadline=None)
 @given(made=drawings(), longest=st.floats(0.0, 25.0))
-def test_tidying_way_by_way_is_tidying_edge_by_edge(tidy, made, longest):
+def test_simplifying_by_paths_equals_simplifying_by_edges(operation, made, longest):
     graph, linked = both(made)
     graph.ways()  # what is known of the ways must be forgotten when they change
-    getattr(graph, tidy)(longest)
-    getattr(linked, tidy)(longest)
+    getattr(graph, operation)(longest)
+    getattr(linked, operation)(longest)
     assert edges_of(graph) == linked.edges()
     np.testing.assert_allclose(graph.points, linked.points, atol=1e-12)
     assert sum(graph.ways().lengths) == pytest.approx(sum(linked.length(edge) for edge in linked.edges()))
@@ -164,7 +164,7 @@ def test_tidying_way_by_way_is_tidying_edge_by_edge(tidy, made, longest):
 
 @settings(max_examples=100, deadline=None)
 @given(drawings(), st.lists(st.tuples(st.booleans(), st.integers(0, 99), st.integers(0, 99)), max_size=30))
-def test_edges_come_and_go_as_in_a_set(made, changes):
+def test_edges_are_added_and_removed_as_in_a_set(made, changes):
     graph, linked = both(made)
     kept = linked.edges()
     for come, a, b in changes:
@@ -193,11 +193,11 @@ def test_new_vertices_are_inserted_in_a_row(made, count, a, further):
     np.testing.assert_array_equal(graph.points[size:], between)
 
 
-def test_a_graph_of_nothing_has_no_ways():
+def test_an_empty_graph_has_no_paths():
     for points in (np.zeros((0, 2)), np.zeros((3, 2))):
         graph = Graph(points, np.zeros((0, 2), np.int64))
-        for tidy in (graph.drop_spurs, graph.drop_specks, graph.drop_ties, graph.merge_junctions):
-            tidy(5.0)
+        for operation in (graph.drop_spurs, graph.drop_specks, graph.drop_ties, graph.merge_junctions):
+            operation(5.0)
         assert len(graph.ways()) == 0
         assert len(graph.edges()) == 0
         assert graph.contours() == ()
@@ -205,7 +205,7 @@ def test_a_graph_of_nothing_has_no_ways():
 
 @settings(max_examples=60, deadline=None)
 @given(drawings(), st.floats(0.0, 25.0))
-def test_contours_of_a_least_length_are_those_of_all_that_have_it(made, shortest):
+def test_contours_of_a_least_length_are_those_of_all_that_reach_it(made, shortest):
     graph, _ = both(made)
     found, every = graph.contours(shortest), graph.contours()
     assert [c.points.tolist() for c in found] == [c.points.tolist() for c in every if c.length >= shortest]

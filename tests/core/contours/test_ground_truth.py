@@ -53,7 +53,7 @@ def test_pixels_that_touch_at_a_corner_share_it():
     assert sum(contour.length for contour in truth.contours) == pytest.approx(40 - 6 * (1 - np.sqrt(0.5)), abs=1e-9)
 
 
-def test_the_border_of_the_image_is_no_boundary():
+def test_the_image_border_is_no_boundary():
     mask = np.zeros((20, 30), np.uint8)
     mask[:, 12:] = 1
     (boundary,) = truth_of_mask(mask).contours
@@ -63,7 +63,7 @@ def test_the_border_of_the_image_is_no_boundary():
 
 
 @pytest.mark.parametrize(("low", "high"), [(0, 255), (0, 1), (1, 2), (7, 9)])
-def test_two_levels_are_one_class_whatever_they_are(tmp_path, low, high):
+def test_two_gray_levels_are_one_class_for_any_values(tmp_path, low, high):
     mask = np.where(inside([ROUND], SHAPE), high, low).astype(np.uint8)
     PIL.Image.fromarray(mask).save(tmp_path / "t.png")
     truth = load_truth(tmp_path / "t.png", SHAPE)
@@ -71,7 +71,7 @@ def test_two_levels_are_one_class_whatever_they_are(tmp_path, low, high):
     assert truth.source == "t.png"
 
 
-def test_the_levels_of_a_label_mask_are_objects(tmp_path):
+def test_the_gray_levels_of_a_label_mask_are_objects(tmp_path):
     labels = np.zeros(SHAPE, np.uint16)
     labels[5:20, 5:20], labels[30:50, 30:60] = 300, 70
     tifffile.imwrite(tmp_path / "t.tif", labels)
@@ -81,7 +81,7 @@ def test_the_levels_of_a_label_mask_are_objects(tmp_path):
     assert truth.objects is truth.labels
 
 
-def test_a_black_and_white_mask_that_was_packed_with_losses_is_still_one(tmp_path):
+def test_a_binary_mask_from_a_lossy_format_is_still_binary(tmp_path):
     mask = np.where(inside([ROUND], SHAPE), 255, 0).astype(np.uint8)
     PIL.Image.fromarray(mask).save(tmp_path / "t.jpg", quality=97)
     with PIL.Image.open(tmp_path / "t.jpg") as image:
@@ -92,7 +92,7 @@ def test_a_black_and_white_mask_that_was_packed_with_losses_is_still_one(tmp_pat
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".geojson", ".json", ".labelme.json"])
-def test_contours_that_were_exported_are_the_truth_again(tmp_path, suffix):
+def test_exported_contours_are_read_as_the_same_truth(tmp_path, suffix):
     export(result_of(ROUND, HOLE, LINE), tmp_path / f"t{suffix}")
     truth = load_truth(tmp_path / f"t{suffix}", SHAPE)
     assert [contour.closed for contour in truth.contours] == [True, True, False]
@@ -115,17 +115,17 @@ def test_contours_of_an_image_of_another_size_are_refused(tmp_path):
         load_truth(tmp_path / "t.csv", (30, 80))
 
 
-def test_a_picture_is_no_mask_and_neither_is_a_blank_sheet(tmp_path):
+def test_a_noisy_image_and_a_constant_one_are_no_masks(tmp_path):
     noise = np.random.default_rng(0).integers(0, 200, SHAPE).astype(np.uint8)
     PIL.Image.fromarray(noise).save(tmp_path / "noise.png")
-    with pytest.raises(ValueError, match=r"noise\.png has \d+ grey levels .* it is a picture and no mask"):
+    with pytest.raises(ValueError, match=r"noise\.png has \d+ gray levels .* it is an image and no mask"):
         load_truth(tmp_path / "noise.png", SHAPE)
     PIL.Image.fromarray(np.full(SHAPE, 9, np.uint8)).save(tmp_path / "blank.png")
-    with pytest.raises(ValueError, match=r"blank\.png has one grey level everywhere"):
+    with pytest.raises(ValueError, match=r"blank\.png has one gray level everywhere"):
         load_truth(tmp_path / "blank.png", SHAPE)
 
 
-def test_contours_by_hand_are_the_truth():
+def test_contours_can_be_the_truth():
     truth = truth_of_contours([ROUND, LINE], SHAPE)
     assert np.array_equal(truth.labels > 0, inside([ROUND], SHAPE))
     assert len(truth.boundary) == pytest.approx(4 * (ROUND.length + LINE.length), rel=0.02)

@@ -24,7 +24,7 @@ def line(*corners):
 
 
 def brute_force(contours):
-    """Index of the smallest closed contour that holds every vertex of each, by another library."""
+    """Index of the smallest closed contour that contains every vertex of each, by another library."""
     found = []
     for one in contours:
         around = [
@@ -45,14 +45,14 @@ def test_the_innermost_contour_around_is_found_whatever_the_order():
     assert containment(nested[::-1]) == (1, 2, 3, None)
 
 
-def test_neighbours_and_open_contours_hold_nothing():
+def test_neighbors_and_open_contours_contain_nothing():
     left, right = ring(30, 30, 20), ring(30, 71, 20)
     bow = line((0, 0), (0, 100), (60, 100), (60, 0))
     assert containment([left, right, bow]) == (None, None, None)
     assert containment([left, line((25, 30), (35, 32)), line((25, 70), (35, 72)), right]) == (None, 0, 3, None)
 
 
-def test_a_hollow_of_a_contour_is_outside_of_it():
+def test_a_concave_part_of_a_contour_is_outside():
     u = Contour(
         np.array([(0, 0), (0, 20), (60, 20), (60, 40), (0, 40), (0, 60), (80, 60), (80, 0)], dtype=float), closed=True
     )
@@ -66,11 +66,11 @@ def test_a_contour_that_touches_another_from_inside_lies_in_it_and_one_from_outs
     assert containment([around, ring(50, 65, 15, 200), ring(50, 95, 15, 200), chord, tail]) == (None, 0, None, 0, None)
 
 
-def test_equal_contours_do_not_hold_each_other():
+def test_equal_contours_do_not_contain_each_other():
     assert containment([ring(30, 30, 10), ring(30, 30, 10)]) == (None, None)
 
 
-def test_nothing_has_no_rows():
+def test_no_contours_have_no_rows():
     assert containment([]) == ()
     assert measure([]) == ()
 
@@ -91,15 +91,15 @@ def test_nesting_is_that_of_brute_force(seed, count):
     assert containment(contours) == brute_force(contours)
 
 
-def test_a_row_tells_what_geometry_tells():
+def test_a_row_agrees_with_geometry():
     square = np.array([(10, 10), (10, 30), (30, 30), (30, 10)], dtype=float)
     contours = [
-        Contour(square, closed=True, strength=7.0, name="cell", colour="#e69f00"),
+        Contour(square, closed=True, strength=7.0, name="cell", color="#e69f00"),
         Contour(np.array([(12.0, 12.0), (15.0, 16.0)]), closed=False, strength=3.0, junctions=(True, False)),
         ring(20, 22, 3),
     ]
     first, second, third = measure(contours, spacing=(0.5, 0.25))
-    assert (first.number, first.label, first.name, first.colour, first.closed) == (1, 1, "cell", "#e69f00", True)
+    assert (first.number, first.label, first.name, first.color, first.closed) == (1, 1, "cell", "#e69f00", True)
     assert (first.length, first.area, first.strength, first.junctions) == (80.0, 400.0, 7.0, 0)
     assert first.length_in_units == pytest.approx(2 * 20 * 0.5 + 2 * 20 * 0.25)
     assert first.area_in_units == pytest.approx(400 * 0.125)
@@ -109,7 +109,7 @@ def test_a_row_tells_what_geometry_tells():
     assert third.label == 2
 
 
-def test_contrast_is_measured_where_there_is_an_image_and_only_when_wanted():
+def test_contrast_is_measured_where_there_is_an_image_and_only_on_request():
     values = np.where(np.arange(40) < 20, 0.0, 100.0) * np.ones((40, 1))
     points = np.stack([np.arange(10.0, 30.0), np.full(20, 19.5)], axis=1)
     sides = Sides(values, points, np.tile([0.0, 1.0], (20, 1)), 1.0)
@@ -119,12 +119,12 @@ def test_contrast_is_measured_where_there_is_an_image_and_only_when_wanted():
     assert measure([line((1, 1), (5, 5))])[0].contrast is None
 
 
-def test_a_name_and_a_colour_survive_pickling():
-    again = pickle.loads(pickle.dumps(Contour(np.zeros((1, 2)), False, name="Ärmel", colour="#00ff7F")))
-    assert (again.name, again.colour) == ("Ärmel", "#00ff7F")
+def test_a_name_and_a_color_survive_pickling():
+    again = pickle.loads(pickle.dumps(Contour(np.zeros((1, 2)), False, name="Ärmel", color="#00ff7F")))
+    assert (again.name, again.color) == ("Ärmel", "#00ff7F")
 
 
-@pytest.mark.parametrize("colour", ["red", "#12345", "#1234567", "#00ff7g", "00ff7f", "#00ff7f\n"])
-def test_a_colour_that_is_none_is_refused(colour):
+@pytest.mark.parametrize("color", ["red", "#12345", "#1234567", "#00ff7g", "00ff7f", "#00ff7f\n"])
+def test_an_invalid_color_is_refused(color):
     with pytest.raises(ValueError, match='must be "#rrggbb"'):
-        Contour(np.zeros((1, 2)), False, colour=colour)
+        Contour(np.zeros((1, 2)), False, color=color)

@@ -1,4 +1,4 @@
-"""Curation: a mark finds its contour again after every reconstruction, and what is rejected is not in the result."""
+"""Review: a mark finds its contour after every reconstruction, and rejected contours are not exported."""
 
 from dataclasses import replace
 
@@ -38,7 +38,7 @@ def grid_of_rings() -> list[Contour]:
     st.floats(-0.7, 0.7),
     st.lists(st.sampled_from(range(9)), unique=True),
 )
-def test_marks_find_their_contours_though_those_have_moved_turned_and_changed_places(order, turn, down, right, chosen):
+def test_marks_find_contours_that_have_moved_turned_and_changed_their_order(order, turn, down, right, chosen):
     first = grid_of_rings()
     marks = [Mark(anchor(first, index), "rejected", f"ring {index}") for index in chosen]
     again = [ring(30 + 40 * (i // 3) + down, 30 + 40 * (i % 3) + right, 8.0 + i // 3 + 3 * (i % 3), 47, turn)
@@ -51,7 +51,7 @@ def test_marks_find_their_contours_though_those_have_moved_turned_and_changed_pl
 
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(st.floats(0, 60), st.floats(0, 60)), max_size=12), st.integers(0, 5))
-def test_one_mark_one_contour_and_nothing_out_of_reach(anchors, count):
+def test_each_mark_has_at_most_one_contour_and_none_out_of_reach(anchors, count):
     contours = [ring(10 + 9 * index, 20 + 4 * index, 6.0) for index in range(count)]
     found = attached(contours, anchors)
     taken = [index for index in found if index is not None]
@@ -66,7 +66,7 @@ def test_one_mark_one_contour_and_nothing_out_of_reach(anchors, count):
 
 
 def finely(contour: Contour) -> np.ndarray:
-    """Many places along a contour."""
+    """Many positions along a contour."""
     share = np.linspace(0, 1, 200)[:, None, None]
     path = contour.path
     return (path[:-1] * (1 - share) + path[1:] * share).reshape(-1, 2)
@@ -80,14 +80,14 @@ def test_a_contour_that_splits_leaves_its_mark_with_the_piece_at_the_anchor() ->
     assert [one.contour.name for one in reviewed([left], [mark])] == [""]
 
 
-def test_of_two_marks_on_what_has_become_one_contour_the_nearer_one_counts_and_both_come_back() -> None:
+def test_of_two_marks_on_merged_contours_the_nearer_one_counts_and_both_return_when_they_part() -> None:
     marks = [Mark((10.4, 20.0), name="left"), Mark((10.1, 80.0), name="right")]
     assert [one.contour.name for one in reviewed([line((10, 0), (10, 100))], marks)] == ["right"]
     apart = [line((10, 60), (10, 100)), line((10, 0), (10, 40))]
     assert [one.contour.name for one in reviewed(apart, marks)] == ["right", "left"]
 
 
-def test_an_anchor_keeps_away_from_what_could_be_taken_for_its_contour() -> None:
+def test_an_anchor_is_far_from_other_contours() -> None:
     shared = [(20.0, 0.0), (20.0, 40.0)]
     contours = [line(*shared, (20, 60)), line((21, 0), (21, 45))]
     row, col = anchor(contours, 0)
@@ -95,26 +95,26 @@ def test_an_anchor_keeps_away_from_what_could_be_taken_for_its_contour() -> None
     assert attached(contours, [(row, col)]) == [0]
 
 
-def test_the_middle_of_a_contour_lies_half_the_way_along_it() -> None:
+def test_the_middle_of_a_contour_lies_halfway_along_it() -> None:
     assert middle(line((0, 0), (0, 10), (30, 10))) == (10.0, 10.0)
 
 
-def test_what_passes_near_comes_nearest_first() -> None:
+def test_contours_near_a_position_are_sorted_by_distance() -> None:
     contours = [line((0, 0), (0, 50)), line((3, 0), (3, 50)), line((30, 0), (30, 50))]
     assert [index for index, _ in Neighborhood(contours).passing((2.0, 20.0), 5.0)] == [1, 0]
 
 
-def test_the_result_that_is_written_lacks_what_is_rejected_and_has_names_and_colours() -> None:
+def test_the_exported_result_has_no_rejected_contours_and_has_names_and_colors() -> None:
     one, two, three = ring(30, 30, 10), ring(30, 90, 12), ring(90, 90, 14)
     marks = (Mark((30.0, 40.0), "rejected"), Mark((30.0, 102.0), "kept", "left ventricle", "#D55E00"))
     written = apply(result_of(one, two, three), marks)
-    assert [(c.name, c.colour) for c in written.contours] == [("left ventricle", "#D55E00"), ("", "")]
+    assert [(c.name, c.color) for c in written.contours] == [("left ventricle", "#D55E00"), ("", "")]
     np.testing.assert_array_equal(written.contours[0].points, two.points)
     result = result_of(one)
     assert apply(result, ()) is result
 
 
-def test_a_bridge_goes_with_its_contour() -> None:
+def test_a_bridge_is_dropped_with_its_contour() -> None:
     bridges = tuple(Bridge(np.array([[20.0, c - 1.0], [20.0, c], [20.0, c + 1.0]]), 2.0, 1.0) for c in (30.0, 90.0))
     written = apply(result_of(ring(30, 30, 10), ring(30, 90, 10), bridges=bridges), [Mark((30.0, 40.0), "rejected")])
     assert written.bridges == bridges[1:]
@@ -125,15 +125,15 @@ def test_a_bridge_goes_with_its_contour() -> None:
     [
         ({"anchor": (float("nan"), 0.0)}, "finite"),
         ({"anchor": (0.0, 0.0), "verdict": "perhaps"}, "perhaps"),
-        ({"anchor": (0.0, 0.0), "colour": "red"}, "#rrggbb"),
+        ({"anchor": (0.0, 0.0), "color": "red"}, "#rrggbb"),
     ],
 )
-def test_a_mark_that_makes_no_sense_is_refused(wrong, said) -> None:
+def test_an_invalid_mark_is_refused(wrong, said) -> None:
     with pytest.raises(ValueError, match=said):
         Mark(**wrong)
 
 
-def test_a_mark_that_says_nothing_is_told_from_one_that_does() -> None:
+def test_only_an_empty_mark_says_nothing() -> None:
     assert Mark((1.0, 2.0)).says_nothing
     assert not any(replace(Mark((1.0, 2.0)), **said).says_nothing for said in ({"name": "a"}, {"verdict": "kept"}))
 

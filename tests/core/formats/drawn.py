@@ -11,9 +11,9 @@ def around(row, col, radius, count=80):
     return np.stack([row + radius * np.sin(angle), col + radius * np.cos(angle)], axis=1)
 
 
-CELL = Contour(around(30.2, 35.1, 25.3), closed=True, strength=12.5, name="cell", colour="#e69f00")
+CELL = Contour(around(30.2, 35.1, 25.3), closed=True, strength=12.5, name="cell", color="#e69f00")
 HOLE = Contour(around(30.2, 35.1, 15.3)[::-1], closed=True, strength=9.0)
-CORE = Contour(around(30.2, 35.1, 5.3, 20), closed=True, strength=7.0, name="Kern β", colour="#0072B2")
+CORE = Contour(around(30.2, 35.1, 5.3, 20), closed=True, strength=7.0, name="Kern β", color="#0072B2")
 FIBRE = Contour(np.array([[5.25, 70.0], [20.0, 72.5], [50.75, 68.0]]), False, 3.0, (True, False), name="fibre")
 DOT = Contour(np.array([[55.0, 80.5]]), False, 1.0)
 BRIDGE = Bridge(FIBRE.points[:2], 15.0, 0.5)

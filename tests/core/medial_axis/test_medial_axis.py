@@ -1,4 +1,4 @@
-"""What skeletons are made with: pruning, cutting off, disks, and the width of thin lines."""
+"""Parts of the skeleton: pruning, clipping, disks, and the width of thin lines."""
 
 from itertools import pairwise
 
@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.medial_axis import Axis, along, covered, half_width, prune
-from cpm_core.medial_axis.pruning import parts
+from cpm_core.medial_axis.blur_correction import half_width
+from cpm_core.medial_axis.disks import along, covered
+from cpm_core.medial_axis.medial_axis import Axis
+from cpm_core.medial_axis.pruning import parts, prune
 
 
 def axis_of(points, edges, radius):
@@ -17,7 +19,7 @@ def axis_of(points, edges, radius):
 
 
 def random_tree(seed, shortest, count=40):
-    """Tree of which the disks do not swallow each other."""
+    """Tree whose disks do not contain each other."""
     rng = np.random.default_rng(seed)
     points, edges, radius = [np.zeros(2)], [], [5.0]
     for k in range(1, count):
@@ -30,7 +32,7 @@ def random_tree(seed, shortest, count=40):
     return axis_of(points, edges, radius)
 
 
-def test_a_branch_goes_if_its_disks_stick_out_little_enough():
+def test_a_branch_is_pruned_if_its_disks_extend_little_beyond_the_others():
     # a straight axis of disks of radius 5, and a side branch whose tip sticks out by 8 + 1 - 5 = 4
     line = [(0.0, float(x)) for x in range(0, 41, 4)]
     branch = [(4.0, 20.0), (8.0, 20.0)]
@@ -44,7 +46,7 @@ def test_a_branch_goes_if_its_disks_stick_out_little_enough():
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10**6), st.floats(0.0, 6.0))
-def test_what_remains_hangs_together_and_grown_by_the_pruning_covers_every_disk(seed, pruning):
+def test_the_pruned_axis_is_connected_and_its_disks_enlarged_by_the_pruning_cover_every_disk(seed, pruning):
     axis = random_tree(seed, 0.2)
     rest = prune(axis, pruning)
     assert parts(rest)[0] == 1
@@ -65,7 +67,7 @@ def test_the_order_of_the_vertices_does_not_matter(seed, pruning):
     assert {tuple(p) for p in ours.points} == {tuple(p) for p in theirs.points}
 
 
-def test_a_round_is_never_cut():
+def test_a_cycle_is_never_pruned():
     angle = np.linspace(0.0, 2.0 * np.pi, 30, endpoint=False)
     ring = np.stack([20.0 * np.sin(angle), 20.0 * np.cos(angle)], axis=1)
     twig = [(0.0, 21.0), (0.0, 22.5)]
@@ -75,7 +77,7 @@ def test_a_round_is_never_cut():
     assert len(rest.points) == len(rest.edges) == 30
 
 
-def test_edges_are_cut_off_where_they_leave_a_rectangle():
+def test_edges_are_clipped_by_a_rectangle():
     axis = axis_of([(5, 5), (5, 15), (-4, 5), (12, -8), (-8, 12), (30, 30)], [(0, 1), (0, 2), (3, 4), (1, 5)], range(6))
     cut = axis.within(np.zeros(2), np.full(2, 10.0))
     ends = {tuple(sorted(map(tuple, np.round(cut.points[edge], 9).tolist()))) for edge in cut.edges}
@@ -86,14 +88,14 @@ def test_edges_are_cut_off_where_they_leave_a_rectangle():
     assert radius[0.0, 4.0] == pytest.approx(3.6)
 
 
-def test_a_vertex_by_itself_stays_if_it_lies_inside():
+def test_an_isolated_vertex_stays_if_it_lies_inside():
     axis = axis_of([(5, 5), (15, 5)], np.zeros((0, 2)), [1.0, 2.0])
     assert axis.within(np.zeros(2), np.full(2, 10.0)).points.tolist() == [[5.0, 5.0]]
 
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 10**6), st.integers(0, 12))
-def test_covered_pixels_are_those_whose_centres_lie_in_a_disk(seed, count):
+def test_covered_pixels_are_those_whose_centers_lie_in_a_disk(seed, count):
     rng = np.random.default_rng(seed)
     disks = np.column_stack(
         [rng.uniform(-8.0, 28.0, count), rng.uniform(-8.0, 38.0, count), rng.uniform(0.0, 9.0, count)]
@@ -108,7 +110,7 @@ def test_covered_pixels_are_those_whose_centres_lie_in_a_disk(seed, count):
     assert (covered(disks, (20, 30)) == expected)[~unclear].all()
 
 
-def test_a_disk_covers_the_pixels_on_its_rim():
+def test_a_disk_covers_the_pixels_on_its_line():
     assert covered(np.array([(5.0, 5.0, 3.0)]), (11, 11)).sum() == 29
 
 
@@ -130,7 +132,7 @@ def test_the_width_of_a_line_is_what_it_was_before_smoothing(half, smoothing):
     spread = np.sqrt(smoothing**2 + 1.0 / 3.0 + 1.0 / 12.0)
     x = np.arange(0.0, half + 4.0 * spread, fine)
     slope = np.exp(-0.5 * ((x - half) / spread) ** 2) - np.exp(-0.5 * ((x + half) / spread) ** 2)
-    crest = x[np.argmax(slope)]
-    # thinner than its smoothing a line's crests hardly tell its width any more
+    ridge = x[np.argmax(slope)]
+    # the ridges of a line thinner than its smoothing hardly depend on its width
     tolerance = 0.005 if half > spread else 0.2 * spread
-    assert half_width(np.array([crest]), smoothing)[0] == pytest.approx(half, abs=tolerance)
+    assert half_width(np.array([ridge]), smoothing)[0] == pytest.approx(half, abs=tolerance)

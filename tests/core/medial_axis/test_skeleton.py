@@ -59,7 +59,7 @@ def ellipse():
 
 
 def focal_radius(at):
-    """Distance of a place on the medial axis of the ellipse to its boundary."""
+    """Distance of a position on the medial axis of the ellipse to its boundary."""
     return SHORT * np.sqrt(1.0 - at**2 / (LONG**2 - SHORT**2))
 
 
@@ -67,7 +67,7 @@ END = (LONG**2 - SHORT**2) / LONG
 
 
 @pytest.mark.parametrize("pruning", [0.2, 1.0, 3.0])
-def test_an_ellipse_has_its_focal_segment_cut_back_by_just_the_pruning(ellipse, pruning):
+def test_an_ellipse_has_its_focal_segment_shortened_by_exactly_the_pruning(ellipse, pruning):
     skeleton = cpm.skeleton(ellipse, pruning=pruning)
     (contour,) = skeleton.contours
     offset = contour.points - MIDDLE
@@ -85,7 +85,7 @@ def rectangle(middle, half, angle):
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, 0.7])
-def test_a_rectangle_has_its_middle_line_and_a_branch_towards_each_corner(angle):
+def test_a_rectangle_has_its_center_line_and_a_branch_toward_each_corner(angle):
     corners, turn = rectangle((64.3, 70.2), (25.0, 45.0), angle)
     scene = scenes.polygon((130, 140), corners)
     skeleton = cpm.skeleton(scene.values)
@@ -101,7 +101,7 @@ def test_a_rectangle_has_its_middle_line_and_a_branch_towards_each_corner(angle)
     assert sum(contour.junctions == (True, True) for contour in skeleton.contours) == 1
 
 
-def test_a_ring_has_the_circle_half_way_between_its_rims():
+def test_a_ring_has_the_circle_halfway_between_its_edges():
     scene = scenes.ring((120, 130), (60.4, 64.7), 20.0, 50.0)
     skeleton = cpm.skeleton(scene.values)
     (contour,) = skeleton.contours
@@ -111,7 +111,7 @@ def test_a_ring_has_the_circle_half_way_between_its_rims():
     assert contour.length == pytest.approx(2.0 * np.pi * 35.0, rel=0.01)
 
 
-def test_a_disk_is_one_vertex_in_its_middle():
+def test_a_disk_is_one_vertex_at_its_center():
     skeleton = cpm.skeleton(scenes.disk((90, 90), (44.4, 45.3), 30.0).values)
     (contour,), (radius,) = skeleton.contours, skeleton.radii
     assert contour.points.shape == (1, 2)
@@ -162,7 +162,7 @@ def test_a_radius_is_the_distance_to_the_boundary(name):
 
 
 @pytest.mark.parametrize("name", ["star", "ring", "bar"])
-def test_every_place_of_a_skeleton_is_as_near_to_one_side_as_to_another(name):
+def test_every_position_on_a_skeleton_is_equally_far_from_both_sides(name):
     scene, places = SHAPES[name], densely(cpm.skeleton(SHAPES[name].values))
     tree = cKDTree(scene.boundary)
     for place, near in zip(places, tree.query_ball_point(places, tree.query(places)[0] + 0.5), strict=True):
@@ -173,15 +173,15 @@ def test_every_place_of_a_skeleton_is_as_near_to_one_side_as_to_another(name):
 
 @pytest.mark.parametrize(("name", "branches"), [("ring", 1), ("disk", 1), ("bar", 5)])
 @pytest.mark.parametrize("noise", [0.0, 8.0, 20.0])
-def test_neither_stairs_nor_noise_on_the_boundary_make_twigs(name, branches, noise):
+def test_neither_pixel_steps_nor_noise_on_the_boundary_make_short_branches(name, branches, noise):
     values = inside(SHAPES[name].values) * 160.0
     values = values + np.random.default_rng(1).normal(0.0, noise, values.shape) if noise else values
     assert len(cpm.skeleton(values).contours) == branches
 
 
 @pytest.mark.parametrize("name", ["u", "star", "ring"])
-def test_pruning_only_takes_away_no_more_than_it_says_and_breaks_nothing(name):
-    values = inside(SHAPES[name].values).astype(float)  # with stairs that make twigs
+def test_more_pruning_only_removes_and_within_its_bound_and_keeps_connections(name):
+    values = inside(SHAPES[name].values).astype(float)  # with pixel steps that could make short branches
     skeletons = [cpm.skeleton(values, pruning=pruning) for pruning in (0.0, 0.3, 1.0, 3.0, 8.0)]
     everything = skeletons[0].rebuilt()
     for pruning, more, less in zip((0.3, 1.0, 3.0, 8.0), skeletons[:-1], skeletons[1:], strict=True):
@@ -194,7 +194,7 @@ def test_pruning_only_takes_away_no_more_than_it_says_and_breaks_nothing(name):
 
 
 @pytest.mark.parametrize("turns", [1, 2, 3])
-def test_a_turned_image_has_the_turned_skeleton(turns):
+def test_a_rotated_image_has_the_rotated_skeleton(turns):
     values = scenes.blob((70, 80), (33.6, 41.2))
     expected, shape = densely(cpm.skeleton(values)), values.shape
     for _ in range(turns):
@@ -219,7 +219,7 @@ def test_twice_the_size_gives_twice_the_skeleton():
 
 
 @pytest.mark.parametrize(("factor", "shift"), [(0.01, 0.0), (-1.0, 255.0), (300.0, -7e4)])
-def test_grey_levels_do_not_matter_not_even_which_side_is_brighter(factor, shift):
+def test_gray_levels_have_no_effect_not_even_which_side_is_brighter(factor, shift):
     values = scenes.blob((70, 80), (33.6, 41.2))
     skeleton, other = cpm.skeleton(values), cpm.skeleton(shift + factor * values)
     np.testing.assert_allclose(vertices(other), vertices(skeleton), atol=1e-3)
@@ -250,7 +250,7 @@ def test_each_object_has_a_skeleton_of_its_own_and_a_hole_has_none():
     assert both.length > skeleton.length + 50.0
 
 
-def test_an_object_in_an_object_is_one_too():
+def test_an_object_in_an_object_has_a_skeleton():
     values = scenes.disk((120, 120), (60.0, 60.0), 50.0).values + scenes.square((120, 120), (45.3, 45.3), 28.0).values
     skeleton = cpm.skeleton(values)
     away = np.hypot(*(vertices(skeleton) - 59.3).T)
@@ -259,7 +259,7 @@ def test_an_object_in_an_object_is_one_too():
     assert ndimage.label(paint(skeleton) > 0, TOUCHING)[1] == 2
 
 
-def test_an_object_goes_on_beyond_the_border_of_the_image():
+def test_an_object_continues_beyond_the_image_border():
     values = scenes.polygon((90, 80), np.array([(-20.0, 30.3), (-20.0, 50.3), (60.0, 50.3), (60.0, 30.3)])).values
     skeleton = cpm.skeleton(values)
     assert len(skeleton.contours) == 3
@@ -270,11 +270,11 @@ def test_an_object_goes_on_beyond_the_border_of_the_image():
     assert overlap(skeleton.rebuilt(), inside(values)) > 0.98
 
 
-def test_an_object_whose_middle_lies_beyond_the_border_leaves_no_crumbs():
+def test_an_object_whose_center_line_lies_beyond_the_border_has_no_skeleton():
     assert cpm.skeleton(scenes.disk((80, 160), (-40.0, 80.0), 80.0).values).contours == ()
 
 
-def test_parameters_say_what_is_an_edge():
+def test_parameters_define_the_edges():
     strong, weak = (scenes.disk((100, 200), (50.0, c), r).values for c, r in ((50.0, 30.0), (150.0, 20.0)))
     values = strong + 0.3 * weak
     assert len(cpm.skeleton(values).contours) == 2
@@ -282,14 +282,14 @@ def test_parameters_say_what_is_an_edge():
     assert len(cpm.skeleton(values, cpm.Parameters(min_length=150.0)).contours) == 1
 
 
-def test_the_strength_is_that_of_the_edges_around():
+def test_the_strength_is_that_of_the_surrounding_edges():
     # of a step averaged over pixels (variance 1/12) and smoothed, by central differences (variance 1/3)
-    crest = (scenes.BRIGHT - scenes.DARK) / np.sqrt(2.0 * np.pi * (1.0 + 1.0 / 12.0 + 1.0 / 3.0))
+    ridge = (scenes.BRIGHT - scenes.DARK) / np.sqrt(2.0 * np.pi * (1.0 + 1.0 / 12.0 + 1.0 / 3.0))
     (contour,) = cpm.skeleton(scenes.disk((90, 90), (44.4, 45.3), 30.0).values).contours
-    assert contour.strength == pytest.approx(crest, rel=0.06)
+    assert contour.strength == pytest.approx(ridge, rel=0.06)
 
 
-def test_what_is_known_of_the_image_goes_along():
+def test_metadata_of_the_image_are_kept():
     image = cpm.Image(SHAPES["u"].values, (0.5, 0.25), "µm", "u.tif")
     skeleton = cpm.skeleton(image)
     assert (skeleton.shape, skeleton.spacing, skeleton.unit, skeleton.source) == ((96, 96), (0.5, 0.25), "µm", "u.tif")
@@ -303,7 +303,7 @@ def test_an_image_without_an_object_has_an_empty_skeleton(values):
 
 
 @pytest.mark.parametrize(
-    ("values", "words"),
+    ("values", "sentence"),
     [
         (np.ones((30, 30)), "constant"),
         (np.eye(5), "5 x 5 px"),
@@ -311,8 +311,8 @@ def test_an_image_without_an_object_has_an_empty_skeleton(values):
         (np.full((30, 30), np.nan), "NaN"),
     ],
 )
-def test_what_cannot_be_worked_with_is_said_in_a_sentence(values, words):
-    with pytest.raises(ValueError, match=words):
+def test_unusable_values_are_refused_in_one_sentence(values, sentence):
+    with pytest.raises(ValueError, match=sentence):
         cpm.skeleton(values)
 
 

@@ -1,4 +1,4 @@
-"""Bridging gaps: what is joined, along which way, what is told of it; and what is not joined."""
+"""Bridging gaps: which ends are joined, along which path, and which are not."""
 
 import itertools
 
@@ -19,7 +19,7 @@ CENTER, AXES = (65.0, 72.0), (42.0, 55.0)
 
 
 def gapped_ellipse(shape=(130, 160)):
-    """An ellipse whose contrast fades out on both sides of its rightmost place, gradually, so that no other edge is."""
+    """An ellipse whose contrast fades on both sides of its rightmost position, so that no other edge is there."""
     row, col = np.indices(shape)
     away = np.hypot((row - CENTER[0]) / AXES[0], (col - CENTER[1]) / AXES[1]) - 1.0
     distance = np.mean(AXES) * np.abs(away)
@@ -54,7 +54,7 @@ def test_an_ellipse_with_a_gap_of_twenty_pixels_stays_open(ellipse, max_gap):
 
 
 @pytest.mark.parametrize("max_gap", [25.0, 60.0])
-def test_and_is_closed_along_the_curve_by_a_wider_bridge_that_is_told(ellipse, max_gap):
+def test_the_ellipse_is_closed_along_the_curve_by_a_wider_bridge_that_is_reported(ellipse, max_gap):
     engine, state = ellipse
     (piece,) = engine.result(state, Parameters()).contours
     result = engine.result(state, Parameters(max_gap=max_gap))
@@ -71,13 +71,13 @@ def test_and_is_closed_along_the_curve_by_a_wider_bridge_that_is_told(ellipse, m
     assert contour.length == pytest.approx(piece.length + bridge.length)
 
 
-def test_bridges_of_contours_that_are_left_out_are_not_told(ellipse):
+def test_bridges_of_contours_that_are_left_out_are_not_reported(ellipse):
     engine, state = ellipse
     result = engine.result(state, Parameters(max_gap=25.0, min_length=1e4))
     assert result.contours == result.bridges == ()
 
 
-def test_at_a_coarser_scale_bridges_are_told_in_px_and_grey_levels_of_the_image():
+def test_at_a_coarser_scale_bridges_are_in_px_and_gray_levels_of_the_image():
     engine = Engine(gapped_ellipse(), Parameters(scales=2))
     state = engine.start(circle((65.0, 65.0), 20.0))
     last = state
@@ -99,7 +99,7 @@ def scale_field_module(boundary, contrast, regions=None):
 
 
 def flat(regions=None):
-    """Fields with a single edge, far below all that is joined here."""
+    """Fields with a single edge, far below the lines that are joined."""
     return scale_field_module(lambda col: 80.0 + 0.0 * col, lambda col: 100.0 + 0.0 * col, regions)
 
 
@@ -142,7 +142,7 @@ def test_a_faint_edge_in_the_gap_is_followed():
     assert found[0.0].length == pytest.approx(40.0, abs=1.0)
 
 
-def test_where_there_is_no_edge_a_bridge_goes_on_straight():
+def test_without_an_edge_a_bridge_continues_straight():
     graph = curves(straight((40.0, 10.0), (30.0, 40.0)), straight((23.0, 61.0), (13.0, 91.0)))
     (bridge,) = bridged(graph, flat())
     away = bridge.points - (40.0, 10.0)
@@ -161,20 +161,20 @@ def test_a_t_is_joined_in_a_junction():
 
 @pytest.mark.parametrize("shift", [0.0, 10.0, 30.0, -12.0, 45.0])
 @pytest.mark.parametrize("apart", [6.0, 10.0, 16.0])
-def test_parallel_lines_beside_each_other_are_not_joined(apart, shift):
+def test_parallel_lines_are_not_joined(apart, shift):
     graph = curves(
         straight((40.0, 10.0), (40.0, 60.0)), straight((40.0 - apart, 10 + shift), (40.0 - apart, 60 + shift))
     )
     assert bridged(graph, flat()) == ()
 
 
-def test_the_ends_of_an_arc_that_look_away_from_each_other_are_not_joined():
+def test_ends_that_point_away_from_each_other_are_not_joined():
     angle = np.linspace(0.2 * np.pi, 0.8 * np.pi, 30)
     assert bridged(curves(np.stack([40.0 - 12.0 * np.sin(angle), 50.0 + 12.0 * np.cos(angle)], axis=1)), flat()) == ()
 
 
 def test_no_bridge_crosses_a_contour():
-    """Another contour lies between the ends, and shall not be met either: it runs nearly along."""
+    """Another contour between the ends is not met either, since it is nearly parallel."""
     graph = curves(
         straight((40.0, 10.0), (40.0, 50.0)),
         straight((40.0, 64.0), (40.0, 104.0)),
@@ -194,7 +194,7 @@ def test_no_bridge_crosses_a_barrier_or_leaves_the_region():
     assert bridged(curves(*lines), flat(Regions(interest=(around,)))) == ()
 
 
-def test_what_runs_out_of_the_region_is_not_bridged_along_its_rim():
+def test_contours_that_leave_the_region_are_not_bridged_along_its_border():
     angle = np.linspace(-0.3 * np.pi, 1.3 * np.pi, 80)
     arc = np.stack([40.0 - 18.0 * np.sin(angle), 50.0 + 18.0 * np.cos(angle)], axis=1)
     below = ((2, 2), (2, 117), (56, 117), (56, 2))
@@ -209,7 +209,7 @@ def test_the_nearest_end_is_joined_first():
     np.testing.assert_allclose(bridge.points[[0, -1]], [(40, 40), (41, 50)])
 
 
-def test_specks_are_not_joined():
+def test_short_isolated_curves_are_not_joined():
     graph = curves(straight((40.0, 10.0), (40.0, 40.0)), straight((40.0, 50.0), (40.0, 54.0)))
     assert bridged(graph, flat()) == ()
 
@@ -242,7 +242,7 @@ def test_bridges_only_add_and_cross_nothing_and_are_no_wider_than_asked(seed, lo
 
 
 def crossing(a, b, p, q):
-    """Whether segments ab and pq cross, by solving for the place."""
+    """Whether segments ab and pq cross, by solving for the intersection."""
     matrix = np.stack([b - a, p - q], axis=1)
     if abs(np.linalg.det(matrix)) < 1e-9:
         return False

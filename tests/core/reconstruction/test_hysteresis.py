@@ -1,4 +1,4 @@
-"""Which contours stay: hysteresis against brute force, and thresholds that only take away."""
+"""Hysteresis thresholding against brute force, and thresholds that only remove."""
 
 import itertools
 
@@ -43,7 +43,7 @@ thresholds = st.floats(0.0, 9.0)
 
 @settings(max_examples=150, deadline=None)
 @given(rated_graphs(), thresholds, thresholds)
-def test_what_stays_is_strong_enough_and_connected_to_what_is_sure(made, least, sure):
+def test_remaining_edges_are_strong_enough_and_connected_to_sure_ones(made, least, sure):
     kept, rated = kept_edges(made, least, sure)
     strength = made[2]
     truth = {e for e, rating in rated.items() if rating >= least and max(strength[e[0]], strength[e[1]]) >= sure}
@@ -57,7 +57,7 @@ def test_what_stays_is_strong_enough_and_connected_to_what_is_sure(made, least, 
 
 @settings(max_examples=150, deadline=None)
 @given(rated_graphs(), thresholds, thresholds, thresholds, thresholds)
-def test_a_higher_threshold_only_takes_away(made, least, sure, more, surer):
+def test_a_higher_threshold_only_removes(made, least, sure, more, surer):
     kept, _ = kept_edges(made, least, sure)
     fewer, _ = kept_edges(made, least + more, sure + surer)
     assert fewer <= kept
@@ -72,7 +72,7 @@ def test_without_thresholds_everything_stays(made):
 
 @settings(max_examples=100, deadline=None)
 @given(rated_graphs())
-def test_what_is_closed_or_between_junctions_is_rated_as_a_whole(made):
+def test_closed_contours_and_those_between_junctions_are_rated_as_a_whole(made):
     points, edges, strength = made
     graph = Graph(points, edges)
     rated = by_edge(ratings(graph, lambda _: strength))
@@ -91,13 +91,13 @@ def line(strengths):
     return points, np.array(list(itertools.pairwise(range(len(strengths))))), np.array(strengths, dtype=float)
 
 
-def test_a_contour_that_runs_out_loses_its_weak_stretch_and_keeps_the_strong_one():
+def test_a_contour_with_a_loose_end_loses_its_weak_stretch_and_keeps_the_strong_one():
     kept, _ = kept_edges(line([50.0] * 40 + [5.0] * 60), 25.0, 0.0)
     assert kept == {(i, i + 1) for i in range(max(b for _, b in kept))}
     assert 36 <= len(kept) <= 44
 
 
-def test_a_short_dip_does_not_cut_a_contour():
+def test_a_short_weak_stretch_does_not_cut_a_contour():
     kept, _ = kept_edges(line([50.0] * 40 + [5.0] * 3 + [50.0] * 40), 25.0, 0.0)
     assert len(kept) == 82
 
@@ -109,7 +109,7 @@ def test_a_weak_stretch_does_not_open_a_closed_contour():
     assert len(kept_edges((points, ring, strength), 40.0, 0.0)[0]) == 0
 
 
-def test_a_contour_that_a_weak_branch_ran_into_is_one_again():
+def test_a_contour_without_its_weak_branch_is_one_contour_again():
     points, edges, strength = line([50.0] * 41)
     branch = np.stack([np.arange(1.0, 31.0), np.full(30, 20.0)], axis=1)
     more = [(20 if i == 0 else 40 + i, 41 + i) for i in range(30)]
@@ -127,7 +127,7 @@ SHAPE = (120, 120)
 
 @pytest.fixture(scope="module")
 def edges_of_four_strengths():
-    """A strong upright edge with a faint one that runs into it, and a faint one by itself."""
+    """A strong vertical edge with a faint one that meets it, and an isolated faint one."""
     image = np.full(SHAPE, 100.0)
     image[:, 40:] += 100.0
     image[60:, 40:] += 25.0
@@ -169,7 +169,7 @@ def test_a_higher_threshold_never_finds_more(edges_of_four_strengths, name, top)
     assert lengths[-1] < lengths[0]
 
 
-def test_a_short_branch_does_not_open_the_outline_that_it_hangs_on():
+def test_a_short_branch_does_not_open_the_outline_that_it_is_joined_to():
     row, col = np.indices((120, 120))
     image = np.where((row > 60) & (col > 60), 60.0, 20.0)
     image[np.hypot(row - 60, col - 50) < 30] = 220.0

@@ -80,7 +80,7 @@ def test_crust_joins_points_by_circles_free_of_their_voronoi_vertices(seed, coun
 
 @settings(max_examples=30, deadline=None)
 @given(blobs(), st.floats(0.0, 6.3), st.floats(0.01, 50.0), st.integers(0, 10**6))
-def test_crust_turns_moves_scales_and_shuffles_with_the_points(points, angle, scale, seed):
+def test_crust_does_not_depend_on_rotation_shift_scale_and_order_of_the_points(points, angle, scale, seed):
     rng = np.random.default_rng(seed)
     points = points + rng.normal(0.0, 0.3, points.shape)  # off the curve: other edges than the polygon's
     turn = np.array([(np.cos(angle), -np.sin(angle)), (np.sin(angle), np.cos(angle))])
@@ -142,7 +142,7 @@ def test_a_cross_is_four_open_contours_that_meet_in_one_junction():
 
 
 def test_a_figure_of_eight_is_found_in_its_whole_length():
-    """At an even crossing all edges are on the verge of belonging to the crust: there may be one piece or four."""
+    """At an even crossing all edges nearly belong to the crust: there may be one piece or four."""
     t = 2.0 * np.pi * np.delete(np.arange(200), 150) / 200
     points = 40.0 + np.stack([30.0 * np.sin(t) * np.cos(t), 30.0 * np.cos(t)], axis=1)
     contours = reconstruct_curve(points)
@@ -152,7 +152,7 @@ def test_a_figure_of_eight_is_found_in_its_whole_length():
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 3])
-def test_hardly_any_points_make_no_contour(count):
+def test_too_few_points_make_no_contour(count):
     assert reconstruct_curve(np.random.default_rng(2).uniform(size=(count, 2))) == ()
 
 
@@ -171,7 +171,7 @@ def test_a_point_given_twice_counts_once():
 
 
 @pytest.mark.parametrize("points", [np.zeros(6), np.zeros((4, 3))], ids=str)
-def test_points_that_are_none_are_refused(points):
+def test_arrays_of_another_shape_are_refused(points):
     with pytest.raises(ValueError, match=r"points have the shape .* must be \(N, 2\)"):
         reconstruct_curve(points)
 
@@ -205,7 +205,7 @@ def components(graph):
 
 @settings(max_examples=150, deadline=None)
 @given(graphs())
-def test_walks_use_every_edge_exactly_once_and_end_where_curves_do(graph):
+def test_contours_use_every_edge_exactly_once_and_end_at_ends_and_junctions(graph):
     walked = []
     ways = graph.ways()
     for path, closed in ((ways.path(n).tolist(), ways.closed[n]) for n in range(len(ways))):
@@ -223,7 +223,7 @@ def test_walks_use_every_edge_exactly_once_and_end_where_curves_do(graph):
 
 @settings(max_examples=60, deadline=None)
 @given(graphs())
-def test_contours_are_sorted_and_know_their_junctions(graph):
+def test_contours_are_sorted_and_have_their_junctions(graph):
     contours = graph.contours()
     lengths = [c.length for c in contours]
     assert lengths == sorted(lengths, reverse=True)
@@ -256,7 +256,7 @@ def test_long_branches_stay(branch):
     assert edges_of(graph) == before
 
 
-def test_specks_are_dropped_and_longer_pieces_stay():
+def test_short_isolated_curves_are_dropped_and_longer_ones_stay():
     points = np.array(
         [(0.0, 0.0), (0.0, 2.0), (9.0, 0.0), (9.0, 2.0), (9.0, 4.5), (20.0, 0.0), (20.0, 9.0), (24.0, 5.0)]
     )
@@ -275,14 +275,14 @@ def ladder(rung):
 
 
 @pytest.mark.parametrize(("rung", "longest", "count"), [(0, 2.0, 2), (2, 4.0, 2), (2, 3.0, 5), (6, 4.0, 5)])
-def test_short_ways_from_junction_to_junction_are_dropped(rung, longest, count):
+def test_short_paths_between_junctions_are_dropped(rung, longest, count):
     graph = ladder(rung)
     graph.drop_ties(longest)
     assert len(graph.contours()) == count
 
 
 @pytest.mark.parametrize(("rung", "longest", "count"), [(0, 1.0, 4), (1, 2.0, 4), (1, 1.9, 5)])
-def test_junctions_close_to_each_other_become_one_between_them(rung, longest, count):
+def test_junctions_close_to_each_other_are_merged(rung, longest, count):
     graph = ladder(rung)
     graph.merge_junctions(longest)
     contours = graph.contours()
@@ -292,7 +292,7 @@ def test_junctions_close_to_each_other_become_one_between_them(rung, longest, co
         np.testing.assert_array_equal(meeting, np.full((4, 1), 1.0) * [0.5 * (rung + 1), 9.0])
 
 
-def test_a_short_curve_by_itself_is_no_spur():
+def test_an_isolated_short_curve_is_no_spur():
     graph = Graph(np.arange(6.0).reshape(3, 2), np.array([(0, 1), (1, 2)]))
     graph.drop_spurs(3)
     assert edges_of(graph) == {(0, 1), (1, 2)}
@@ -300,7 +300,7 @@ def test_a_short_curve_by_itself_is_no_spur():
 
 @settings(max_examples=100, deadline=None)
 @given(graphs(), st.integers(1, 4))
-def test_dropping_spurs_only_takes_away_and_never_opens_a_round(graph, longest):
+def test_dropping_spurs_only_removes_and_never_opens_a_cycle(graph, longest):
     before = edges_of(graph)
     on_round = {e for e in before if _on_round(before, e)}
     graph.drop_spurs(longest)
@@ -320,10 +320,10 @@ def _on_round(edges, edge):
 
 def smooth_step(shape, angle, offset):
     """Image of a straight edge blurred by half a pixel, and the distance of points from it."""
-    centre = 0.5 * (np.array(shape) - 1.0)
+    center = 0.5 * (np.array(shape) - 1.0)
 
     def across(points):
-        return (points[..., 0] - centre[0]) * np.sin(angle) + (points[..., 1] - centre[1]) * np.cos(angle) - offset
+        return (points[..., 0] - center[0]) * np.sin(angle) + (points[..., 1] - center[1]) * np.cos(angle) - offset
 
     nodes = np.moveaxis(np.indices(shape).astype(float), 0, -1)
     return 50.0 * (1.0 + special.erf(across(nodes) / (np.sqrt(2.0) * 0.5))), across
@@ -331,8 +331,8 @@ def smooth_step(shape, angle, offset):
 
 @pytest.mark.parametrize("angle", [0.0, 0.25, 0.8, 1.3, np.pi / 2])
 @pytest.mark.parametrize("offset", [-0.4, 0.0, 0.15, 0.5])
-def test_crest_of_a_straight_edge_is_the_edge(angle, offset):
-    """Within 0.02 px, wherever between the pixels the edge lies."""
+def test_the_ridge_of_a_straight_edge_is_the_edge(angle, offset):
+    """Within 0.02 px for any position of the edge between the pixels."""
     image, across = smooth_step((41, 41), angle, offset)
     along = np.linspace(-12.0, 12.0, 25)
     normal, tangent = np.array([np.sin(angle), np.cos(angle)]), np.array([np.cos(angle), -np.sin(angle)])
@@ -345,8 +345,8 @@ def test_crest_of_a_straight_edge_is_the_edge(angle, offset):
 
 @pytest.mark.parametrize("center", [(35.0, 36.0), (34.6, 35.3)], ids=str)
 @pytest.mark.parametrize(("radius", "smoothing"), [(15.0, 1.0), (28.0, 0.5), (28.0, 1.0), (28.0, 2.0)])
-def test_crest_of_a_disk_is_its_boundary_but_for_the_shift_by_smoothing(center, radius, smoothing):
-    """Any blur of variance s^2 moves the steepest place of a curved edge inwards by s^2 / 2 R.
+def test_the_ridge_of_a_disk_is_its_boundary_except_for_the_shift_by_smoothing(center, radius, smoothing):
+    """Any blur of variance s^2 moves the steepest position of a curved edge inward by s^2 / 2 R.
 
     The variance is that of the Gaussian, of a pixel (1/12) and of the central difference (1/3). Seen beyond it: a bias
     below 0.007 px and a deviation of 0.005 to 0.02 px. At R = 28 and sigma = 1 the mean is within 0.03 px of the truth.
@@ -361,14 +361,14 @@ def test_crest_of_a_disk_is_its_boundary_but_for_the_shift_by_smoothing(center, 
     assert outwards.std() < 0.03
 
 
-def test_far_from_any_edge_no_crest_is_found():
+def test_far_from_any_edge_no_ridge_is_found():
     image, _ = smooth_step((41, 41), 0.0, 0.0)
     _, found = ridge_points(np.array([(20.0, 5.0), (10.0, 35.0), (20.0, 26.0)]), build_scale_field(image, 1.0, 0.0))
     assert not found.any()
 
 
 def two_pieces(gap, spacing=2.0):
-    """Two runs of points along the upright middle of a 41 by 41 image, with a gap between them."""
+    """Two lines of points along the vertical center line of a 41 by 41 image, with a gap between them."""
     upper, lower = np.arange(18.0, 3.0, -spacing)[::-1], np.arange(18.0 + gap, 37.0, spacing)
     points = np.stack([np.concatenate([upper, lower]), np.full(len(upper) + len(lower), 20.0)], axis=1)
     count = len(upper)
@@ -388,8 +388,8 @@ def test_ends_are_joined_along_an_edge_within_reach():
     assert edges_of(graph) == before
 
 
-def test_an_end_is_not_joined_to_its_own_curve_behind_it():
-    """Were it joined, the curve would end in a loop; points may be as near to each other as d_min / 2."""
+def test_an_end_is_not_joined_to_its_own_branch():
+    """Otherwise the curve would end in a loop; points may be as close as d_min / 2."""
     image, _ = smooth_step((41, 41), 0.0, 0.0)
     graph, bridge = two_pieces(3.0, spacing=1.0)
     before = edges_of(graph)
@@ -408,7 +408,7 @@ def test_ends_are_not_joined_where_the_edge_has_a_gap():
 
 
 def test_an_end_beside_a_curve_joins_it_in_a_junction():
-    """A flat of three grey levels: one upright edge, and one that runs into it from the right."""
+    """Three uniform regions: one vertical edge, and one that meets it from the right."""
     image = np.zeros((41, 41))
     image[:20, 21:], image[20:, 21:] = 100.0, 220.0
     upright = np.stack([np.arange(5.0, 36.0, 2.0), np.full(16, 20.5)], axis=1)

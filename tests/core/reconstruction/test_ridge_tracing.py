@@ -45,7 +45,7 @@ def test_the_gradient_is_interpolated_as_for_particles(seed, rows, cols):
     np.testing.assert_allclose([uphill(ridge, *place) for place in places], directions, atol=1e-9)
 
 
-def test_the_ridge_is_as_high_as_the_edge_map_on_every_pixel_those_of_the_border_included():
+def test_the_ridge_height_equals_the_edge_map_on_every_pixel_including_the_border():
     scale_field = build_scale_field(np.random.default_rng(0).normal(size=(12, 15)), 1.0, 0.0)
     ridge = ridge_of(scale_field)
     heights = [[spline_height(ridge.spline, row, col) for col in range(15)] for row in range(12)]
@@ -63,8 +63,8 @@ def traced(scale_field, points, d_min=2.0):
 
 @settings(max_examples=25, deadline=None)
 @given(st.floats(2.5, 30.0), st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.integers(0, 10**6), st.floats(0.2, 1.0))
-def test_few_points_on_a_disk_make_its_whole_outline(radius, row, col, seed, density):
-    """However few and unevenly they lie, as long as no two neighbours are twenty pixels apart.
+def test_a_few_points_on_a_disk_give_its_whole_outline(radius, row, col, seed, density):
+    """For few and unevenly spaced points, as long as no two neighbors are twenty pixels apart.
 
     Smoothing moves the ridge inwards; its scatter is that of a pixel's antialiasing. Sides may deviate by 0.03 px.
     """
@@ -91,7 +91,7 @@ def _on(center, radius, angle):
     return np.stack([center[0] + radius * np.sin(angle), center[1] + radius * np.cos(angle)], axis=1)
 
 
-def test_a_trace_goes_no_farther_than_five_spacings_beyond_the_last_point():
+def test_a_trace_extends_at_most_five_spacings_beyond_the_last_point():
     image = 255.0 * (np.indices((80, 200))[0] >= 40)
     scale_field = build_scale_field(image, 1.0, 0.0)
     points = np.stack([np.full(11, 39.5), np.linspace(90.0, 110.0, 11)], axis=1)
@@ -109,8 +109,8 @@ def test_points_with_more_than_ten_spacings_between_them_are_not_joined():
         assert len(traced(scale_field, points)) == count
 
 
-def test_where_the_edge_ends_the_trace_ends():
-    """A step that is there on the left only: within a pixel or so of the place where it stops."""
+def test_a_trace_ends_where_the_edge_ends():
+    """A step that is there on the left only: within a pixel or so of the position where it stops."""
     row, col = np.indices((60, 100))
     image = np.where(col < 50, 255.0 * (row >= 30), 127.5)
     scale_field = build_scale_field(image, 1.0, 0.0)
@@ -140,7 +140,7 @@ def loose_ends():
 
 
 @pytest.mark.parametrize("part", [1, 40, 10**6])
-def test_walks_do_not_depend_on_how_they_are_shared_among_the_cores(loose_ends, monkeypatch, part):
+def test_traces_do_not_depend_on_the_division_among_the_cores(loose_ends, monkeypatch, part):
     scale_field, points = loose_ends
     assert len(points) > 300
     expected = trace(points, scale_field, 2.0, at_rest=True)
@@ -154,7 +154,7 @@ def test_walks_do_not_depend_on_how_they_are_shared_among_the_cores(loose_ends, 
         np.testing.assert_array_equal(found, truth)
 
 
-def test_nor_on_how_often_they_run_out_of_room(loose_ends, monkeypatch):
+def test_traces_do_not_depend_on_the_size_of_the_output_arrays(loose_ends, monkeypatch):
     scale_field, points = loose_ends
     vertices, edges = trace(points, scale_field, 2.0)
     called, most, walk = [], int(2.0 * 20.0 / 0.4) + 4, ridge_tracing.walk
@@ -188,7 +188,7 @@ SLITS = {
 @pytest.mark.parametrize("shift", [0.5, 0.875])
 @pytest.mark.parametrize("name", SLITS)
 def test_slits_limbs_and_tips_are_part_of_one_closed_contour(name, shift):
-    """The outline is found but for the very tips, which smoothing blunts, and nothing else is.
+    """The outline is found except for the tips, which smoothing rounds, and nothing else is found.
 
     What is one pixel wide is narrower than the smoothing, and may come off as a contour by itself.
     """
@@ -204,28 +204,28 @@ def test_slits_limbs_and_tips_are_part_of_one_closed_contour(name, shift):
 
 
 @pytest.mark.parametrize("name", ["slit of two", "limb of two", "sharp notch"])
-def test_so_they_are_in_a_turned_image(name):
+def test_slits_limbs_and_tips_are_found_in_a_rotated_image(name):
     corners = turned(np.array(SLITS[name], dtype=float) - 0.5, (90, 90))
     (contour,) = segment(polygon((90, 90), corners).values, circle((49.0, 50.0), 8.0)).contours
     assert contour.closed
 
 
-def sectors(*greys):
-    """A square image of grey sectors around its middle, given as (angle at which it begins, grey level)."""
+def sectors(*grays):
+    """A square image of gray sectors around its center, given as (angle at which it begins, gray level)."""
 
     def inside(row, col, begin, end):
         angle = np.arctan2(row - 49.7, col - 49.4) % (2.0 * np.pi)
         return (angle >= begin) & (angle < end)
 
     image = np.zeros((100, 100))
-    for (begin, grey), (end, _) in zip(greys, [*greys[1:], (2.0 * np.pi, 0)], strict=True):
+    for (begin, gray), (end, _) in zip(grays, [*grays[1:], (2.0 * np.pi, 0)], strict=True):
         share = (antialiased((100, 100), lambda row, col, b=begin, e=end: inside(row, col, b, e)) - 40.0) / 160.0
-        image += grey * share
+        image += gray * share
     return image
 
 
 @pytest.mark.parametrize(
-    "greys",
+    "grays",
     [
         [(0.0, 40.0), (2.0, 120.0), (4.2, 220.0)],
         [(0.0, 40.0), (np.pi / 2, 120.0), (np.pi, 220.0)],
@@ -233,9 +233,9 @@ def sectors(*greys):
     ],
     ids=["Y", "T", "saddle"],
 )
-def test_edges_that_meet_make_one_junction(greys):
-    contours = segment(sectors(*greys), uniform_grid((100, 100), spacing=8.0)).contours
-    assert len(contours) == len(greys)
+def test_edges_that_meet_make_one_junction(grays):
+    contours = segment(sectors(*grays), uniform_grid((100, 100), spacing=8.0)).contours
+    assert len(contours) == len(grays)
     meeting = [c.points[[0, -1]][list(c.junctions)] for c in contours]
     assert all(len(places) == 1 for places in meeting)
     places = np.concatenate(meeting)
@@ -243,8 +243,8 @@ def test_edges_that_meet_make_one_junction(greys):
     assert np.linalg.norm(places[0] - (49.7, 49.4)) < 2.0
 
 
-def test_the_sides_of_a_contour_keep_to_the_crest():
-    """Every place on its sides, corners included, within 0.05 px of where the edge map is largest across the edge."""
+def test_the_sides_of_a_contour_follow_the_ridge():
+    """Every position on its sides, including corners, is within 0.05 px of the maximum of the edge map across it."""
     scene = polygon((70, 70), np.array([(15, 12), (54, 12), (54, 33), (33, 33), (33, 55), (15, 55)]) + 0.3)
     engine = Engine(scene.values)
     state = engine.start(circle((30.0, 20.0), 7.0))

@@ -1,4 +1,4 @@
-"""Warming up compiles, and does nothing else."""
+"""Warming up compiles and has no other effect."""
 
 import os
 import subprocess
@@ -16,10 +16,10 @@ from cpm_core.segmentation.warm_up import warm_up
 from ..scenes import disk
 
 
-def test_warming_up_twice_leaves_nothing_behind(tmp_path, monkeypatch):
+def test_warming_up_twice_has_no_side_effects(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     environment = dict(os.environ)
-    random_before = np.random.get_state()[1].tolist()  # noqa: NPY002 - that nobody has touched it is the point
+    random_before = np.random.get_state()[1].tolist()  # noqa: NPY002 - the global generator must be untouched
     assert warm_up() is None
     threads = threading.active_count()
     assert warm_up() is None
@@ -48,13 +48,13 @@ def test_warming_up_beside_a_run_does_not_change_it():
 
 @pytest.fixture
 def new_folder(tmp_path, monkeypatch):
-    """A folder in which nothing is kept yet, and two cores."""
+    """An empty cache folder, and two cores."""
     monkeypatch.setattr(jit_cache, "folder_of_this_package", lambda: tmp_path)
     monkeypatch.setattr(compilation, "cores", lambda: 2)
     return tmp_path
 
 
-def test_what_other_processes_compile_is_taken_over_once(new_folder, monkeypatch):
+def test_caches_of_other_processes_are_copied_once(new_folder, monkeypatch):
     started = []
 
     def quick_process(part, aside):
@@ -75,7 +75,7 @@ def test_what_other_processes_compile_is_taken_over_once(new_folder, monkeypatch
     assert [path.name for path in new_folder.iterdir()] == ["cpm_core_1"]
 
 
-def test_what_is_wanted_no_longer_is_not_waited_for(new_folder, monkeypatch):
+def test_a_canceled_compilation_is_not_waited_for(new_folder, monkeypatch):
     started = []
 
     def endless_process(part, aside):
@@ -85,7 +85,7 @@ def test_what_is_wanted_no_longer_is_not_waited_for(new_folder, monkeypatch):
     monkeypatch.setattr(compilation, "_other_process", endless_process)
 
     def step_once():
-        pytest.fail("it went on")
+        pytest.fail("it continued")
 
     monkeypatch.setattr(compilation, "step_once", step_once)
     warm_up(lambda: len(started) == 2)
@@ -99,7 +99,7 @@ def test_without_other_processes_the_loops_are_compiled_here(new_folder, monkeyp
     assert list(new_folder.iterdir()) == []
 
 
-def test_the_other_processes_find_the_program_and_nothing_of_the_folder_they_are_in(tmp_path, monkeypatch):
+def test_the_other_processes_import_the_program_and_nothing_from_the_current_folder(tmp_path, monkeypatch):
     (tmp_path / "numpy.py").write_text("raise SystemExit(3)")
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("PYTHONPATH", raising=False)
@@ -110,14 +110,14 @@ def test_the_other_processes_find_the_program_and_nothing_of_the_folder_they_are
     assert list(aside.glob("loops-*"))
 
 
-def test_the_other_processes_end_with_the_one_that_has_started_them(tmp_path):
+def test_the_other_processes_end_with_the_one_that_started_them(tmp_path):
     process = compilation._other_process("threading.Event().wait", tmp_path)
     assert process.poll() is None
-    process.communicate()  # closes their only tie, as the end of this process would
+    process.communicate()  # closes the pipe, as the end of this process would
     assert process.returncode == 1
 
 
-def test_loops_kept_already_are_not_taken_over(tmp_path):
+def test_loops_already_in_the_cache_are_not_overwritten(tmp_path):
     aside, kept = tmp_path / "aside", tmp_path / "kept"
     source = aside / "loops-1" / "cpm_core_1"
     for folder, text in ((source, "new"), (kept / "cpm_core_1", "old")):

@@ -1,4 +1,4 @@
-"""Whatever part of something enclosed has been found, its other boundaries are found too."""
+"""Once one boundary of an enclosed region has been found, its other boundaries are found too."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def rim(center, radius):
 
 
 @pytest.mark.parametrize("known", ["hole", "outline"])
-def test_the_boundary_that_nobody_reached_gets_particles_beside_it(known):
+def test_a_boundary_that_no_particle_reached_is_reseeded(known):
     scale_field = build_scale_field(ring(), 1.0, 0.0)
     hole, outline = rim((60.0, 60.0), 13.5), rim((60.0, 66.0), 50.0)
     places = reseeding_places(scale_field, hole if known == "hole" else outline)
@@ -34,8 +34,8 @@ def test_the_boundary_that_nobody_reached_gets_particles_beside_it(known):
 
 
 @pytest.mark.parametrize("gap", [3.0, 5.0, 8.0])
-def test_a_hole_close_to_the_outline_is_missing_though_particles_are_near(gap):
-    """Their rims may be one; which side of an edge a particle is on tells the one from the other."""
+def test_a_hole_close_to_the_outline_is_reseeded_although_particles_are_near(gap):
+    """Their rims may coincide; the side of the edge on which a particle lies distinguishes them."""
     center, radius = (60.0, 66.0 + 50.0 - gap - 6.0), 6.0
     image = 200.0 * np.clip(50.5 - np.hypot(ROW - 60.0, COL - 66.0), 0.0, 1.0)
     image *= np.clip(np.hypot(ROW - center[0], COL - center[1]) - radius + 0.5, 0.0, 1.0)
@@ -47,7 +47,7 @@ def test_a_hole_close_to_the_outline_is_missing_though_particles_are_near(gap):
     assert all(c.closed for c in result.contours)
 
 
-def test_what_lies_outside_is_left_alone():
+def test_regions_at_the_image_border_are_not_reseeded():
     image = ring() + 200.0 * (np.hypot(ROW - 14, COL - 126) < 9)
     scale_field = build_scale_field(image, 1.0, 0.0)
     found = np.concatenate([rim((60.0, 60.0), 13.5), rim((60.0, 66.0), 50.0)])
@@ -56,7 +56,7 @@ def test_what_lies_outside_is_left_alone():
     assert len(reseeding_places(scale_field, np.zeros((0, 2)))) == 0
 
 
-def test_nothing_is_launched_while_no_boundary_of_a_region_is_known():
+def test_there_is_no_reseeding_while_no_boundary_of_a_region_is_reached():
     scale_field = build_scale_field(ring(), 1.0, 0.0)
     assert len(reseeding_places(scale_field, rim((14.0, 126.0), 3.0))) == 0
 
@@ -70,7 +70,7 @@ def test_a_start_on_any_side_finds_ring_and_hole(start):
     assert result.converged
 
 
-def test_nobody_is_launched_across_a_barrier():
+def test_there_is_no_reseeding_across_a_barrier():
     """A barrier between the hole and the outline, closed but not around either of them alone."""
     around = [(60.0 + 30.0 * np.sin(a), 66.0 + 30.0 * np.cos(a)) for a in np.linspace(0.0, 2.0 * np.pi, 41)]
     regions = Regions(barriers=(tuple(around),))

@@ -38,7 +38,7 @@ def states(engine):
 
 
 def frozen(state):
-    """Bytes of all that a state holds."""
+    """Bytes of all values of a state."""
     apart = ("particles", "coverage", "far")
     figures = [repr(getattr(state, f.name)) for f in dataclasses.fields(state) if f.name not in apart]
     arrays = [getattr(state.particles, name).tobytes() for name in ARRAYS]
@@ -47,7 +47,7 @@ def frozen(state):
 
 
 def in_order(particles):
-    """Particles in the order of their identities: a step may sort them anew."""
+    """Particles in the order of their identities: a step may change their order."""
     return particles.taken(np.argsort(particles.identity))
 
 
@@ -66,7 +66,7 @@ def test_same_input_same_bits(engine, states):
 
 
 def test_same_bits_on_any_number_of_cores(monkeypatch):
-    """A large scene, for a few particles are not worth a second core."""
+    """A large scene, since a few particles use only one core."""
     scene = ring((260, 250), (129.4, 125.7), 60.0, 110.0)
     parameters = Parameters(scales=1)
     engine = Engine(scene.values, parameters)
@@ -79,7 +79,7 @@ def test_same_bits_on_any_number_of_cores(monkeypatch):
     assert runs[0] == runs[1] == runs[2]
 
 
-def test_a_step_leaves_the_state_that_it_starts_from_alone(engine, states):
+def test_a_step_does_not_change_the_state_that_it_starts_from(engine, states):
     for state in states[:: len(states) // 25]:
         before = frozen(state)
         engine.step(state, Parameters())
@@ -99,8 +99,8 @@ def test_a_run_ends_at_rest_with_a_reason(states):
     assert all(state.stop_reason == "" and not state.converged for state in states[:-1])
 
 
-def test_only_rest_is_convergence(engine):
-    """Whatever is still moving when a run ends has not converged: the last steps of a converged one are quiet."""
+def test_a_run_converges_only_at_rest(engine):
+    """A run that ends while particles move has not converged: the last steps of a converged run are quiet."""
     for seeds in (START, circle((31.0, 30.0), 25.0), np.array([(14.0, 30.0)])):
         last = run(engine, seeds, Parameters())[-1]
         assert last.stop_reason
@@ -109,7 +109,7 @@ def test_only_rest_is_convergence(engine):
             assert last.born + last.deleted + last.moving <= 0.01 * last.count
 
 
-def test_a_final_state_is_returned_as_it_is(engine, states):
+def test_a_final_state_is_returned_unchanged(engine, states):
     assert engine.step(states[-1], Parameters()) is states[-1]
     assert engine.step(states[5].stopped("enough"), Parameters()).step == states[5].step
 
@@ -129,23 +129,23 @@ def test_one_scale_is_the_image_itself():
     np.testing.assert_array_equal(states[0].position, START)
 
 
-def test_every_scale_starts_with_the_drawing(states):
-    """Within rounding, and as far as nobody of the coarser scale stands there."""
+def test_every_scale_starts_with_the_seeds(states):
+    """Within rounding, except where a particle of the coarser scale is."""
     for before, state in pairwise(states):
         if state.scale != before.scale:
             away = np.linalg.norm(state.position[:, None] - START, axis=2).min(axis=0)
             assert away.max() < 1.0 * 2.0**state.scale
 
 
-def test_positions_are_told_in_px_of_the_image_at_every_scale(states):
-    """The particles of the coarsest scale sit on the same disk as those of the finest."""
+def test_positions_are_in_px_of_the_image_at_every_scale(states):
+    """The particles of the coarsest scale are on the same disk as those of the finest."""
     for scale in (2, 1, 0):
         last = [state for state in states if state.scale == scale][-1]
         assert np.median(SCENE.distance(last.position)) < 2.0**scale
 
 
-def test_nobody_is_outside_the_image_after_a_step(engine):
-    """Not even those that start by the border in a crowd that drives them out."""
+def test_no_particle_is_outside_the_image_after_a_step(engine):
+    """Including those that start at the border and are pushed out by others."""
     corner = np.random.default_rng(0).uniform(0.0, 6.0, (60, 2))
     seeds = np.concatenate([corner, np.array([63.0, 59.0]) - corner, START])
     deleted = 0
@@ -172,20 +172,20 @@ def test_a_particle_that_leaves_is_removed_and_counted():
     assert any(count < before and deleted for (before, _), (count, deleted) in pairwise(counts))
 
 
-def test_a_run_without_particles_left_ends_and_says_so(engine):
+def test_a_run_without_particles_ends_with_a_reason(engine):
     state = engine.start(START)
-    nobody = state.particles.where(np.zeros(state.count, bool))
-    ended = engine.step(dataclasses.replace(state, particles=nobody, start=nobody.position, scale=0), Parameters())
+    empty = state.particles.where(np.zeros(state.count, bool))
+    ended = engine.step(dataclasses.replace(state, particles=empty, start=empty.position, scale=0), Parameters())
     assert ended.count == 0
     assert "left the image" in ended.stop_reason
     assert not ended.converged
     assert engine.result(ended, Parameters()).contours == ()
 
 
-def test_a_scale_that_all_particles_leave_hands_over_to_the_next_with_the_drawing(engine):
+def test_after_a_scale_without_particles_the_next_starts_with_the_seeds(engine):
     state = engine.start(START)
-    nobody = dataclasses.replace(state, particles=state.particles.where(np.zeros(state.count, bool)))
-    after = engine.step(nobody, Parameters())
+    empty = dataclasses.replace(state, particles=state.particles.where(np.zeros(state.count, bool)))
+    after = engine.step(empty, Parameters())
     assert (after.scale, after.stop_reason, after.count) == (1, "", len(START))
 
 
@@ -197,7 +197,7 @@ def test_insertion_range_is_annealed_at_every_step_and_whole_at_every_scale(engi
             assert state.annealed == pytest.approx(annealing**state.step_of_scale, rel=1e-12)
 
 
-def test_identities_are_unique_and_never_given_twice(states):
+def test_identities_are_unique_and_never_reused(states):
     last_seen, dead = set(), set()
     for state in states:
         identity = state.particles.identity.tolist()
@@ -217,7 +217,7 @@ def test_births_and_deletions_are_the_change_of_the_count(states):
 
 def test_particles_keep_their_identities_and_histories_however_they_are_sorted(states):
     """The distances of the last steps go with the particle that was at them, and so does the force of the last one."""
-    sorted_anew = 0
+    reordered = 0
     for before, state in pairwise(states):
         if state.scale != before.scale:
             continue
@@ -225,11 +225,11 @@ def test_particles_keep_their_identities_and_histories_however_they_are_sorted(s
         np.testing.assert_array_equal(other.distance[:, 1:], one.distance[:, :-1])
         np.testing.assert_allclose(other.distance[:, 0], np.hypot(*other.position.T), rtol=1e-12)
         assert np.hypot(*(other.position - one.position).T).max() < 3.0
-        sorted_anew += np.any(np.diff(state.particles.identity) < 0)
-    assert sorted_anew > 0
+        reordered += np.any(np.diff(state.particles.identity) < 0)
+    assert reordered > 0
 
 
-def test_the_newborn_are_those_with_new_identities_and_have_no_history(states):
+def test_inserted_particles_have_new_identities_and_no_history(states):
     for before, state in pairwise(states):
         if state.scale == before.scale:
             new = state.particles.identity >= before.next_identity
@@ -238,7 +238,7 @@ def test_the_newborn_are_those_with_new_identities_and_have_no_history(states):
             assert not np.isnan(state.particles.distance[~new, 0]).any()
 
 
-def test_displacement_and_moving_are_told_of_where_particles_are(states):
+def test_displacement_and_moving_are_measured_by_positions(states):
     for before, state in pairwise(states):
         if state.scale == before.scale and not state.deleted and not state.stop_reason:
             check_motion(before, state)
@@ -251,8 +251,8 @@ def check_motion(before, state):
     assert state.moving == int((motion > STILL).sum())
 
 
-def test_so_they_are_of_particles_that_a_barrier_holds():
-    """Drawn to an edge behind it, they press on for ever and get nowhere."""
+def test_displacement_and_moving_are_zero_for_particles_held_by_a_barrier():
+    """Attracted by an edge behind it, they keep pressing on it without moving."""
     image = np.zeros((48, 60))
     image[:, 40:] = 100.0
     barrier = Regions(barriers=(((-0.5, 30.3), (47.5, 30.3)),))
@@ -269,8 +269,8 @@ def test_so_they_are_of_particles_that_a_barrier_holds():
     assert held > 20
 
 
-def test_no_two_are_left_too_near_to_each_other(states):
-    """At the end, and after every step that has deleted somebody."""
+def test_no_two_particles_are_too_close(states):
+    """At the end, and after every step that has deleted particles."""
     for before, state in pairwise(states):
         if state.scale == before.scale and (state.deleted or state.stop_reason):
             points = state.particles.position
@@ -279,8 +279,8 @@ def test_no_two_are_left_too_near_to_each_other(states):
             assert apart.min() >= 0.5 * Parameters().d_min
 
 
-def test_who_sleeps_has_nothing_to_move_it(states):
-    """Whoever a step passes over would hardly have moved: less than what counts as still."""
+def test_sleeping_particles_have_negligible_forces(states):
+    """A particle that a step skips would hardly have moved: less than the limit for being at rest."""
     slept = 0
     for before, state in pairwise(states):
         if state.scale == before.scale:
@@ -293,7 +293,7 @@ def test_who_sleeps_has_nothing_to_move_it(states):
 
 
 def force_in_free_flight(engine, state, parameters):
-    """Force of eq. (12) and its slope by eq. (15), for particles at rest and nowhere near an edge."""
+    """Force of eq. (12) and its slope by eq. (15), for particles at rest and far from any edge."""
     position = state.particles.position
     lorentz = interpolate(engine.field(parameters, state.scale), position)
     force = parameters.w1 * repulsion(position, parameters)
@@ -322,7 +322,7 @@ def test_the_first_step_is_eq_12_to_15(beta):
     np.testing.assert_allclose(after.particles.position, r, atol=1e-5)
 
 
-def test_another_beta_acts_at_the_very_next_step(engine, states):
+def test_another_beta_acts_at_the_next_step(engine, states):
     state = states[3]
     plain, heavy = engine.step(state, Parameters()), engine.step(state, Parameters(beta=3.0))
     same = [s.where(np.isin(s.identity, state.particles.identity)) for s in common(plain, heavy)]
@@ -332,7 +332,7 @@ def test_another_beta_acts_at_the_very_next_step(engine, states):
     np.testing.assert_array_equal(same[0].force, same[1].force)
 
 
-def test_another_time_step_or_weight_acts_at_the_very_next_step(engine, states):
+def test_another_time_step_or_weight_acts_at_the_next_step(engine, states):
     state = states[3]
     plain = engine.step(state, Parameters())
     assert engine.step(state, Parameters(time_step=0.25)).displacement < plain.displacement
@@ -353,29 +353,29 @@ def test_another_smoothing_changes_the_field_and_keeps_the_particles(engine, sta
     for scale in range(3):
         assert np.abs(engine.field(smoother, scale) - engine.field(Parameters(), scale)).max() > 0.1
         assert engine.edge_map(smoother, scale).max() < engine.edge_map(Parameters(), scale).max()
-    # and nothing else is built anew
+    # and nothing else is rebuilt
     assert engine.scale_field(Parameters()) is engine.scale_field(Parameters(beta=0.3))
 
 
-def test_particles_that_have_come_to_rest_obey_other_parameters(states):
-    """Twice the spacing thins them out, a wide smoothing carries them along; a least length leaves them be."""
-    engine, without_off_edge = Engine(SCENE.values, Parameters()), states[-2]
-    assert not without_off_edge.stop_reason
-    assert without_off_edge.moving <= 0.002 * without_off_edge.count
+def test_particles_at_rest_respond_to_other_parameters(states):
+    """Twice the spacing thins them out, a large smoothing moves them; a least length does not affect them."""
+    engine, resting = Engine(SCENE.values, Parameters()), states[-2]
+    assert not resting.stop_reason
+    assert resting.moving <= 0.002 * resting.count
 
     def after(parameters, steps):
-        state = without_off_edge
+        state = resting
         for _ in range(steps):
             state = engine.step(state, parameters)
         return state
 
-    assert after(Parameters(d_min=4.0), 40).count < 0.75 * without_off_edge.count
-    assert after(Parameters(smoothing=4.0), 3).moving > 0.2 * without_off_edge.count
+    assert after(Parameters(d_min=4.0), 40).count < 0.75 * resting.count
+    assert after(Parameters(smoothing=4.0), 3).moving > 0.2 * resting.count
     kept = after(Parameters(min_length=5.0, min_strength=1.0), 1)
     np.testing.assert_array_equal(kept.position, after(Parameters(), 1).position)
 
 
-def test_more_scales_in_mid_run_are_left_for_the_next_start(engine, states):
+def test_more_scales_during_a_run_apply_to_the_next_start(engine, states):
     assert engine.step(states[3], Parameters(scales=1)).scale == states[3].scale
 
 
@@ -397,7 +397,7 @@ def test_particles_outside_the_image_cannot_start(engine):
 
 
 @pytest.mark.parametrize("seeds", [np.zeros(4), np.zeros((4, 3))], ids=str)
-def test_what_are_no_positions_cannot_start(engine, seeds):
+def test_arrays_of_another_shape_cannot_start(engine, seeds):
     with pytest.raises(ValueError, match=r"starting particles have the shape .* must be \(N, 2\)"):
         engine.start(seeds)
 
@@ -408,7 +408,7 @@ def test_positions_that_are_not_finite_cannot_start(engine, seeds):
         engine.start(seeds)
 
 
-def test_those_inside_start_and_those_outside_are_left_out():
+def test_particles_inside_start_and_those_outside_are_left_out():
     engine = Engine(SCENE.values, Parameters(scales=1))
     seeds = circle((0.0, 30.0), 10.0)
     inside = seeds[(seeds >= -0.5).all(axis=1)]
@@ -417,7 +417,7 @@ def test_those_inside_start_and_those_outside_are_left_out():
     np.testing.assert_array_equal(state.position, inside)
 
 
-def test_a_constant_image_has_nothing_to_find():
+def test_a_constant_image_is_refused():
     with pytest.raises(ValueError, match=r"image is constant .7 everywhere. and has no edges"):
         Engine(np.full((32, 32), 7.0), Parameters())
 
@@ -427,7 +427,7 @@ def test_a_small_image_has_fewer_scales():
         Engine(np.eye(16, 40), Parameters(scales=3))
 
 
-def test_result_can_be_had_at_any_time(engine, states):
+def test_a_result_is_available_at_any_time(engine, states):
     for state in (states[0], states[1], states[len(states) // 2], states[-1]):
         result = engine.result(state, Parameters())
         np.testing.assert_array_equal(result.particles, state.position)
@@ -436,14 +436,14 @@ def test_result_can_be_had_at_any_time(engine, states):
     assert len(engine.result(states[-1], Parameters()).contours) == 1
 
 
-def test_result_tells_of_the_image():
+def test_a_result_has_the_metadata_of_the_image():
     image = Image(SCENE.values, spacing=(0.5, 0.25), unit="mm", source="a disk")
     engine = Engine(image, Parameters(scales=1))
     result = engine.result(engine.start(START), Parameters(scales=1))
     assert (result.spacing, result.unit, result.source) == ((0.5, 0.25), "mm", "a disk")
 
 
-def test_contours_of_a_coarser_scale_are_told_in_px_and_grey_levels_of_the_image(engine, states):
+def test_contours_of_a_coarser_scale_are_in_px_and_gray_levels_of_the_image(engine, states):
     """A disk keeps its outline, and its edge a strength of the same order: not four times as much."""
     found = {}
     for scale in (2, 1, 0):
@@ -455,7 +455,7 @@ def test_contours_of_a_coarser_scale_are_told_in_px_and_grey_levels_of_the_image
     assert found[2].strength < found[1].strength < found[0].strength
 
 
-def test_scale_and_offset_of_the_grey_levels_change_nothing_but_the_strength():
+def test_scale_and_offset_of_the_gray_levels_change_only_the_strength():
     scene = ring((48, 52), (23.6, 26.2), 8.0, 16.0).values
     parameters = Parameters(scales=1)
     results = []

@@ -41,7 +41,7 @@ def kidney(row, col):
 
 
 def square(row, col):
-    """Turned by about 20 degrees."""
+    """Rotated by about 20 degrees."""
     down, right = row - CENTER[0], col - CENTER[1]
     return np.maximum(np.abs(0.94 * down + 0.34 * right), np.abs(0.94 * right - 0.34 * down)) < 17.2
 
@@ -58,7 +58,7 @@ SHAPES = {**SMOOTH, "square": square, "u": u_shape}
 
 @cache
 def image(name, times=1):
-    """An object drawn so many times its size; the corner of the image is what stays where it is."""
+    """An object enlarged by a factor; the corner of the image stays fixed."""
     inside = SHAPES[name]
     size = (times * SHAPE[0], times * SHAPE[1])
     return antialiased(size, lambda row, col: inside((row + 0.5) / times - 0.5, (col + 0.5) / times - 0.5))
@@ -69,7 +69,7 @@ def engine(name):
     return Engine(image(name), Parameters())
 
 
-def without_off_edge(with_engine, seeds, parameters):
+def final_state(with_engine, seeds, parameters):
     """Last state of a run."""
     state = with_engine.start(seeds)
     while not state.stop_reason:
@@ -84,7 +84,7 @@ START = circle((41.3, 26.6), 16.0)
 @cache
 def rest(name):
     """Last state of a run from the start."""
-    return without_off_edge(engine(name), START, Parameters())
+    return final_state(engine(name), START, Parameters())
 
 
 def contours_of(name, state):
@@ -114,8 +114,8 @@ def all_closed(name, contours):
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_a_settled_contour_does_not_drift(name):
-    """A thousand further steps insert nobody, delete nobody, and move nobody by 0.005 px; seen: 0.0008 px."""
+def test_a_contour_at_rest_does_not_drift(name):
+    """A thousand further steps insert and delete no particle and move none by 0.005 px; measured: 0.0008 px."""
     state = first = rest(name)
     for _ in range(1000):
         state = engine(name).step(state.resumed() if state.stop_reason else state, Parameters())
@@ -126,8 +126,8 @@ def test_a_settled_contour_does_not_drift(name):
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_a_settled_contour_comes_back_after_a_stir(name):
-    """Set going again by another damping, all forces alive, they settle on the same contour; seen: 0.03 px."""
+def test_a_contour_at_rest_returns_after_reactivation(name):
+    """Reactivated by another damping, with all forces, they come to rest on the same contour; measured: 0.03 px."""
     stirred = Parameters(beta=0.7)
     state = rest(name).resumed()
     while not state.stop_reason:
@@ -137,23 +137,23 @@ def test_a_settled_contour_comes_back_after_a_stir(name):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_the_order_of_the_particles_does_not_matter(name):
-    """Within 0.1 px; seen: 0.03."""
+    """Within 0.1 px; measured: 0.03."""
     first = contours_of(name, rest(name))
     assert all_closed(name, first)
     for seed in range(3):
         shuffled = np.random.default_rng(seed).permutation(START)
-        assert apart(first, contours_of(name, without_off_edge(engine(name), shuffled, Parameters()))) < 0.1
+        assert apart(first, contours_of(name, final_state(engine(name), shuffled, Parameters()))) < 0.1
 
 
 @pytest.mark.parametrize("name", ["disk", "blob", "kidney", "square", "u"])
 def test_the_start_does_not_matter(name):
-    """Ten circles across the boundary, no two alike, lead to the same contour; seen: 0.03 px."""
+    """Ten circles across the boundary, no two alike, lead to the same contour; measured: 0.03 px."""
     random = np.random.default_rng(7)
     found = []
     for turn in np.linspace(0.0, 2.0 * np.pi, 10, endpoint=False):
         center = CENTER + random.uniform(5.0, 10.0) * np.array([np.sin(turn), np.cos(turn)])
         start = circle(tuple(center), random.uniform(12.0, 19.0), random.uniform(1.0, 4.0))
-        found.append(contours_of(name, without_off_edge(engine(name), start, Parameters())))
+        found.append(contours_of(name, final_state(engine(name), start, Parameters())))
         assert all_closed(name, found[-1])
     for k, one in enumerate(found):
         for other in found[:k]:
@@ -162,14 +162,14 @@ def test_the_start_does_not_matter(name):
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_twice_the_image_has_twice_the_contours(name):
-    """With twice the smoothing it is the same image, drawn finer: within 0.1 px of the smaller one; seen: 0.065.
+    """With twice the smoothing it is the same image, sampled finer: within 0.1 px of the smaller one; measured: 0.065.
 
     What is left is the size of a pixel, over which the image is averaged and its differences are taken, and which does
     not double. At a right angle it shows more: 0.17 px in the square, 0.27 px in the U.
     """
     parameters = Parameters(smoothing=2.0)
     larger = Engine(image(name, 2), parameters)
-    state = without_off_edge(larger, 2.0 * START + 0.5, parameters)
+    state = final_state(larger, 2.0 * START + 0.5, parameters)
     doubled = larger.result(state, parameters).contours
     assert all_closed(name, doubled)
     single = contours_of(name, rest(name))
@@ -192,20 +192,20 @@ def test_twice_the_image_has_twice_the_contours(name):
     ],
     ids=str,
 )
-def test_bad_parameters_are_told_with_the_field_the_value_and_the_range(given, said):
+def test_invalid_parameters_are_reported_with_the_field_the_value_and_the_range(given, said):
     with pytest.raises(ValueError, match=said):
         Parameters(**given)
 
 
-def test_more_scales_than_an_image_has_are_told_with_how_many_it_has():
+def test_too_many_scales_are_reported_with_the_number_that_the_image_has():
     with pytest.raises(ValueError, match=r"scales is 6 but must be from 1 to 4 for an image of 72 x 66 pixels"):
         Engine(image("disk"), Parameters(scales=6))
     assert Engine(image("disk"), Parameters(scales=4)).scales == 4
 
 
 @pytest.mark.parametrize("distance", [60, 110])
-def test_an_object_is_found_from_however_far_away(distance):
-    """A small circle, whose particles fly for many times their number of steps at rest before they find anything."""
+def test_an_object_is_found_from_any_distance(distance):
+    """A small circle, whose particles move for many more steps than the resting limit before they find an edge."""
     values = antialiased((120, 200), lambda row, col: np.hypot(row - 60.0, col - 170.0) < 15.0)
     result = segment(values, circle((60.0, 155.0 - distance), 6.0), Parameters(scales=1))
     assert result.converged

@@ -1,4 +1,4 @@
-"""The contract of methods: whatever runs, records or shows one relies on these laws and on no others."""
+"""The contract of methods: code that runs, records or shows a method relies only on these laws."""
 
 from dataclasses import FrozenInstanceError, replace
 
@@ -52,11 +52,11 @@ def test_a_run_ends_with_contours_and_stays_at_its_end_until_it_is_resumed(metho
     assert method.step(last.resumed(), PARAMS).step == last.step + 1
     result = method.result(last, PARAMS)
     assert result.shape == (96, 100)
-    # a ring has two closed outlines, and one closed middle line
+    # a ring has two closed outlines, and one closed center line
     assert sum(contour.closed for contour in result.contours) == (2 if method.name == "cpm" else 1)
 
 
-def test_what_is_shown_of_a_state_are_places_in_the_image_and_figures_by_name(method, states):
+def test_a_state_has_positions_in_the_image_and_metrics_by_name(method, states):
     for state in states[:3]:
         positions, figures = method.positions(state), method.measures(state, PARAMS)
         assert positions.shape == (state.count, 2) == state.particles.position.shape
@@ -67,7 +67,7 @@ def test_what_is_shown_of_a_state_are_places_in_the_image_and_figures_by_name(me
         assert figures.items() <= method.measures(state, PARAMS, thorough=True).items() or method.name == "cpm"
 
 
-def test_only_parameters_that_matter_steer(method):
+def test_only_parameters_with_an_effect_are_steering(method):
     free = Parameters(w1=0.01, w2=50.0, scales=1, smoothing=1.5)
     for name, info in PARAMETERS.items():
         other = replace(free, **{name: info.slider_high})
@@ -77,7 +77,7 @@ def test_only_parameters_that_matter_steer(method):
             assert method.steering(other) != method.steering(free)
 
 
-def test_other_regions_leave_a_method_as_it_was(method):
+def test_other_regions_do_not_change_a_method(method):
     other = method.with_regions(cpm.Regions(barriers=(((5.0, 5.0), (5.0, 20.0)),)))
     assert (method.regions, other.regions.barriers) == (None, (((5.0, 5.0), (5.0, 20.0)),))
     assert isinstance(method, Steerable) == method.seeded
@@ -98,7 +98,7 @@ def test_the_skeleton_of_a_run_is_that_of_the_function_also_after_other_paramete
     assert state.step == 9
 
 
-def test_where_no_edge_counts_there_is_no_skeleton_and_the_run_says_so():
+def test_without_an_edge_there_is_no_skeleton_and_the_run_reports_it():
     weak = replace(PARAMS, min_strength=1e6)
     method = METHODS["skeleton"](ring((96, 100), (48.4, 49.7), 20.0, 40.0).values, weak)
     state = method.start(())

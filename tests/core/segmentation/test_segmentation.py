@@ -1,4 +1,4 @@
-"""The whole method on scenes whose boundaries are known exactly."""
+"""Complete runs on scenes whose boundaries are known exactly."""
 
 import dataclasses
 
@@ -29,8 +29,8 @@ def apart(one, other):
     [circle((35.0, 34.0), 8.0), circle((15.0, 33.0), 9.0), circle((35.0, 34.0), 28.0), circle((40.0, 30.0), 1.0)],
     ids=["inside", "across", "outside", "tiny"],
 )
-def test_a_disk_is_one_closed_contour_from_wherever_the_start(start):
-    """Every vertex within 0.1 px of the true circle; seen: 0.05."""
+def test_a_disk_is_one_closed_contour_from_any_start(start):
+    """Every vertex within 0.1 px of the true circle; measured: 0.05."""
     result = segment(DISK.values, start)
     (contour,) = result.contours
     assert contour.closed
@@ -64,7 +64,7 @@ def test_a_square_is_one_closed_contour_with_rounded_corners():
     [circle((30.0, 28.0), 6.0), np.array([(70.0, 30.0), (70.0, 48.0), (72.0, 66.0), (40.0, 28.0), (30.0, 68.0)])],
     ids=["a circle over one arm", "five particles"],
 )
-def test_a_u_is_recovered_whole(start):
+def test_a_u_is_recovered_completely(start):
     scene = u_shape()
     result = segment(scene.values, start)
     assert outline_distance(scene.boundary, paths(result)).max() < 1.5
@@ -99,7 +99,7 @@ SHAPE = (71, 66)
 BLOB = blob(SHAPE, (33.3, 31.6))
 CORNERS = np.maximum(disk(SHAPE, (30.3, 28.6), 17.0).values, 0.8 * square(SHAPE, (34.25, 30.75), 24.0).values)
 UNEVEN_START = circle((33.0, 30.0), 9.0)
-"""Scenes and a start without any symmetry: a smooth one, and one of corners and a junction of three grey levels."""
+"""Scenes and a start without any symmetry: a smooth one, and one of corners and a junction of three gray levels."""
 
 
 @pytest.fixture(scope="module")
@@ -128,18 +128,18 @@ CHANGES = [
     pytest.param(lambda image: image, lambda points: np.random.default_rng(0).permutation(points), id="shuffled"),
     pytest.param(lambda image: image, lambda points: np.random.default_rng(1).permutation(points), id="shuffled again"),
 ]
-"""What may be done to an image, and likewise to its points."""
+"""Transforms of an image and of its points."""
 
 
 def unshuffled(image_change, point_change):
-    """What is to be done to contours: the order of their vertices stays."""
+    """Transforms of contours: the order of their vertices stays."""
     probe = np.zeros(SHAPE)
     return point_change if image_change(probe) is not probe else lambda points: points
 
 
 @pytest.mark.parametrize(("image_change", "point_change"), CHANGES)
-def test_a_changed_image_has_contours_changed_alike(uneven, image_change, point_change):
-    """Within 0.1 px; seen: 0.03 at most."""
+def test_a_transformed_image_has_transformed_contours(uneven, image_change, point_change):
+    """Within 0.1 px; measured: 0.03 at most."""
     result = segment(image_change(BLOB), point_change(UNEVEN_START))
     truth = moved(uneven, unshuffled(image_change, point_change))
     assert apart(result, truth).max() < 0.1
@@ -147,13 +147,13 @@ def test_a_changed_image_has_contours_changed_alike(uneven, image_change, point_
 
 
 @pytest.mark.parametrize(("image_change", "point_change"), CHANGES)
-def test_so_has_one_with_corners(corners, image_change, point_change):
-    """Within 0.1 px; seen: 0.04 at most."""
+def test_a_transformed_image_with_corners_has_transformed_contours(corners, image_change, point_change):
+    """Within 0.1 px; measured: 0.04 at most."""
     result = segment(image_change(CORNERS), point_change(UNEVEN_START))
     assert apart(result, moved(corners, unshuffled(image_change, point_change))).max() < 0.1
 
 
-def test_segment_is_the_engine_run_to_its_end(uneven):
+def test_segment_runs_the_engine_to_its_end(uneven):
     engine = Engine(BLOB, Parameters())
     state = engine.start(UNEVEN_START)
     while not state.stop_reason:
@@ -164,7 +164,7 @@ def test_segment_is_the_engine_run_to_its_end(uneven):
     assert [p.tobytes() for p in paths(result)] == [p.tobytes() for p in paths(uneven)]
 
 
-def test_progress_is_told_once_a_step():
+def test_progress_is_reported_once_a_step():
     seen = []
     result = segment(DISK.values, circle((35.0, 34.0), 8.0), progress=seen.append)
     assert [state.step for state in seen] == list(range(1, result.steps + 1))
@@ -173,7 +173,7 @@ def test_progress_is_told_once_a_step():
 
 
 @pytest.mark.parametrize("most", [1, 7])
-def test_no_more_steps_than_asked_for(most):
+def test_max_steps_is_the_greatest_number_of_steps(most):
     seen = []
     result = segment(DISK.values, circle((35.0, 34.0), 8.0), max_steps=most, progress=seen.append)
     assert len(seen) == result.steps == most
@@ -181,7 +181,7 @@ def test_no_more_steps_than_asked_for(most):
     assert f"stopped after {most} steps" in result.stop_reason
 
 
-def test_a_run_that_ends_before_its_last_step_tells_its_own_reason():
+def test_a_run_that_ends_before_max_steps_has_its_own_reason():
     result = segment(DISK.values, circle((35.0, 34.0), 8.0), max_steps=100_000)
     assert result.converged
     assert "as asked" not in result.stop_reason
@@ -211,7 +211,7 @@ def three():
     return engine, state
 
 
-def test_contours_are_told_longest_first_with_their_strength(three):
+def test_contours_are_sorted_by_length_and_have_their_strength(three):
     engine, state = three
     contours = engine.result(state, Parameters()).contours
     assert [round(c.length / (2.0 * np.pi)) for c in contours] == [18, 17, 7]
@@ -259,7 +259,7 @@ def test_short_and_weak_contours_are_left_out(three):
     ids=str,
 )
 def test_no_setting_is_critical(setting):
-    """The U is found whole at the ends of what a slider offers (the paper's section 5.5)."""
+    """The U is found completely at the ends of every slider (the paper's section 5.5)."""
     scene = u_shape()
     result = segment(scene.values, circle((60, 40), 12), Parameters(**setting))
     assert result.converged
@@ -269,8 +269,8 @@ def test_no_setting_is_critical(setting):
 
 @pytest.mark.parametrize("apart", [5, 6, 7, 8, 12])
 @pytest.mark.parametrize("level", [30.0, 40.0])
-def test_a_weak_edge_beside_a_strong_one_is_not_drained(apart, level):
-    """A faint square around a bright one, whose field is the stronger one all across the faint edge."""
+def test_a_weak_edge_beside_a_strong_one_keeps_its_particles(apart, level):
+    """A faint square around a bright one, whose field dominates on the whole faint edge."""
     image = np.zeros((112, 112))
     image[20:92, 20:92] = level
     image[20 + apart : 92 - apart, 20 + apart : 92 - apart] = 255.0
@@ -280,7 +280,7 @@ def test_a_weak_edge_beside_a_strong_one_is_not_drained(apart, level):
 
 
 def test_no_particle_is_left_where_there_is_no_edge():
-    """Not even the one that has come to rest in the middle of the disk, where all attractions balance."""
+    """Including the one that has come to rest at the center of the disk, where all attractions cancel."""
     scene = disk((96, 90), (50.0, 41.0), 20.0)
     engine = Engine(scene.values, Parameters())
     state = engine.start(uniform_grid(scene.values.shape))

@@ -1,4 +1,4 @@
-"""What a person changes in a run that is under way: particles that join or are erased, and regions that move."""
+"""Interventions in a run: particles that join or are erased, and regions that move."""
 
 from itertools import pairwise
 
@@ -16,7 +16,7 @@ TWO = antialiased(
 )
 LEFT, RIGHT = circle((47.4, 45.3), 15.0), circle((47.4, 145.3), 15.0)
 BAR = antialiased((48, 200), lambda row, col: row + 0.0 * col < 24.3)
-"""One level edge from the left border to the right."""
+"""One horizontal edge from the left border to the right."""
 
 SEEDS = np.array([(24.0, 10.0), (24.0, 12.0), (24.0, 14.0)])
 
@@ -49,7 +49,7 @@ def left(engine):
     return state
 
 
-def test_particles_that_join_a_run_at_rest_find_what_is_theirs(engine, left):
+def test_particles_that_join_a_run_at_rest_find_their_edges(engine, left):
     state = engine.joined(left, np.concatenate([RIGHT, [(-5.0, 10.0), (40.0, 500.0)]]))
     assert state.stop_reason == ""
     assert not state.converged
@@ -64,7 +64,7 @@ def test_particles_that_join_a_run_at_rest_find_what_is_theirs(engine, left):
     assert [contour.closed for contour in contours] == [True, True]
 
 
-def test_particles_that_join_at_a_coarse_scale_begin_at_the_finer_ones_too():
+def test_particles_that_join_at_a_coarse_scale_are_seeds_of_the_finer_ones():
     parameters = Parameters(scales=3)
     engine = Engine(TWO, parameters)
     state = walked(engine, engine.start(LEFT), parameters, 3)[-1]
@@ -84,14 +84,14 @@ def test_particles_that_join_at_a_coarse_scale_begin_at_the_finer_ones_too():
         ([(float("nan"), 3.0)], "not finite"),
     ],
 )
-def test_particles_join_by_the_rules_of_a_start(engine, left, seeds, words):
+def test_particles_join_by_the_same_rules_as_seeds(engine, left, seeds, words):
     with pytest.raises(ValueError, match=words):
         engine.joined(left, seeds)
     with pytest.raises(ValueError, match=words):
         engine.start(seeds)
 
 
-def test_particles_join_inside_the_regions_only(left):
+def test_particles_join_only_inside_the_regions(left):
     regions = Regions(interest=(((0, 0), (0, 90), (95, 90), (95, 0)),))
     engine = Engine(TWO, ONE_SCALE, regions)
     assert engine.joined(left, [*LEFT, *RIGHT]).count == left.count + len(LEFT)
@@ -99,7 +99,7 @@ def test_particles_join_inside_the_regions_only(left):
         engine.joined(left, RIGHT)
 
 
-def test_what_is_erased_is_gone_and_the_others_stay_as_they_are(engine, left):
+def test_erased_particles_are_gone_and_the_others_are_unchanged(engine, left):
     upper = left.position[:, 0] < 40.0
     erased = engine.erased(left, upper)
     assert erased.count == int((~upper).sum())
@@ -117,7 +117,7 @@ def test_what_is_erased_is_gone_and_the_others_stay_as_they_are(engine, left):
     assert engine.erased(left, np.zeros(left.count, bool)) is left
 
 
-def test_an_eraser_of_places_reaches_the_start_as_well(engine, left):
+def test_an_eraser_of_positions_erases_seeds_as_well(engine, left):
     erased = engine.erased(left, lambda points: points[:, 0] < 40.0)
     assert erased.count < left.count
     assert (erased.position[:, 0] >= 40.0).all()
@@ -134,7 +134,7 @@ def test_erased_particles_do_not_begin_again_at_a_finer_scale():
     assert run(engine, erased, parameters).position[:, 1].max() < 96.0
 
 
-def test_a_run_whose_particles_are_all_erased_ends_and_goes_on_with_new_ones(engine, left):
+def test_a_run_whose_particles_are_all_erased_ends_and_continues_with_new_ones(engine, left):
     empty = engine.erased(left, np.ones(left.count, bool))
     assert empty.count == 0
     assert "erased" in empty.stop_reason
@@ -147,35 +147,35 @@ def test_a_run_whose_particles_are_all_erased_ends_and_goes_on_with_new_ones(eng
 
 
 @pytest.mark.parametrize("inside", [np.zeros(3, bool), np.zeros(5), lambda points: points])
-def test_an_eraser_tells_each_particle_yes_or_no(engine, left, inside):
+def test_an_eraser_needs_one_truth_value_for_each_particle(engine, left, inside):
     with pytest.raises(ValueError, match="truth values, one for each"):
         engine.erased(left, inside)
 
 
-def test_a_barrier_put_in_front_of_a_front_holds_it_and_taken_away_lets_it_go():
+def test_a_barrier_before_a_front_holds_it_until_it_is_removed():
     engine = Engine(BAR, ONE_SCALE)
     states = walked(engine, engine.start(SEEDS), ONE_SCALE, 20)
     front = states[-1].position[:, 1].max()
     assert front < 120.0
-    wall = front + 15.0
-    barred = engine.with_regions(Regions(barriers=(((-5.0, wall), (60.0, wall + 0.7)),)))
+    barrier_col = front + 15.0
+    barred = engine.with_regions(Regions(barriers=(((-5.0, barrier_col), (60.0, barrier_col + 0.7)),)))
     held = walked(barred, states[-1], ONE_SCALE, 120)
-    assert max(state.position[:, 1].max() for state in held) < wall + 0.7
-    assert held[-1].position[:, 1].max() > wall - 3.0
+    assert max(state.position[:, 1].max() for state in held) < barrier_col + 0.7
+    assert held[-1].position[:, 1].max() > barrier_col - 3.0
     free = walked(barred.with_regions(None), held[-1].resumed(), ONE_SCALE, 150)
     assert free[-1].position[:, 1].max() > 190.0
 
 
-def test_a_barrier_dragged_along_with_a_front_holds_it_at_every_place():
+def test_a_barrier_dragged_along_with_a_front_holds_it_everywhere():
     engine = Engine(BAR, ONE_SCALE)
     state = walked(engine, engine.start(SEEDS), ONE_SCALE, 15)[-1]
-    wall = state.position[:, 1].max() + 4.0
+    barrier_col = state.position[:, 1].max() + 4.0
     for _ in range(40):
-        engine = engine.with_regions(Regions(barriers=(((-5.0, wall), (60.0, wall)),)))
+        engine = engine.with_regions(Regions(barriers=(((-5.0, barrier_col), (60.0, barrier_col)),)))
         state = engine.step(state, ONE_SCALE)
-        assert state.position[:, 1].max() < wall
-        wall += 0.5
-    assert state.position[:, 1].max() > wall - 5.0
+        assert state.position[:, 1].max() < barrier_col
+        barrier_col += 0.5
+    assert state.position[:, 1].max() > barrier_col - 5.0
 
 
 def test_particles_under_a_barrier_neither_stick_to_it_nor_cross_it(engine, left):
@@ -190,14 +190,14 @@ def test_particles_under_a_barrier_neither_stick_to_it_nor_cross_it(engine, left
     for one, other in pairwise(states):
         _, before, after = np.intersect1d(one.particles.identity, other.particles.identity, return_indices=True)
         start, end = one.position[before], other.position[after]
-        at_wall = (start[:, 0] > 20.0) & (start[:, 0] < 75.0) & (end[:, 0] > 20.0) & (end[:, 0] < 75.0)
-        assert not (at_wall & ((start[:, 1] - 45.0) * (end[:, 1] - 45.0) < 0.0)).any()
+        at_barrier = (start[:, 0] > 20.0) & (start[:, 0] < 75.0) & (end[:, 0] > 20.0) & (end[:, 0] < 75.0)
+        assert not (at_barrier & ((start[:, 1] - 45.0) * (end[:, 1] - 45.0) < 0.0)).any()
     last = run(barred, states[-1], ONE_SCALE)
     assert last.converged
     assert (np.abs(np.hypot(*(last.position - (47.4, 45.3)).T) - 25.0) < 2.0).all()
 
 
-def test_other_barriers_leave_the_fields_as_they_are_and_other_interest_the_gradient():
+def test_other_barriers_do_not_change_the_fields_and_other_regions_not_the_gradient():
     scene = disk((96, 96), (47.4, 47.3), 30.0)
     parameters = Parameters(scales=2)
     polygon = ((5, 5), (5, 80), (85, 80), (85, 5))
@@ -214,7 +214,7 @@ def test_other_barriers_leave_the_fields_as_they_are_and_other_interest_the_grad
 
 @pytest.mark.parametrize("barriers", [(), (((3.0, 3.0), (90.0, 70.0), (20.0, 60.5)),)])
 @pytest.mark.parametrize("interest", [(), (((5, 5), (5, 80), (85, 80), (85, 5)), ((50, 50), (95, 50), (95, 95)))])
-def test_an_engine_with_other_regions_is_that_which_is_made_for_them(interest, barriers):
+def test_an_engine_with_other_regions_equals_one_made_for_them(interest, barriers):
     scene = disk((96, 96), (47.4, 47.3), 30.0)
     parameters = Parameters(scales=2)
     regions = Regions(interest, barriers)
@@ -234,7 +234,7 @@ def test_an_engine_with_other_regions_is_that_which_is_made_for_them(interest, b
                 np.testing.assert_array_equal(one.barrier_map.clearance, two.barrier_map.clearance)
 
 
-def test_a_barrier_that_is_moved_has_nothing_of_the_fields_built(monkeypatch):
+def test_a_moved_barrier_does_not_rebuild_the_fields(monkeypatch):
     engine = Engine(TWO, ONE_SCALE)
     monkeypatch.setattr(ScaleSpace, "_build", lambda *_: pytest.fail("a level was built"))
     barred = engine.with_regions(Regions(barriers=(((3, 3), (90, 70)),)))
@@ -250,12 +250,12 @@ def test_regions_without_edges_or_pixels_are_refused_when_they_are_moved(engine)
         engine.with_regions(Regions(interest=(((300, 300), (300, 310), (310, 305)),)))
 
 
-def test_forces_are_those_of_the_particles_asked_for_after_a_region_was_drawn_on_a_held_run(engine):
+def test_forces_are_those_of_the_requested_particles_after_a_region_changed(engine):
     held = walked(engine, engine.start(np.concatenate([LEFT, RIGHT])), ONE_SCALE, 10)[-1]
     right = engine.with_regions(Regions(interest=(((0, 97), (0, 190), (95, 190), (95, 97)),)))
     stays = held.position[:, 1] > 97.0
     asked = np.flatnonzero(stays)[[-1, 0]]
-    alone = right.forces(right.erased(held, ~stays), ONE_SCALE)  # nobody there but those that the region leaves
+    alone = right.forces(right.erased(held, ~stays), ONE_SCALE)  # only the particles inside the region
     found = right.forces(held, ONE_SCALE, index=[*asked, int(np.flatnonzero(~stays)[0])])
     np.testing.assert_array_equal(found.total[:2], alone.total[[-1, 0]])
     assert np.isnan(found.total[2]).all()

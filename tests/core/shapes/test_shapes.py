@@ -1,4 +1,4 @@
-"""Shapes: where their particles lie, how they are moved, resized and reshaped, and how far off a position is."""
+"""Shapes: where their particles lie, how they are moved, resized and reshaped, and how far a position is from them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ charges = st.builds(Charge, positions, st.floats(0.5, STRONGEST) | st.floats(-ST
 
 @st.composite
 def stars(draw) -> tuple[tuple[float, float], ...]:
-    """Corners all around a middle, at any distance from it."""
+    """Corners around a center, at any distance from it."""
     row, col = draw(positions)
     reach = draw(st.lists(st.floats(5, 60), min_size=3, max_size=9))
     angles = 2 * math.pi * np.arange(len(reach)) / len(reach)
@@ -54,14 +54,14 @@ seeded = ellipses | polygons | grids
 
 
 def around(outline: np.ndarray) -> np.ndarray:
-    """Many places along a line."""
+    """Many positions along a line."""
     share = np.linspace(0.0, 1.0, 200)[:, None]
     pairs = pairwise(outline)
     return np.concatenate([begin + share * (end - begin) for begin, end in pairs])
 
 
 def wound_around(corners, position) -> bool:
-    """Whether the angles under which a position sees the sides add up to a turn at least."""
+    """Whether the angles under which the sides are seen from a position sum to at least a full turn."""
     at = np.array([*corners, corners[0]]) - position
     angle = np.unwrap(np.arctan2(at[:, 0], at[:, 1]))
     return abs(angle[-1] - angle[0]) > math.pi
@@ -94,7 +94,7 @@ def test_the_distance_is_that_of_the_nearest_place_on_the_line(shape, position) 
 
 
 @given(areas, positions)
-def test_an_area_holds_what_its_line_winds_around(shape, position) -> None:
+def test_an_area_encloses_positions_that_its_line_winds_around(shape, position) -> None:
     if polyline.distance((*shape.points, shape.points[0]), position) > 1e-6:
         inside = wound_around(shape.points, position)
         assert bool(polyline.inside(shape.points, np.array([position]))[0]) == inside
@@ -102,7 +102,7 @@ def test_an_area_holds_what_its_line_winds_around(shape, position) -> None:
 
 
 @given(ellipses, positions)
-def test_an_ellipse_holds_what_lies_nearer_than_its_rim_on_the_same_ray(ellipse, position) -> None:
+def test_an_ellipse_encloses_positions_nearer_than_its_line_on_the_same_ray(ellipse, position) -> None:
     down, right = position[0] - ellipse.center[0], position[1] - ellipse.center[1]
     away, turned = math.hypot(down, right), math.atan2(down, right) - ellipse.angle
     first, second = ellipse.radii
@@ -126,11 +126,11 @@ def test_a_handle_of_an_ellipse_changes_one_radius_or_its_direction_alone(ellips
 
 
 @given(ellipses)
-def test_every_handle_led_where_it_lies_leaves_an_ellipse_as_it_is(ellipse) -> None:
+def test_a_handle_moved_to_its_own_position_leaves_an_ellipse_unchanged(ellipse) -> None:
     for handle in ellipse.handles():
-        with_handle_at = ellipse.with_handle_at(handle, handle)
-        assert with_handle_at.radii == pytest.approx(ellipse.radii)
-        assert math.cos(with_handle_at.angle - ellipse.angle) == pytest.approx(1.0)
+        same = ellipse.with_handle_at(handle, handle)
+        assert same.radii == pytest.approx(ellipse.radii)
+        assert math.cos(same.angle - ellipse.angle) == pytest.approx(1.0)
 
 
 @given(radii, positions)
@@ -143,17 +143,17 @@ def test_an_ellipse_of_equal_radii_is_a_circle(radius, center) -> None:
 
 
 @given(polygons | st.builds(Region, stars()), st.floats(0.5, 5))
-def test_an_area_that_is_enlarged_holds_its_middle_and_reaches_farther_by_so_much(shape, by) -> None:
-    middle = np.mean(shape.points, axis=0)
-    farthest = max(math.dist(middle, point) for point in shape.points)
+def test_an_enlarged_area_keeps_its_center_and_reaches_farther_by_the_given_distance(shape, by) -> None:
+    center = np.mean(shape.points, axis=0)
+    farthest = max(math.dist(center, point) for point in shape.points)
     resized = shape.resized(by)
-    np.testing.assert_allclose(np.mean(resized.points, axis=0), middle, atol=1e-6)
-    assert max(math.dist(middle, point) for point in resized.points) == pytest.approx(farthest + by)
+    np.testing.assert_allclose(np.mean(resized.points, axis=0), center, atol=1e-6)
+    assert max(math.dist(center, point) for point in resized.points) == pytest.approx(farthest + by)
     np.testing.assert_allclose(resized.resized(-by).points, shape.points, atol=1e-6)
 
 
 @given(grids)
-def test_the_particles_of_a_grid_lie_in_its_area_at_its_spacing_and_leave_no_room(grid) -> None:
+def test_the_particles_of_a_grid_fill_its_area_at_its_spacing(grid) -> None:
     seeds = grid.seeds()
     if len(seeds) == 1:
         return
@@ -170,7 +170,7 @@ def test_the_particles_of_a_grid_lie_in_its_area_at_its_spacing_and_leave_no_roo
 
 
 @given(charges, st.integers(-30, 30))
-def test_a_charge_keeps_its_sign_and_place_and_within_its_bounds_whatever_is_added(charge, steps) -> None:
+def test_a_resized_charge_keeps_its_sign_and_position_and_stays_within_its_bounds(charge, steps) -> None:
     resized = charge.resized(float(steps))
     assert resized.position == charge.position
     assert math.copysign(1, resized.strength) == math.copysign(1, charge.strength)
@@ -185,7 +185,7 @@ def values() -> np.ndarray:
     return strong + np.where(np.hypot(row - 30, col - 60) < 10, 30.0, 0.0)
 
 
-def test_a_threshold_is_told_by_the_strongest_edge_of_its_own_area(values) -> None:
+def test_a_threshold_is_relative_to_the_strongest_edge_in_its_own_area(values) -> None:
     area = Threshold(((15.0, 42.0), (15.0, 78.0), (45.0, 78.0), (45.0, 42.0)), 0.5)
     image_seeds = SeedCache(Image(values)).seeds_for((area,), 1.0)[area]
     strength = edge_map(values, 1.0)
@@ -197,24 +197,24 @@ def test_a_threshold_is_told_by_the_strongest_edge_of_its_own_area(values) -> No
 
 
 @given(st.floats(-20, 80), st.floats(-20, 100))
-def test_a_threshold_anywhere_gives_pixels_of_the_image_alone(values, row, col) -> None:
+def test_a_threshold_anywhere_gives_only_pixels_of_the_image(values, row, col) -> None:
     area = Threshold(((row, col), (row, col + 25.0), (row + 25.0, col)), 0.2)
     image_seeds = area.seeds_for(values, lambda: edge_map(values, 1.0))
     assert ((image_seeds >= 0) & (image_seeds < values.shape)).all()
     assert polyline.inside(area.points, image_seeds).all()
 
 
-def test_dragging_an_area_about_asks_for_the_edges_once(values, monkeypatch) -> None:
-    asked = []
-    monkeypatch.setattr("cpm_core.shapes.image_starts.edge_map", lambda *given: asked.append(given) or edge_map(*given))
-    sower = SeedCache(Image(values))
+def test_dragging_an_area_computes_the_edge_map_once(values, monkeypatch) -> None:
+    calls = []
+    monkeypatch.setattr("cpm_core.shapes.image_starts.edge_map", lambda *given: calls.append(given) or edge_map(*given))
+    cache = SeedCache(Image(values))
     area = Threshold(((5.0, 5.0), (5.0, 40.0), (50.0, 40.0)))
     for step in range(6):
-        sower.seeds_for((area.moved((float(step), 0.0)), Everywhere("gradient")), 1.5)
-    assert len(asked) == 1
-    sower.seeds_for((area,), 2.0)
-    assert len(asked) == 2
-    assert len(sower._kept) == 2
+        cache.seeds_for((area.moved((float(step), 0.0)), Everywhere("gradient")), 1.5)
+    assert len(calls) == 1
+    cache.seeds_for((area,), 2.0)
+    assert len(calls) == 2
+    assert len(cache._kept) == 2
 
 
 @pytest.mark.parametrize("smoothing", [0.0, 1.7, "auto"])
@@ -243,7 +243,7 @@ CORNERS = ((0.0, 0.0), (0.0, 9.0), (9.0, 9.0))
 
 
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("make", "sentence"),
     [
         (lambda: Circle((1.0, 2.0), 0.4), "radius is 0.4 but must be a number from 0.5 to 100000"),
         (lambda: Circle((1.0, 2.0), math.nan), "radius is nan"),
@@ -260,14 +260,14 @@ CORNERS = ((0.0, 0.0), (0.0, 9.0), (9.0, 9.0))
         ),
     ],
 )
-def test_a_shape_that_could_not_be_drawn_is_refused_in_one_sentence(make, said) -> None:
-    with pytest.raises(ValueError, match=said) as caught:
+def test_an_invalid_shape_is_refused_in_one_sentence(make, sentence) -> None:
+    with pytest.raises(ValueError, match=sentence) as caught:
         make()
     assert str(caught.value).endswith(".")
 
 
 @pytest.mark.parametrize("shape", [Polygon(CORNERS), Region(CORNERS), Barrier(CORNERS[:2]), Grid(CORNERS, 4.0)])
-def test_a_corner_that_is_dragged_onto_another_leaves_a_shape_that_is_one(shape) -> None:
+def test_a_corner_dragged_onto_another_leaves_a_valid_shape(shape) -> None:
     assert shape.with_handle_at(CORNERS[0], CORNERS[1]) == shape
 
 

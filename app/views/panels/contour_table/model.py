@@ -96,7 +96,7 @@ class ContourModel(QAbstractTableModel):
             case Role.TextAlignmentRole if column.numeric:
                 return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
             case Role.DecorationRole if index.column() == NAME:
-                return swatch(item.contour.colour or (theme.CLOSED if item.contour.closed else theme.OPEN))
+                return swatch(item.contour.color or (theme.CLOSED if item.contour.closed else theme.OPEN))
             case Role.ForegroundRole if item.reviewed.rejected:
                 return QColor(QGuiApplication.palette().color(QPalette.ColorRole.PlaceholderText))
             case Role.FontRole if item.reviewed.rejected:

@@ -121,7 +121,7 @@ def test_the_json_of_everything_tells_the_run_the_contours_and_the_bridges():
         assert entry["contrast"] is None
     assert [entry["inside"] for entry in content["contours"]] == [0, 0, 1, 3, 0]
     assert [entry["label"] for entry in content["contours"]] == [1, 0, 2, 3, 0]
-    assert content["contours"][3]["colour"] == "#0072B2"
+    assert content["contours"][3]["color"] == "#0072B2"
 
 
 def test_a_number_that_json_cannot_say_is_not_written(tmp_path):

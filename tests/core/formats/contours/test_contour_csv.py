@@ -79,7 +79,7 @@ def test_contrast_stands_where_it_can_be_measured(tmp_path):
 
 
 def test_names_and_colours_stand_where_any_contour_has_one(tmp_path):
-    named = replace(SQUARE, name='two, "words"', colour="#e69f00")
+    named = replace(SQUARE, name='two, "words"', color="#e69f00")
     rows = table(tmp_path / "a.csv", replace(RESULT, contours=(LINE, named)))
     assert [row["name"] for row in rows] == [""] * 3 + ['two, "words"'] * 4
-    assert [row["colour"] for row in rows] == [""] * 3 + ["#e69f00"] * 4
+    assert [row["color"] for row in rows] == [""] * 3 + ["#e69f00"] * 4

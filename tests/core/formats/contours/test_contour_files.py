@@ -35,12 +35,20 @@ def test_what_was_exported_is_read_back(tmp_path, suffix):
     assert names[0] == "cell"
     assert names[3] == "Kern β"
     if suffix != ".labelme.json":
-        assert found[0].colour == "#e69f00"
+        assert found[0].color == "#e69f00"
     if suffix in (".json", ".csv"):
         assert found[0].strength == 12.5
         np.testing.assert_allclose(found[1].points, KEPT[1].points, atol=1e-4)
     if suffix in (".json", ".geojson"):
         assert found[1].junctions == (True, False)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".json"])
+def test_files_that_call_the_color_of_a_contour_colour_are_read(tmp_path, suffix):
+    present = tmp_path / f"a{suffix}"
+    export(RESULT, present)
+    former = written(tmp_path, present.read_text(encoding="utf-8").replace("color", "colour"), f"b{suffix}")
+    assert [contour.color for contour in load_contours(former)] == [contour.color for contour in KEPT]
 
 
 def test_the_shape_of_the_image_is_told_where_the_file_tells_it(tmp_path):

@@ -81,6 +81,6 @@ def test_names_of_layers_have_the_letters_that_they_may_have(name, layer):
     ],
 )
 def test_the_nearest_color_is_taken(color, number, shown):
-    (line,) = polylines(replace(RESULT, contours=(Contour(FIBRE.points, False, colour=color),)))
+    (line,) = polylines(replace(RESULT, contours=(Contour(FIBRE.points, False, color=color),)))
     assert line.dxf.color == number
     assert tuple(ezdxf.colors.aci2rgb(number)) == shown

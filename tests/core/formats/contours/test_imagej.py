@@ -73,7 +73,7 @@ def test_the_bytes_lie_where_the_format_of_imagej_has_them():
 
 
 def test_the_set_holds_all_contours_in_their_order_under_their_names(tmp_path):
-    twice = (*RESULT.contours, replace(CELL, colour=""), replace(FIBRE, name="a/b: c"))
+    twice = (*RESULT.contours, replace(CELL, color=""), replace(FIBRE, name="a/b: c"))
     result = replace(RESULT, contours=twice)
     export(result, tmp_path / "a.zip")
     with zipfile.ZipFile(io.BytesIO(encoded(result, ".zip"))) as archive:

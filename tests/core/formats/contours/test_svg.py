@@ -86,7 +86,7 @@ def test_a_result_without_contours_is_an_empty_drawing(tmp_path):
 
 
 def test_a_name_is_the_title_of_a_path_and_a_colour_its_stroke(tmp_path):
-    named = replace(SQUARE, name="<me> & U", colour="#e69f00")
+    named = replace(SQUARE, name="<me> & U", color="#e69f00")
     first, second = drawing(tmp_path / "a.svg", replace(RESULT, contours=(named, LINE))).findall(f".//{SVG}path")
     assert (first.find(f"{SVG}title").text, first.get("stroke")) == ("<me> & U", "#e69f00")
     assert (second.find(f"{SVG}title"), second.get("stroke")) == (None, None)

@@ -191,6 +191,12 @@ def test_a_file_of_an_earlier_version_is_read_by_its_former_names() -> None:
     assert b'"edges"' not in again
 
 
+def test_the_color_of_a_mark_is_read_by_its_former_name_and_written_by_its_present_one() -> None:
+    session = decode(b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "colour": "#e69f00"}]}', "a.cpm")
+    assert session.marks == (Mark((1.0, 2.0), color="#e69f00"),)
+    assert b"colour" not in encode(session, Path("/folder"))
+
+
 def test_what_a_later_version_adds_is_kept_when_the_file_is_written_again(tmp_path: Path) -> None:
     session = decode(b'{"cpm-session": 1, "weather": {"sun": true}}', "a.cpm")
     save_session(replace(session, mode="shape"), tmp_path / "a.cpm")

@@ -89,13 +89,13 @@ class ContourLayer(Layer):
         items = self.scene.contours.items
         counting = [item for item in items if not item.reviewed.rejected]
         for closed, curves in self._curves.items():
-            curves.show(_paths([i for i in counting if i.contour.closed == closed and not i.contour.colour]))
-        self._show_own([item for item in counting if item.contour.colour])
+            curves.show(_paths([i for i in counting if i.contour.closed == closed and not i.contour.color]))
+        self._show_own([item for item in counting if item.contour.color])
         self._show_rejected()
         result = self.scene.contours.result
         self._bridges.show([bridge.points for bridge in result.bridges] if result is not None else [])
         named = [item.contour for item in counting if item.contour.name]
-        self._names.show([(middle(c), c.name, c.colour or "#ffffff") for c in named])
+        self._names.show([(middle(c), c.name, c.color or "#ffffff") for c in named])
         ends = [item.contour.points[end] for item in items for end in (0, -1) if item.contour.junctions[end]]
         x, y = to_xy(np.unique(np.array(ends, dtype=float).reshape(-1, 2), axis=0))
         self._junctions.setData(x=x, y=y)
@@ -106,7 +106,7 @@ class ContourLayer(Layer):
 
     def _show_own(self, items: Sequence[Item]) -> None:
         """Draw the contours of each color that the user has chosen by one item."""
-        for color in {item.contour.colour for item in items} - self._own.keys():
+        for color in {item.contour.color for item in items} - self._own.keys():
             curves = self._own[color] = Curves(color, 4.15)
             if self.scene.image is not None:
                 curves.use_shape(self.scene.image.shape)
@@ -114,7 +114,7 @@ class ContourLayer(Layer):
             curves.setOpacity(self.opacity)
             self.add(curves)
         for color, curves in self._own.items():
-            curves.show(_paths([item for item in items if item.contour.colour == color]))
+            curves.show(_paths([item for item in items if item.contour.color == color]))
 
 
 def _paths(items: Sequence[Item]) -> list[np.ndarray]:

@@ -1,0 +1,97 @@
+"""Shapes that give particles in an area: evenly spread, or where edges are strong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Position
+from cpm_core.particles.initialization import above
+from cpm_core.shapes.path import ClosedPath, check_number
+
+FINEST, COARSEST = 2.0, 64.0
+"""Least and largest distance between two particles of a grid [px]."""
+
+LOWEST, HIGHEST, _STEP = 0.02, 0.98, 0.02
+"""Bounds of the fraction of a threshold, and how much it changes at a time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grid(ClosedPath):
+    """Particles spread evenly over an area.
+
+    Attributes
+    ----------
+    points : tuple of tuple of float
+        Corners (row, col) of the area in px of the image, at least three different ones.
+    spacing : float
+        Distance between particles along rows and columns [px].
+    """
+
+    title: ClassVar[str] = "grid"
+
+    points: tuple[Position, ...]
+    spacing: float = 8.0
+
+    def __post_init__(self) -> None:
+        ClosedPath.__post_init__(self)
+        check_number("spacing", self.spacing)
+
+    def seeds(self) -> Array:
+        """Positions of the particles, shape (N, 2), centered in the area; a single one where the area is too small."""
+        low, high = np.min(self.points, axis=0), np.max(self.points, axis=0)
+        along = [_along(length, self.spacing) for length in (high - low).tolist()]
+        places = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 2) + low
+        found = places[polyline.inside(self.points, places)]
+        return np.asarray(found if len(found) else np.mean(self.points, axis=0)[None])
+
+    def resized(self, by: float) -> Grid:
+        """The same area with the spacing changed by so many px."""
+        return replace(self, spacing=min(max(self.spacing + by, FINEST), COARSEST))
+
+
+@dataclass(frozen=True, slots=True)
+class Threshold(ClosedPath):
+    """Particles where edges are strong, in an area; their positions depend on the image.
+
+    Attributes
+    ----------
+    points : tuple of tuple of float
+        Corners (row, col) of the area in px of the image, at least three different ones.
+    fraction : float
+        Fraction of the largest edge strength in the area above which a pixel gets a particle.
+    """
+
+    title: ClassVar[str] = "threshold"
+    follows_smoothing: ClassVar[bool] = True
+
+    points: tuple[Position, ...]
+    fraction: float = 0.3
+
+    def __post_init__(self) -> None:
+        ClosedPath.__post_init__(self)
+        check_number("fraction", self.fraction, 0.0, 1.0)
+
+    def seeds_for(self, values: Array, strength: Callable[[], Array]) -> Array:
+        """Positions of the particles on an image, shape (N, 2); see `Everywhere.seeds_for`."""
+        corner = np.array(values.shape) - 1
+        low = np.clip(np.ceil(np.min(self.points, axis=0)), 0, corner).astype(int)
+        high = np.clip(np.floor(np.max(self.points, axis=0)), 0, corner).astype(int)
+        window = strength()[low[0] : high[0] + 1, low[1] : high[1] + 1]
+        pixels = np.indices(window.shape).reshape(2, -1).T + low
+        within = polyline.inside(self.points, pixels.astype(float)).reshape(window.shape)
+        return above(np.where(within, window, 0.0), self.fraction) + low if within.any() else np.empty((0, 2))
+
+    def resized(self, by: float) -> Threshold:
+        """The same area with the threshold raised by so many steps of 0.02."""
+        return replace(self, fraction=round(min(max(self.fraction + _STEP * by, LOWEST), HIGHEST), 6))
+
+
+def _along(length: float, spacing: float) -> Array:
+    """Positions along a length, with the same margin at both ends."""
+    count = int(length // spacing) + 1
+    return np.asarray(0.5 * length + spacing * (np.arange(count) - 0.5 * (count - 1)), dtype=float)
