@@ -263,7 +263,7 @@ def test_info_tells_size_grey_levels_and_what_reading_changed(tmp_path, command)
     status, out, _ = command("info", tmp_path / "a.png")
     assert status == 0
     assert "12 rows x 30 columns" in out
-    assert "Colour was turned into luminance." in out
+    assert "Color was turned into luminance." in out
     facts = json.loads(command("info", tmp_path / "a.png", "--json")[1])
     assert facts["shape"] == [12, 30]
     assert (facts["minimum"], facts["maximum"]) == pytest.approx((0, 0.7154 * 232))

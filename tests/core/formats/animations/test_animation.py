@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
-from cpm_core.formats.animations.changes import changed
-from cpm_core.formats.animations.palette import indexed
+from cpm_core.formats.animations.frame_compression import changed, indexed
 
 COLOURS = np.array([(0xF0, 0xE4, 0x42), (0x2B, 0xD4, 0xA4), (0x56, 0xB4, 0xE9), (0xFF, 0x9D, 0x1E)], np.uint8)
 """Moving and resting particles, closed and open contours."""

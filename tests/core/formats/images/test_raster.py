@@ -68,7 +68,7 @@ def test_colour_becomes_luminance(tmp_path):
     image = load_image(tmp_path / "a.png")
     red, green, blue = np.moveaxis(colours.astype(float), 2, 0)
     assert np.allclose(image.values, 0.2125 * red + 0.7154 * green + 0.0721 * blue)
-    assert image.notes == ("Colour was turned into luminance.",)
+    assert image.notes == ("Color was turned into luminance.",)
 
 
 def test_grey_saved_as_colour_is_the_very_grey(tmp_path):

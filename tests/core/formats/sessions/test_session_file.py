@@ -215,9 +215,9 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"", "no session file"),
-        (b"\xff\xfe\x00", "no session file"),
-        (b"[1, 2]", "does not say cpm-session"),
+        (b"", "not a session file"),
+        (b"\xff\xfe\x00", "not a session file"),
+        (b"[1, 2]", "no entry cpm-session"),
         (b'{"cpm-session": 2}', "version 2"),
         (b'{"cpm-session": true}', "version True"),
         (b'{"cpm-session": 1,', "line 1"),
@@ -251,7 +251,7 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
         (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "colour": "red"}]}', "#rrggbb"),
         (b'{"cpm-session": 1, "mode": 3}', "mode is 3"),
         (b'{"cpm-session": 1, "view": ' + 500 * b"[" + 500 * b"]" + b"}", "too deeply"),
-        (100_000 * b"[", "no session file"),
+        (100_000 * b"[", "not a session file"),
     ],
 )
 def test_what_is_wrong_is_said_in_one_sentence(content: bytes, said: str) -> None:
