@@ -16,7 +16,8 @@ _VERSION = "5.5.0"
 def encode(result: Result | Skeleton) -> bytes:
     """Write a polygon for each closed contour and a strip of lines for each open one.
 
-    The label of a shape, its class, is the name of the contour, or "closed" or "open". Coordinates are (x, y) in px from the corner of the image. The image is referenced by its name, so the file belongs beside it. A hole is a
+    The label of a shape, its class, is the name of the contour, or "closed" or "open". Coordinates are (x, y) in px
+    from the corner of the image. The image is referenced by its name, so the file belongs beside it. A hole is a
     polygon of its own. Colors are left out, because labelme chooses them by label.
     """
     rows, cols = result.shape
