@@ -92,15 +92,15 @@ def _batch(arguments: argparse.Namespace) -> int:
                 one = _write(image, done, output, stems[done.number])
                 written[done.number] = one
                 progress.advance()
-                if one.done.trouble:
-                    progress.message(f"cpm: {image}: {one.done.trouble}")
+                if one.done.error:
+                    progress.message(f"cpm: {image}: {one.done.error}")
     except KeyboardInterrupt:
-        so_far = f"{len(written)} of {counted(len(jobs), 'image')} had been done, and their files are whole"
+        so_far = f"{len(written)} of {counted(len(jobs), 'image')} were done, and their files are complete"
         raise KeyboardInterrupt(so_far) from None
     every = [written[number] for number in sorted(written)]
     write_together([(output / SUMMARY, _summary(every))])
     _report(every, output, time.perf_counter() - began, as_json=arguments.json)
-    return FAILED if any(one.done.trouble for one in every) else 0
+    return FAILED if any(one.done.error for one in every) else 0
 
 
 def _write(image: str, done: Done, output: Path, stem: str) -> _Written:
@@ -109,7 +109,7 @@ def _write(image: str, done: Done, output: Path, stem: str) -> _Written:
     try:
         write_together(files)
     except ValueError as error:
-        return _Written(image, Done(done.number, trouble=str(error)), ())
+        return _Written(image, Done(done.number, error=str(error)), ())
     return _Written(image, done, tuple(str(path) for path, _ in files))
 
 
@@ -156,22 +156,21 @@ def _summary(every: Sequence[_Written]) -> bytes:
     text = io.StringIO()
     table = csv.DictWriter(text, _COLUMNS, restval="", lineterminator="\n")
     table.writeheader()
-    table.writerows({"image": one.image, "trouble": one.done.trouble, **one.done.facts} for one in every)
+    table.writerows({"image": one.image, "trouble": one.done.error, **one.done.facts} for one in every)
     return text.getvalue().encode("utf-8", "surrogateescape")
 
 
 def _report(every: Sequence[_Written], output: Path, seconds: float, *, as_json: bool) -> None:
-    failed = sum(bool(one.done.trouble) for one in every)
+    failed = sum(bool(one.done.error) for one in every)
     if as_json:
         images = [
-            {"image": one.image, **one.done.facts, "files": list(one.files), "trouble": one.done.trouble}
-            for one in every
+            {"image": one.image, **one.done.facts, "files": list(one.files), "trouble": one.done.error} for one in every
         ]
         facts = {"images": images, "done": len(every) - failed, "failed": failed, "seconds": round(seconds, 3)}
         print(json.dumps({**facts, "summary": str(output / SUMMARY)}))
         return
     for one in every:
-        if not one.done.trouble:
+        if not one.done.error:
             print(f"{one.image}: {counted(int(str(one.done.facts['contours'])), 'contour')}")
     failures = f", {failed} failed" if failed else ""
     print(f"{counted(len(every), 'image')} in {seconds:.1f} s{failures}; wrote {output / SUMMARY}")

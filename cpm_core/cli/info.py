@@ -38,6 +38,6 @@ def _info(arguments: argparse.Namespace) -> None:
     if image.unit:
         print(f"Size of a pixel: {image.spacing[0]:g} x {image.spacing[1]:g} {image.unit} (row x column)")
     else:
-        print("Size of a pixel: the file does not tell")
+        print("Size of a pixel: not given in the file")
     for note in image.notes:
         print(f"Note: {note}")

@@ -28,12 +28,12 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """Result of a job; when it failed, `trouble` is one sentence on the error and the rest is empty."""
+    """Result of a job; when it failed, `error` is one sentence and the rest is empty."""
 
     number: int  # index of the image
     facts: dict[str, object] = field(default_factory=dict)  # as in ``cpm run --json``
     files: dict[str, bytes] = field(default_factory=dict)  # suffix -> content
-    trouble: str = ""
+    error: str = ""
 
 
 def do(job: Job) -> Done:
@@ -54,9 +54,9 @@ def do(job: Job) -> Done:
         facts = facts_of(result, time.perf_counter() - began)
         return Done(job.number, facts, {suffix: encoded(result, suffix) for suffix in job.suffixes})
     except ValueError as error:
-        return Done(job.number, trouble=str(error))
+        return Done(job.number, error=str(error))
     except MemoryError:
-        return Done(job.number, trouble="There is not enough memory for this image.")
+        return Done(job.number, error="There is not enough memory for this image.")
 
 
 def facts_of(result: Result, seconds: float) -> dict[str, object]:

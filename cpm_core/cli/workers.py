@@ -16,7 +16,7 @@ from cpm_core.numerics import jit_cache
 from cpm_core.numerics.parallel import cores
 from cpm_core.segmentation.warm_up import warm_up
 
-_DIED = "The process that worked on it ended all of a sudden; perhaps there was not enough memory."
+_DIED = "The process that worked on it ended unexpectedly; perhaps there was not enough memory."
 
 
 def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None]:
@@ -70,8 +70,8 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[Done, None, None]:
         number = {future.key: job.number for future, job in zip(futures, jobs, strict=True)}
         try:
             for future in as_completed(futures):
-                trouble: Any = future.exception()
-                yield future.result() if trouble is None else Done(number[future.key], trouble=f"{_DIED} ({trouble})")
+                failure: Any = future.exception()
+                yield future.result() if failure is None else Done(number[future.key], error=f"{_DIED} ({failure})")
         finally:
             client.cancel(futures)
 
@@ -113,7 +113,7 @@ class _Worker:
         except (EOFError, OSError):
             self.dead = True
             self.end()
-            return Done(number, trouble=_DIED)
+            return Done(number, error=_DIED)
 
     def end(self) -> None:
         """Kill it."""

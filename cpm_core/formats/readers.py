@@ -1,6 +1,6 @@
-"""Readers of images: a file is given to the one that recognizes it by its content, whatever its suffix.
+"""Readers of images: the content of a file selects its reader, not its suffix.
 
-A new one is a module of its own, as `Reader` says, and a place in `_READERS`.
+A new reader is a module with the interface `Reader`, and an entry in `_READERS`.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ _WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
         ".svg": ("contours as a vector drawing", svg.encode),
         ".csv": ("contours as a table of vertices", contour_csv.encode),
         ".measures.csv": ("a table with one row a contour", contour_csv.encode_measures),
-        ".json": ("all that is known: contours, their measures, bridges, and how the run went", contour_json.encode),
+        ".json": ("everything: contours, their measures, bridges, and the outcome of the run", contour_json.encode),
         ".geojson": ("contours as annotations for QuPath", geojson.encode),
         ".zip": ("contours as a set of selections of ImageJ and Fiji", imagej.encode_set),
         ".roi": ("the only contour as a selection of ImageJ and Fiji", imagej.encode),

@@ -67,7 +67,7 @@ def encode_png(result: Result | Skeleton) -> bytes:
                 "raise min_length or min_strength",
             )
         )
-        raise ValueError(f"{what} can tell {MOST_LABELS} apart at most: {cure}, or export to TIFF.")
+        raise ValueError(f"{what} can hold at most {MOST_LABELS}: {cure}, or export to TIFF.")
     stream = io.BytesIO()
     pixels = labels_of(result).astype(np.uint8 if count <= 255 else np.uint16)
     PIL.Image.fromarray(pixels).save(stream, format="PNG")

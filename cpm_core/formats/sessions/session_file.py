@@ -215,7 +215,7 @@ def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
         if _is_file(candidate):
             found = candidate.resolve()
             if image.sha256 and fingerprint(found) != image.sha256:
-                return found, (f"{found.name} has changed since the session was saved: what is drawn may lie off.",)
+                return found, (f"{found.name} has changed since the session was saved: shapes may be misplaced.",)
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)
     raise ValueError(f"The image of the session was not found at {looked}: put it there, or name it.")
