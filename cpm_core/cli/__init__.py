@@ -16,7 +16,7 @@ INTERRUPTED = 130
 
 
 class _Parser(argparse.ArgumentParser):
-    """Parser that leaves it to `main` how an error is shown."""
+    """Parser that raises ValueError, which `main` reports."""
 
     def error(self, message: str) -> NoReturn:
         raise ValueError(f"{message} (see {self.prog} --help).")
@@ -33,7 +33,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0 when done, 1 when some of several images could not be, 2 on bad input (one line on standard
+        Exit status: 0 on success, 1 when some of several images failed, 2 on bad input (one line on standard
         error, nothing written), 130 when interrupted.
     """
     try:

@@ -1,4 +1,4 @@
-"""Arguments that several commands have: the image, the parameters, what to write, JSON."""
+"""Arguments of several commands: the image, the session, the parameters, files to write, JSON."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from cpm_core.parameters import FORMER_NAMES, PARAMETERS, Parameters
 
 
 def add_image(parser: argparse.ArgumentParser, optional: bool = False) -> None:
-    """Let a command take the path of an image, as `image`."""
+    """Add the path of an image, as `image`."""
     parser.add_argument(
         "image", metavar="IMAGE", nargs="?" if optional else None, help=f"image file ({', '.join(READABLE)})"
     )
 
 
 def add_session(parser: argparse._ActionsContainer, required: bool = False) -> None:
-    """Let a command take a session file, as `session`."""
+    """Add a session file, as `session`."""
     parser.add_argument(
         "--session",
         metavar="FILE",
         required=required,
-        help=f"session file ({SUFFIX}) with image, start, regions, parameters and what was said about contours",
+        help=f"session file ({SUFFIX}) with image, start, regions, parameters and review of contours",
     )
 
 
 def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = tuple(PARAMETERS)) -> None:
-    """Let a command take parameters, each as a flag of its name; see `parameters_of`."""
+    """Add parameters, each as a flag of its name; see `parameters_of`."""
     for name in names:
         info = PARAMETERS[name]
         parser.add_argument(
@@ -46,7 +46,7 @@ def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = tu
 
 
 def add_export(parser: argparse._ActionsContainer, what: str) -> None:
-    """Let a command take the paths that it is to write, as `export`; see `check_exports`."""
+    """Add the paths to write, as `export`; see `check_exports`."""
     parser.add_argument(
         "--export",
         metavar="PATH",
@@ -58,12 +58,12 @@ def add_export(parser: argparse._ActionsContainer, what: str) -> None:
 
 
 def add_json(parser: argparse._ActionsContainer) -> None:
-    """Let a command print JSON instead of sentences, as `json`."""
+    """Add a flag for JSON instead of sentences, as `json`."""
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
 def parameters_of(arguments: argparse.Namespace, base: Parameters) -> Parameters:
-    """The parameters `base` with those that were given as flags in their place; ValueError on a bad value."""
+    """The parameters `base`, replaced by those given as flags; ValueError on a bad value."""
     given = {field.name: getattr(arguments, field.name, None) for field in fields(Parameters)}
     return replace(base, **{name: value for name, value in given.items() if value is not None})
 
@@ -79,14 +79,14 @@ def check_exports(paths: Sequence[str], image: str, session: str | None = None) 
 
 
 def as_steps(given: int | float | str | None) -> int | None:
-    """The number of steps that was given, if it makes sense; else ValueError."""
+    """The given number of steps; ValueError unless it is a positive whole number."""
     if given is None or (isinstance(given, int) and given > 0):
         return given
     raise ValueError(f"--max-steps is {given} but must be a whole number above 0.")
 
 
 def as_number(text: str) -> int | float | str:
-    """Turn text into a number if it is one; else leave it to the check of the value to say what is wanted."""
+    """Convert text to a number if it is one; else the check of the value reports the error."""
     for kind in (int, float):
         try:
             return kind(text)

@@ -1,4 +1,4 @@
-"""``cpm batch``: does to many images what a session file says."""
+"""``cpm batch``: applies a session file to many images."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SUMMARY = "summary.csv"
 """The table of all images."""
 
 FAILED = 1
-"""Exit status when some images could not be done."""
+"""Exit status when some images failed."""
 
 _STANDARD = (".svg", ".csv", ".png")
 _COLUMNS = ("image", "contours", "closed", "particles", "steps", "converged", "stop_reason", "seconds", "trouble")
@@ -37,8 +37,8 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser = commands.add_parser("batch", help="find the contours of many images", allow_abbrev=False)
     parser.set_defaults(command=_batch)
     parser.description = (
-        "Do to each image what a session file says: its start, regions, charges and parameters. An image that cannot "
-        "be done is reported, and the others go on."
+        "Apply a session file to each image: its start, regions, charges and parameters. An image that fails is "
+        "reported, and the others go on."
     )
     parser.add_argument("images", metavar="IMAGE", nargs="+", help=f"image file ({', '.join(READABLE)})")
     add_session(parser, required=True)
@@ -61,7 +61,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 @dataclass(frozen=True, slots=True)
 class _Written:
-    """An image with what came of it and the files that were written for it."""
+    """An image with its result and the files that were written for it."""
 
     image: str
     done: Done
@@ -69,7 +69,7 @@ class _Written:
 
 
 def _batch(arguments: argparse.Namespace) -> int:
-    """Do all images; every check that needs none of them comes first."""
+    """Process all images, after all checks that need none of them."""
     session = load_session(Path(arguments.session))
     parameters = parameters_of(arguments, session.parameters)
     max_steps, workers = as_steps(arguments.max_steps), _workers(arguments.workers)
@@ -92,24 +92,24 @@ def _batch(arguments: argparse.Namespace) -> int:
                 one = _write(image, done, output, stems[done.number])
                 written[done.number] = one
                 progress.advance()
-                if one.done.trouble:
-                    progress.say(f"cpm: {image}: {one.done.trouble}")
+                if one.done.error:
+                    progress.message(f"cpm: {image}: {one.done.error}")
     except KeyboardInterrupt:
-        so_far = f"{len(written)} of {counted(len(jobs), 'image')} had been done, and their files are whole"
+        so_far = f"{len(written)} of {counted(len(jobs), 'image')} were done, and their files are complete"
         raise KeyboardInterrupt(so_far) from None
     every = [written[number] for number in sorted(written)]
     write_together([(output / SUMMARY, _summary(every))])
-    _tell(every, output, time.perf_counter() - began, as_json=arguments.json)
-    return FAILED if any(one.done.trouble for one in every) else 0
+    _report(every, output, time.perf_counter() - began, as_json=arguments.json)
+    return FAILED if any(one.done.error for one in every) else 0
 
 
 def _write(image: str, done: Done, output: Path, stem: str) -> _Written:
-    """Write what came of an image, all of it or nothing."""
+    """Write all files of an image, or none."""
     files = [(output / f"{stem}{suffix}", content) for suffix, content in done.files.items()]
     try:
         write_together(files)
     except ValueError as error:
-        return _Written(image, Done(done.number, trouble=str(error)), ())
+        return _Written(image, Done(done.number, error=str(error)), ())
     return _Written(image, done, tuple(str(path) for path, _ in files))
 
 
@@ -120,7 +120,7 @@ def _workers(given: int | float | str | None) -> int | None:
 
 
 def _suffixes(given: Sequence[str]) -> tuple[str, ...]:
-    """Suffixes with their dot, each once."""
+    """Suffixes with their dot, without repeats."""
     wanted = tuple(dict.fromkeys(f".{suffix.lower().lstrip('.')}" for suffix in given))
     for suffix in wanted:
         if suffix not in WRITABLE:
@@ -138,7 +138,7 @@ def _folder(given: str) -> Path:
 
 
 def _stems(images: Sequence[str]) -> list[str]:
-    """What the files for each image are called, before the suffix: after the image, and no two alike."""
+    """Unique file names without a suffix, after the names of the images."""
     stems: list[str] = []
     taken: set[str] = set()
     for image in images:
@@ -156,22 +156,21 @@ def _summary(every: Sequence[_Written]) -> bytes:
     text = io.StringIO()
     table = csv.DictWriter(text, _COLUMNS, restval="", lineterminator="\n")
     table.writeheader()
-    table.writerows({"image": one.image, "trouble": one.done.trouble, **one.done.facts} for one in every)
+    table.writerows({"image": one.image, "trouble": one.done.error, **one.done.facts} for one in every)
     return text.getvalue().encode("utf-8", "surrogateescape")
 
 
-def _tell(every: Sequence[_Written], output: Path, seconds: float, *, as_json: bool) -> None:
-    failed = sum(bool(one.done.trouble) for one in every)
+def _report(every: Sequence[_Written], output: Path, seconds: float, *, as_json: bool) -> None:
+    failed = sum(bool(one.done.error) for one in every)
     if as_json:
         images = [
-            {"image": one.image, **one.done.facts, "files": list(one.files), "trouble": one.done.trouble}
-            for one in every
+            {"image": one.image, **one.done.facts, "files": list(one.files), "trouble": one.done.error} for one in every
         ]
         facts = {"images": images, "done": len(every) - failed, "failed": failed, "seconds": round(seconds, 3)}
         print(json.dumps({**facts, "summary": str(output / SUMMARY)}))
         return
     for one in every:
-        if not one.done.trouble:
+        if not one.done.error:
             print(f"{one.image}: {counted(int(str(one.done.facts['contours'])), 'contour')}")
     failures = f", {failed} failed" if failed else ""
     print(f"{counted(len(every), 'image')} in {seconds:.1f} s{failures}; wrote {output / SUMMARY}")

@@ -1,4 +1,4 @@
-"""``cpm info``: tells what an image file holds."""
+"""``cpm info``: shows the properties of an image file."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from cpm_core.formats import load_image
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add this command to those of the command line."""
-    parser = commands.add_parser("info", help="tell what an image file holds", allow_abbrev=False)
+    parser = commands.add_parser("info", help="show the properties of an image file", allow_abbrev=False)
     parser.set_defaults(command=_info)
-    parser.description = "Tell the size, grey levels and pixel size of an image, and what reading it changed."
+    parser.description = "Show the size, gray levels and pixel size of an image, and what reading it changed."
     add_image(parser)
     add_json(parser)
 
 
 def _info(arguments: argparse.Namespace) -> None:
-    """Tell what an image file holds."""
+    """Show the properties of an image file."""
     image = load_image(arguments.image)
     low, high = float(image.values.min()), float(image.values.max())
     if arguments.json:
@@ -38,6 +38,6 @@ def _info(arguments: argparse.Namespace) -> None:
     if image.unit:
         print(f"Size of a pixel: {image.spacing[0]:g} x {image.spacing[1]:g} {image.unit} (row x column)")
     else:
-        print("Size of a pixel: the file does not tell")
+        print("Size of a pixel: not given in the file")
     for note in image.notes:
         print(f"Note: {note}")

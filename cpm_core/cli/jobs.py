@@ -1,10 +1,11 @@
-"""One image of a batch: what is asked for, what comes of it, and how it is done wherever there is a process for it."""
+"""One image of a batch: the job, its result, and the function that processes it in any process."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field
 
+from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image
 from cpm_core.formats.sessions.session_file import SessionFile
@@ -15,56 +16,28 @@ from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What is to be done.
+    """A run on one image."""
 
-    Attributes
-    ----------
-    number : int
-        Its place among the images.
-    path : str
-        File of the image.
-    session : SessionFile
-        Start, regions, charges and marks.
-    parameters : Parameters
-        Parameters of the run.
-    max_steps : int or None
-        Steps after which it is stopped.
-    suffixes : tuple of str
-        Formats that are wanted.
-    """
-
-    number: int
+    number: int  # index of the image
     path: str
-    session: SessionFile
+    session: SessionFile  # start, regions, charges and review
     parameters: Parameters
     max_steps: int | None
-    suffixes: tuple[str, ...]
+    suffixes: tuple[str, ...]  # formats to write
 
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What came of it.
+    """Result of a job; when it failed, `error` is one sentence and the rest is empty."""
 
-    Attributes
-    ----------
-    number : int
-        Its place among the images.
-    facts : dict
-        Figures of the run, as ``cpm run --json`` tells them; empty when it failed.
-    files : dict of str to bytes
-        What is to be written, by suffix.
-    trouble : str
-        What went wrong, in one sentence; empty when nothing did.
-    """
-
-    number: int
-    facts: dict[str, object] = field(default_factory=dict)
-    files: dict[str, bytes] = field(default_factory=dict)
-    trouble: str = ""
+    number: int  # index of the image
+    facts: dict[str, object] = field(default_factory=dict)  # as in ``cpm run --json``
+    files: dict[str, bytes] = field(default_factory=dict)  # suffix -> content
+    error: str = ""
 
 
 def do(job: Job) -> Done:
-    """Find the contours of one image. Nothing is written here; the batch writes all files of an image at once."""
+    """Find the contours of one image; the files are only encoded, and the batch writes them together."""
     try:
         began = time.perf_counter()
         image, shapes = load_image(job.path), job.session.shapes
@@ -78,17 +51,22 @@ def do(job: Job) -> Done:
             charges=charges_of(shapes),
         )
         result = apply(found, job.session.marks)
-        facts = {
-            "particles": len(result.particles),
-            "contours": len(result.contours),
-            "closed": sum(contour.closed for contour in result.contours),
-            "steps": result.steps,
-            "converged": result.converged,
-            "stop_reason": result.stop_reason,
-            "seconds": round(time.perf_counter() - began, 3),
-        }
+        facts = facts_of(result, time.perf_counter() - began)
         return Done(job.number, facts, {suffix: encoded(result, suffix) for suffix in job.suffixes})
     except ValueError as error:
-        return Done(job.number, trouble=str(error))
+        return Done(job.number, error=str(error))
     except MemoryError:
-        return Done(job.number, trouble="There is not enough memory for this image.")
+        return Done(job.number, error="There is not enough memory for this image.")
+
+
+def facts_of(result: Result, seconds: float) -> dict[str, object]:
+    """Values of a run by name, as they are printed as JSON."""
+    return {
+        "particles": len(result.particles),
+        "contours": len(result.contours),
+        "closed": sum(contour.closed for contour in result.contours),
+        "steps": result.steps,
+        "converged": result.converged,
+        "stop_reason": result.stop_reason,
+        "seconds": round(seconds, 3),
+    }

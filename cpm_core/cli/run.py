@@ -23,17 +23,17 @@ from cpm_core.cli.arguments import (
     check_exports,
     parameters_of,
 )
+from cpm_core.cli.jobs import facts_of
 from cpm_core.cli.terminal import Progress, counted
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import export, load_image, load_points
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
-from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import PRESETS
 from cpm_core.particles.initialization import circle, stroke
 from cpm_core.segmentation.segment import segment
-from cpm_core.shapes import KINDS, Barrier, Everywhere, Kind, Region
+from cpm_core.shapes import KINDS, Barrier, Everywhere, Region
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
 
@@ -45,28 +45,17 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_image(parser, optional=True)
     add_session(parser)
     start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
-    start.add_argument("--circle", metavar="ROW,COL,RADIUS", action="append", default=[], help="a circle, in px")
-    start.add_argument(
-        "--stroke", metavar="ROW,COL,ROW,COL,...", action="append", default=[], help="a stroke from point to point"
-    )
-    start.add_argument("--points", metavar="FILE.csv", action="append", default=[], help="points: row,col on each line")
-    start.add_argument(
-        "--auto",
-        choices=KINDS,
-        help="everywhere, on the strongest edges, or in the middle of what lies between edges",
-    )
     place = parser.add_argument_group("place (each may be repeated)")
     line = "ROW,COL,ROW,COL,..."
-    place.add_argument(
-        "--region", metavar=line, action="append", default=[], help="corners of a polygon that particles stay in, in px"
-    )
-    place.add_argument(
-        "--barrier",
-        metavar=line,
-        action="append",
-        default=[],
-        help="vertices of a line that no particle crosses, in px",
-    )
+    for group, flag, form, meaning in (
+        (start, "--circle", "ROW,COL,RADIUS", "a circle, in px"),
+        (start, "--stroke", line, "a stroke from point to point"),
+        (start, "--points", "FILE.csv", "points: row,col on each line"),
+        (place, "--region", line, "corners of a polygon that particles stay in, in px"),
+        (place, "--barrier", line, "vertices of a line that no particle crosses, in px"),
+    ):
+        group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
+    start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
     parameters = parser.add_argument_group("parameters")
     parameters.add_argument(
         "--preset", choices=tuple(PRESETS), help="named settings (default: shape, or the session's)"
@@ -92,14 +81,15 @@ def _run(arguments: argparse.Namespace) -> None:
     image = load_image(path)
     for note in (*session.notes, *notes):
         print(f"cpm: {note}", file=sys.stderr)
-    kept = seeds_on(image, session.shapes, parameters.smoothing)
-    seeds = np.concatenate([kept, *drawn, *_automatic(arguments.auto, image, parameters)])
+    seeds = [seeds_on(image, session.shapes, parameters.smoothing), *drawn]
+    if arguments.auto:
+        seeds.append(seeds_on(image, (Everywhere(arguments.auto),), parameters.smoothing))
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
         found = segment(
             image,
-            seeds,
+            np.concatenate(seeds),
             parameters,
             max_steps=max_steps,
             progress=progress,
@@ -112,18 +102,18 @@ def _run(arguments: argparse.Namespace) -> None:
     result = apply(found, session.marks)
     seconds = time.perf_counter() - started
     export(result, *arguments.export)
-    _tell_result(result, seconds, arguments.export, as_json=arguments.json)
+    _report(result, seconds, arguments.export, as_json=arguments.json)
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, tuple[str, ...]]:
-    """Path of the image that is named, or else of that of the session, and notes on it."""
+    """Path of the given image, or else of that of the session, and notes on it."""
     if arguments.image is not None or session.image is None:
         return Path(arguments.image), ()
     return find_image(session.image, Path(arguments.session).absolute().parent)
 
 
 def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[NDArray[np.float64]]:
-    """Particles of the circles, strokes and points on the command line."""
+    """Seeds of the circles, strokes and points on the command line."""
     given = arguments.circle or arguments.stroke or arguments.points or arguments.auto
     if not (given or starts_of(session.shapes)) and session.mode == "skeleton":
         raise ValueError("The session is about a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
@@ -151,7 +141,7 @@ def _stroke(text: str) -> NDArray[np.float64]:
 
 
 def _numbers(text: str) -> list[float]:
-    """Numbers between commas; none at all when a part is no number."""
+    """Numbers between commas; an empty list when a part is not a number."""
     parts = [as_number(part.strip()) for part in text.split(",")]
     numbers = [float(part) for part in parts if not isinstance(part, str)]
     return numbers if len(numbers) == len(parts) else []
@@ -176,27 +166,12 @@ def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
     return points
 
 
-def _automatic(kind: Kind | None, image: Image, parameters: Parameters) -> list[NDArray[np.float64]]:
-    """Particles that need no drawing."""
-    return [seeds_on(image, (Everywhere(kind),), parameters.smoothing)] if kind else []
-
-
-def _tell_result(result: Result, seconds: float, written: Sequence[str], *, as_json: bool) -> None:
-    closed = sum(contour.closed for contour in result.contours)
+def _report(result: Result, seconds: float, written: Sequence[str], *, as_json: bool) -> None:
+    facts = facts_of(result, seconds)
     if as_json:
-        facts = {
-            "particles": len(result.particles),
-            "contours": len(result.contours),
-            "closed": closed,
-            "steps": result.steps,
-            "converged": result.converged,
-            "stop_reason": result.stop_reason,
-            "seconds": round(seconds, 3),
-            "bridges": len(result.bridges),
-        }
-        print(json.dumps(facts))
+        print(json.dumps({**facts, "bridges": len(result.bridges)}))
         return
-    print(f"{result.source}: {counted(len(result.contours), 'contour')} ({closed} closed)")
+    print(f"{result.source}: {counted(len(result.contours), 'contour')} ({facts['closed']} closed)")
     for number, contour in enumerate(result.contours[:10], start=1):
         kind = f"closed, area {contour.area:.1f} px²" if contour.closed else "open"
         print(f"  {number}. length {contour.length:.1f} px, {kind}, strength {contour.strength:.3g}")

@@ -30,7 +30,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser = commands.add_parser("skeleton", help="find the skeletons of the objects in an image", allow_abbrev=False)
     parser.set_defaults(command=_skeleton)
     parser.description = (
-        "Find the middle lines of the objects in an image, with the distance to the boundary at every place. "
+        "Find the middle lines of the objects in an image, with the distance to the boundary at every point. "
         "The smoothing is chosen from the image's noise unless it is given."
     )
     add_image(parser)
@@ -50,7 +50,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 
 def _skeleton(arguments: argparse.Namespace) -> None:
-    """Find the skeletons of an image; every check that needs no image comes first."""
+    """Find the skeletons of an image, after all checks that need no image."""
     parameters = parameters_of(arguments, PRESETS[_PRESET])
     if isinstance(arguments.pruning, str):
         raise ValueError(f'--pruning is "{arguments.pruning}" but must be a number of pixels, 0 or more.')
@@ -60,10 +60,10 @@ def _skeleton(arguments: argparse.Namespace) -> None:
     found = skeleton(image, parameters, pruning=arguments.pruning, outside=arguments.outside)
     seconds = time.perf_counter() - started
     export(found, *arguments.export)
-    _tell(found, seconds, arguments.export, as_json=arguments.json)
+    _report(found, seconds, arguments.export, as_json=arguments.json)
 
 
-def _tell(found: Skeleton, seconds: float, written: Sequence[str], *, as_json: bool) -> None:
+def _report(found: Skeleton, seconds: float, written: Sequence[str], *, as_json: bool) -> None:
     closed = sum(contour.closed for contour in found.contours)
     largest = max((float(radii.max()) for radii in found.radii), default=0.0)
     if as_json:

@@ -1,4 +1,4 @@
-"""What a person sees on the terminal: how far a run is, and words that several commands use."""
+"""Output on the terminal: progress lines, and phrases of several commands."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ def counted(number: int, noun: str) -> str:
 
 
 class Progress:
-    """A line on a terminal that says how far the run is."""
+    """A line on a terminal with the progress of a run."""
 
     def __init__(self) -> None:
         self._due = 0.0
 
     def __call__(self, state: State) -> None:
-        """Show a state, unless the last one was shown a moment ago."""
+        """Show a state, at most once in `_REDRAW` seconds."""
         now = time.monotonic()
         if now >= self._due:
             self._due = now + _REDRAW
@@ -31,18 +31,12 @@ class Progress:
             print(f"\r\x1b[2K{text}", end="", file=sys.stderr, flush=True)
 
     def clear(self) -> None:
-        """Take the line away."""
+        """Remove the line."""
         print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
 
 
 class Count:
-    """A line on a terminal that says how many of a known number are done, and how long the others will take.
-
-    Parameters
-    ----------
-    total : int
-        How many there are.
-    """
+    """A line on a terminal with how many of `total` items are done, and how long the others will take."""
 
     def __init__(self, total: int) -> None:
         self._total = total
@@ -60,12 +54,12 @@ class Count:
         self._clear()
 
     def advance(self) -> None:
-        """One more is done."""
+        """Count one more item."""
         self._done += 1
         self._draw()
 
-    def say(self, sentence: str) -> None:
-        """Say something on a line of its own."""
+    def message(self, sentence: str) -> None:
+        """Print a sentence on a line of its own."""
         self._clear()
         print(sentence, file=sys.stderr, flush=True)
         self._draw()

@@ -1,4 +1,4 @@
-"""Where the images of a batch are worked on: in this process, in others beside it, or by a scheduler elsewhere."""
+"""Execution of the jobs of a batch: in this process, in several processes, or on a dask cluster."""
 
 from __future__ import annotations
 
@@ -16,18 +16,13 @@ from cpm_core.numerics import jit_cache
 from cpm_core.numerics.parallel import cores
 from cpm_core.segmentation.warm_up import warm_up
 
-_DIED = "The process that worked on it ended all of a sudden; perhaps there was not enough memory."
+_DIED = "The process that worked on it ended unexpectedly; perhaps there was not enough memory."
 
 
 def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None]:
-    """Do jobs on this computer; what is done comes as it gets ready.
+    """Do jobs on this computer and yield results as they finish.
 
-    Parameters
-    ----------
-    jobs : sequence of Job
-        What is to be done.
-    workers : int, optional
-        How many processes; one a core unless given. With one, all is done in this very process.
+    There is one process for each core unless `workers` gives a number; with one, jobs are done in this process.
     """
     count = min(workers or cores(), len(jobs))
     if count <= 1:
@@ -42,7 +37,7 @@ def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None
         while any(worker.job for worker in crew):
             busy = {worker.line: worker for worker in crew if worker.job}
             for line in multiprocessing.connection.wait(list(busy)):
-                worker = busy[line]  # type: ignore[index]  # only those were waited for
+                worker = busy[line]  # type: ignore[index]  # only those connections were given
                 done = worker.take()
                 if worker.dead and waiting:
                     crew[crew.index(worker)] = worker = _Worker()
@@ -55,12 +50,9 @@ def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None
 
 
 def elsewhere(jobs: Sequence[Job], address: str) -> Generator[Done, None, None]:
-    """Let the workers of a dask scheduler do jobs; they have to see the same files under the same names.
+    """Do jobs on the workers of a dask scheduler, which must see the same files under the same names.
 
-    Raises
-    ------
-    ValueError
-        When dask is not installed, or no scheduler answers at the address.
+    ValueError when dask is not installed, or no scheduler answers at the address.
     """
     try:
         from distributed import Client, as_completed
@@ -78,14 +70,14 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[Done, None, None]:
         number = {future.key: job.number for future, job in zip(futures, jobs, strict=True)}
         try:
             for future in as_completed(futures):
-                trouble: Any = future.exception()
-                yield future.result() if trouble is None else Done(number[future.key], trouble=f"{_DIED} ({trouble})")
+                failure: Any = future.exception()
+                yield future.result() if failure is None else Done(number[future.key], error=f"{_DIED} ({failure})")
         finally:
             client.cancel(futures)
 
 
 def _compile_once() -> None:
-    """Compile here what is not in the cache of this computer yet, so that not every process does it for itself."""
+    """Compile the loops once if they are not in the cache of this computer, before every process does it."""
     folder = jit_cache.folder_of_this_package()
     if folder is not None and not any(folder.rglob("*.nbi")):
         warm_up()
@@ -100,18 +92,18 @@ class _Worker:
         self.job: Job | None = None
         self.dead = False
         self._process: BaseProcess = context.Process(target=_work, args=(theirs,), daemon=True)
-        with _deaf_to_interrupts():
+        with _interrupts_ignored():
             self._process.start()
         theirs.close()
 
     def give(self, job: Job) -> None:
-        """Let it do a job."""
+        """Send it a job."""
         self.job = job
-        with suppress(OSError):  # a process that is gone is noticed when its answer is waited for
+        with suppress(OSError):  # a process that has ended is noticed by `take`
             self.line.send(job)
 
     def take(self) -> Done:
-        """What came of its job."""
+        """Receive the result of its job."""
         assert self.job is not None
         number, self.job = self.job.number, None
         try:
@@ -121,28 +113,28 @@ class _Worker:
         except (EOFError, OSError):
             self.dead = True
             self.end()
-            return Done(number, trouble=_DIED)
+            return Done(number, error=_DIED)
 
     def end(self) -> None:
-        """End it at once, whatever it is doing."""
+        """Kill it."""
         self._process.kill()
         self._process.join()
         self.line.close()
 
 
 def _work(line: Connection) -> None:
-    """Do what comes along a line, until nothing does any more."""
+    """Do the jobs that arrive on a connection, until it is closed."""
     with suppress(EOFError, OSError):
         while True:
             line.send(do(line.recv()))
 
 
 @contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Processes that are started meanwhile leave Ctrl+C to this one, which ends them."""
+def _interrupts_ignored() -> Iterator[None]:
+    """Let processes that are started in the block ignore Ctrl+C, because this process ends them."""
     try:
         before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    except ValueError:  # only the main thread may ask for that
+    except ValueError:  # only the main thread may change it
         yield
         return
     try:

@@ -1,4 +1,4 @@
-"""Formats: a module reads or writes one kind of file; `readers` and `writers` choose among them by file."""
+"""Formats: a module reads or writes one kind of file; `readers` and `writers` choose the module for a file."""
 
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, load_contours
 from cpm_core.formats.contours.points_csv import load_points

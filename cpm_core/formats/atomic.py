@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
-    """Write files beside their places first, and put them there once all of them are on the disk.
+    """Write temporary files beside the targets first, and rename them once all of them are on the disk.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
 
 @contextlib.contextmanager
 def draft_of(path: Path) -> Iterator[Path]:
-    """Name a file beside its place for something too long to be made in memory.
+    """Give a temporary file beside a target, for content that is too large to be made in memory.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def draft_of(path: Path) -> Iterator[Path]:
     Yields
     ------
     Path
-        The file to write. Once the block has ended well it takes its place; otherwise it is removed.
+        The file to write. When the block ends without an error it replaces the target; otherwise it is removed.
 
     Raises
     ------
@@ -75,12 +75,12 @@ def draft_of(path: Path) -> Iterator[Path]:
 
 
 def check_place(file: Path) -> None:
-    """Tell beforehand whether a file could be written at its place.
+    """Check in advance whether a file could be written to a path.
 
     Raises
     ------
     ValueError
-        When the place is a folder, or its folder does not exist or must not be written to.
+        When the path is a folder, or its folder does not exist or is not writable.
     """
     if file.is_dir():
         raise ValueError(f"{file} is a folder: name a file in it.")

@@ -1,4 +1,4 @@
-"""Ground truth out of a file: a mask, or contours."""
+"""Ground truth from a file: a mask, or contours."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cpm_core.formats import load_image
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, read_contours
 
 _BESIDE = 1.0
-"""How far vertices may lie beyond the border of the image [px]."""
+"""Distance that vertices may lie outside the image [px]."""
 
 
 def load_truth(path: str | os.PathLike[str], shape: Sequence[int], *, holes: bool = True) -> Truth:
@@ -22,13 +22,13 @@ def load_truth(path: str | os.PathLike[str], shape: Sequence[int], *, holes: boo
     Parameters
     ----------
     path : path-like
-        A mask, which is any image that `load_image` reads: its lowest grey level is the background, each other one an
+        A mask, which is any image that `load_image` reads: its lowest gray level is the background, each other one an
         object, and two levels make one class. Or contours, which are any file that `load_contours` reads: closed ones
         are objects.
     shape : sequence of int
-        Shape of the image that it belongs to, (rows, columns).
+        Shape of the image that the truth belongs to, (rows, columns).
     holes : bool
-        Of contours, whether one in another is a hole of it, and one in that again an object; see
+        For contours: whether one inside another is a hole, and one inside that hole again an object; see
         `cpm_core.contours.rasterize.inside`.
 
     Returns
@@ -39,8 +39,8 @@ def load_truth(path: str | os.PathLike[str], shape: Sequence[int], *, holes: boo
     Raises
     ------
     ValueError
-        When the file cannot be read, belongs to an image of another size, is a picture rather than a mask, or holds
-        nothing.
+        When the file cannot be read, belongs to an image of another size, is a picture rather than a mask, or is
+        empty.
     """
     file, rows, cols = Path(path), *map(int, shape)
     if file.suffix.lower() in CONTOURS_READABLE:

@@ -1,4 +1,4 @@
-"""JSON: how the formats that are made of it are written down."""
+"""JSON: layout and rounding that all formats based on it share."""
 
 from __future__ import annotations
 
@@ -13,19 +13,16 @@ PIXEL = 0.5
 
 
 def text(content: dict[str, Any]) -> bytes:
-    """Write an object as UTF-8 with a line to each entry of its lists, so that versions of a file can be compared.
+    """Encode an object as UTF-8 with one line for each entry of its lists, so that versions of a file can be compared.
 
-    Raises
-    ------
-    ValueError
-        When a number is not finite, which JSON cannot say.
+    ValueError when a number is not finite, which JSON cannot express.
     """
     parts = [f"{json.dumps(key)}: {_value(value)}" for key, value in content.items()]
     return ("{\n" + ",\n".join(parts) + "\n}\n").encode()
 
 
 def pairs(points: NDArray[np.float64]) -> list[list[float]]:
-    """Points (row, col) as pairs [x, y] from the corner of the image, as most programs that draw count [px]."""
+    """Points (row, col) as pairs [x, y] from the corner of the image, the usual origin in graphics [px]."""
     return rounded(points[:, ::-1] + PIXEL)
 
 

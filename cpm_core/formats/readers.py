@@ -1,6 +1,6 @@
-"""Readers of images: a file is given to the one that recognizes it by its content, whatever its suffix.
+"""Readers of images: the content of a file selects its reader, not its suffix.
 
-A new one is a module of its own, as `Reader` says, and a place in `_READERS`.
+A new reader is a module with the interface `Reader`, and an entry in `_READERS`.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from cpm_core.image.image import Image
 
 
 class Reader(Protocol):
-    """What a module that reads images has."""
+    """Interface of a module that reads images."""
 
     READS: dict[str, str]
     """Suffix -> what such a file is."""
 
     def reads(self, head: bytes, path: Path, /) -> bool:
-        """Tell from the first 512 bytes of a file (all of a shorter one) and from its path whether it is for it."""
+        """Whether the file is of this format, by its first 512 bytes (all of a shorter file) and its path."""
 
     def read(self, path: Path) -> Decoded:
         """Read a file; damaged ones may raise anything."""
@@ -32,12 +32,12 @@ class Reader(Protocol):
 
 _READERS: tuple[Reader, ...] = (tiff, numpy_array, raster)  # the last one takes what no other reads
 _HEAD = 512
-"""Bytes by which a file is known: the marks of medical formats stand at 128 (DICOM) and 344 (NIfTI)."""
+"""Bytes that identify a format: the signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
 
 _LOG = logging.getLogger(__name__)
 
 READABLE: dict[str, str] = {suffix: text for reader in _READERS for suffix, text in reader.READS.items()}
-"""Suffixes of the images that can be read -> what they are. A file is known by its content, whatever its suffix."""
+"""Suffixes of the images that can be read -> what they are. The content of a file decides, not its suffix."""
 
 
 def load_image(path: str | os.PathLike[str]) -> Image:
@@ -52,35 +52,35 @@ def load_image(path: str | os.PathLike[str]) -> Image:
     -------
     Image
         Its gray levels in the range of the file (16 bits stay 16 bits), color turned into luminance, the size of a
-        pixel where the file tells it, and in ``notes`` what was changed.
+        pixel where the file gives it, and in ``notes`` what was changed.
 
     Raises
     ------
     ValueError
-        When there is no such file, or it cannot be used; one sentence that names it and says what to do.
+        When there is no such file, or it cannot be used; one sentence with its name and what to do.
     """
     file = Path(path)
     head = _head(file)
     reader = next(reader for reader in _READERS if reader.reads(head, file))
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what a decoder finds odd but readable is no concern of the user
+            warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
             decoded: Decoded = reader.read(file)
     except UnreadableError:
         raise
     except MemoryError:
         raise ValueError(f"{file.name} does not fit into memory: crop it or make it smaller first.") from None
-    except Exception as error:  # decoders raise anything at all on damaged files, and all of it means the same
+    except Exception as error:  # decoders raise exceptions of any kind on damaged files
         _LOG.info("%s: %s: %s", file, type(error).__name__, error)
         raise ValueError(
             f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
-            "or save it anew as PNG or TIFF."
+            "or save it again as PNG or TIFF."
         ) from error
     return Image(decoded.values, decoded.spacing, decoded.unit, file.name, decoded.notes)
 
 
 def _head(file: Path) -> bytes:
-    """First bytes of a file, once it is certain to be one that can be read."""
+    """First bytes of a file; ValueError unless it is a regular file that can be read."""
     try:
         kind = file.stat().st_mode
         if stat.S_ISDIR(kind):
@@ -92,7 +92,7 @@ def _head(file: Path) -> bytes:
     except FileNotFoundError:
         raise ValueError(f"{file} does not exist: check its name and folder.") from None
     except PermissionError:
-        raise ValueError(f"{file} must not be read by you: ask its owner for permission, or copy it.") from None
+        raise ValueError(f"{file} cannot be read, because you have no permission: ask its owner for it.") from None
     except OSError as error:
         raise ValueError(f"{file} cannot be read: {error.strerror or error}.") from error
     if not head:

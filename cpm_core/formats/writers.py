@@ -12,28 +12,12 @@ from types import MappingProxyType
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.contours import (
-    coco,
-    contour_csv,
-    contour_json,
-    dxf,
-    geojson,
-    imagej,
-    labelme,
-    measures_csv,
-    svg,
-)
-from cpm_core.formats.masks import branch_mask, label_mask, label_tiff, nifti
+from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, svg
+from cpm_core.formats.masks import label_tiff, labels, nifti
 from cpm_core.medial_axis.skeleton import Skeleton
 
 Encode = Callable[[Result | Skeleton], bytes]
 """Makes the bytes of a file; ValueError when the result holds nothing that such a file could show."""
-
-
-def _encode_png(result: Result | Skeleton) -> bytes:
-    """The label mask of a result, or the branch mask of a skeleton."""
-    return branch_mask.encode(result) if isinstance(result, Skeleton) else label_mask.encode(result)
-
 
 _LABELS = "insides of closed contours as a label mask"
 _SIZED_LABELS = f"{_LABELS} of 16 or 32 bits, with the size of a pixel"
@@ -41,8 +25,8 @@ _WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
     {
         ".svg": ("contours as a vector drawing", svg.encode),
         ".csv": ("contours as a table of vertices", contour_csv.encode),
-        ".measures.csv": ("a table with one row a contour", measures_csv.encode),
-        ".json": ("all that is known: contours, their measures, bridges, and how the run went", contour_json.encode),
+        ".measures.csv": ("a table with one row a contour", contour_csv.encode_measures),
+        ".json": ("everything: contours, their measures, bridges, and the outcome of the run", contour_json.encode),
         ".geojson": ("contours as annotations for QuPath", geojson.encode),
         ".zip": ("contours as a set of selections of ImageJ and Fiji", imagej.encode_set),
         ".roi": ("the only contour as a selection of ImageJ and Fiji", imagej.encode),
@@ -53,10 +37,10 @@ _WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
         ".nii": (f"{_LABELS} of one slice", nifti.encode),
         ".nii.gz": ("the same, compressed", nifti.encode_packed),
         ".dxf": ("contours as polylines for CAD", dxf.encode),
-        ".png": (_LABELS, _encode_png),
+        ".png": (_LABELS, labels.encode_png),
     }
 )
-"""What is written, and by what, by suffix."""
+"""Suffix -> what is written, and the function that encodes it."""
 
 WRITABLE: dict[str, str] = {suffix: text for suffix, (text, _) in _WRITERS.items()}
 """Suffixes that a result can be exported to, some of two parts -> what is written."""
@@ -65,8 +49,8 @@ WRITABLE: dict[str, str] = {suffix: text for suffix, (text, _) in _WRITERS.items
 def export(result: Result | Skeleton, *paths: str | os.PathLike[str]) -> None:
     """Write the contours of a result, or a skeleton, in the format that each suffix names.
 
-    Everything is made before anything is written, and each file takes its place in one stroke, so that nothing
-    half-written is ever left behind.
+    Everything is encoded before anything is written, and each file is replaced atomically, so that no incomplete file
+    is ever left behind.
 
     Parameters
     ----------
@@ -87,14 +71,14 @@ def export(result: Result | Skeleton, *paths: str | os.PathLike[str]) -> None:
 
 
 def encoded(result: Result | Skeleton, suffix: str) -> bytes:
-    """Make what `export` would write, for the clipboard or for wherever there is no file.
+    """Encode what `export` would write, for the clipboard and other places without a file.
 
     Parameters
     ----------
     result : Result or Skeleton
         Outcome of a run, or of `skeleton`.
     suffix : str
-        One of `WRITABLE`. What is text is UTF-8.
+        One of `WRITABLE`. Text is encoded as UTF-8.
 
     Returns
     -------
@@ -107,20 +91,15 @@ def encoded(result: Result | Skeleton, suffix: str) -> bytes:
         When the suffix is not known, or the result holds nothing such a file could show.
     """
     if suffix not in _WRITERS:
-        raise ValueError(f'"{suffix}" says no format that can be written: choose one of {_known()}.')
+        raise ValueError(f'"{suffix}" names no format that can be written: choose one of {_known()}.')
     return _WRITERS[suffix][1](result)
 
 
 def suffix_of(path: str | os.PathLike[str]) -> str:
-    """Suffix of `WRITABLE` that a file's name ends in, in small letters.
+    """Suffix of `WRITABLE` that a file's name ends in, in lower case; empty when no format is known by it.
 
-    Of several the longest counts, so that ``a.coco.json`` is no plain ``.json``; a name that is nothing but a suffix
-    has none.
-
-    Returns
-    -------
-    str
-        The suffix; empty when no format is known by it.
+    Of several the longest counts, so that ``a.coco.json`` is not a plain ``.json``; a name that consists of a suffix
+    only has none.
     """
     name = Path(path).name.lower()
     suffix = max((suffix for suffix in WRITABLE if name.endswith(suffix)), key=len, default="")
@@ -128,17 +107,17 @@ def suffix_of(path: str | os.PathLike[str]) -> str:
 
 
 def check_export(path: str | os.PathLike[str]) -> None:
-    """Tell beforehand whether `export` could write to a path.
+    """Check in advance whether `export` could write to a path.
 
     Raises
     ------
     ValueError
-        When the suffix is not known, the folder does not exist or must not be written to, or the path is a folder.
+        When the suffix is not known, the folder does not exist or is not writable, or the path is a folder.
     """
     file = Path(path)
     if not suffix_of(file) and not file.is_dir():
         named = f'ends in "{file.suffix}"' if file.suffix and file.suffix not in WRITABLE else "has no suffix"
-        raise ValueError(f"{file.name} {named}, which says no format that can be written: choose one of {_known()}.")
+        raise ValueError(f"{file.name} {named}, which names no format that can be written: choose one of {_known()}.")
     check_place(file)
 
 

@@ -1,4 +1,4 @@
-"""The field, and all that particles feel."""
+"""The field, and the fields of all scales."""
 
 from dataclasses import replace
 
@@ -25,13 +25,13 @@ def test_engine(benchmark, timed, shape):
 
 
 @pytest.mark.parametrize(("name", "step"), [("smoothing", 1e-3), ("edge_floor", 1e-5), ("beta", 1e-4)])
-def test_level_after_a_parameter_has_moved(benchmark, timed, name, step):
+def test_scale_field_after_a_parameter_has_changed(benchmark, timed, name, step):
     engine = Engine(objects(HAND if timed else (80, 80)), PRESETS["automatic"])
-    moved = [PRESETS["automatic"]]
+    changed = [PRESETS["automatic"]]
 
-    def move():
-        moved.append(replace(moved[-1], **{name: getattr(moved[-1], name) + step}))
-        return engine.scale_field(moved[-1])
+    def change():
+        changed.append(replace(changed[-1], **{name: getattr(changed[-1], name) + step}))
+        return engine.scale_field(changed[-1])
 
-    scale_field = benchmark.pedantic(move, rounds=30 if timed else 1, warmup_rounds=1)
+    scale_field = benchmark.pedantic(change, rounds=30 if timed else 1, warmup_rounds=1)
     assert scale_field.shape == engine.image.shape

@@ -1,4 +1,4 @@
-"""Whole runs, and what a start costs."""
+"""Whole runs, and the import of the core."""
 
 import subprocess
 import sys

@@ -10,7 +10,7 @@ from cpm_core.segmentation.warm_up import warm_up
 
 @pytest.fixture(scope="session")
 def timed(request):
-    """Whether times are taken; else what is worked on may be small."""
+    """Whether times are taken; else the inputs may be small."""
     return not request.config.getoption("benchmark_disable")
 
 

@@ -44,7 +44,7 @@ SPACING = 12.5
 KEY_EVERY = 0.1
 
 
-def say(line: str) -> None:
+def print_line(line: str) -> None:
     """Write a line of the report."""
     sys.stdout.write(f"{line}\n")
 
@@ -107,7 +107,7 @@ class Trembling(Engine):
 
 
 def trembling(count: int) -> Core:
-    """A core with so many trembling particles."""
+    """A core with so many random particles."""
     return Core(methods={"cpm": type("TremblingCrowd", (Trembling,), {"count": count})})
 
 
@@ -143,7 +143,7 @@ def wait(application: QCoreApplication, condition, seconds: float) -> None:
 
 
 def measure(seconds: float, count: int | None = None, color: str = "state") -> Times:
-    """Run the window for some seconds, with as many trembling particles as asked for or with the engine itself.
+    """Run the window for some seconds, with that many random particles or with the engine itself.
 
     The particles are colored by whether they rest, or by another quantity.
     """
@@ -183,12 +183,12 @@ def measure(seconds: float, count: int | None = None, color: str = "state") -> T
     application.exec()
     end.set()
     keys.join()
-    say(
+    print_line(
         f"platform {application.platformName()}, "
         f"canvas {window.canvas_area.canvas.width()} x {window.canvas_area.canvas.height()}, "
         f"at the end: {session.resolved.state}"
     )
-    window.feature(OpenSaveFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
+    window.feature(OpenSaveFeature).document_file.forget()  # without a question whether to save
     window.close()
     return times
 
@@ -203,17 +203,17 @@ def report(times: Times) -> None:
     following = np.searchsorted(paints, executed)
     seen = 1e3 * (paints[following[following < len(paints)]] - sent[following < len(paints)])
     duration = paints[-1] - paints[0]
-    say(
+    print_line(
         f"particles {min(times.counts)} to {max(times.counts)}, "
         f"{(times.steps[-1] - times.steps[0]) / duration:.0f} steps/s"
     )
-    say(f"frames/s {len(gaps) / duration:.1f}")
+    print_line(f"frames/s {len(gaps) / duration:.1f}")
     for name, values in (("between frames", gaps), ("key to document", reaction), ("key to repaint", seen)):
         median, late = np.percentile(values, [50, 99])
-        say(f"{name}: median {median:.1f} ms, 99 % {late:.1f} ms, longest {values.max():.1f} ms ({len(values)})")
+        print_line(f"{name}: median {median:.1f} ms, 99 % {late:.1f} ms, longest {values.max():.1f} ms ({len(values)})")
 
 
 if __name__ == "__main__":
     for crowd, color in ((None, "state"), (20_000, "state"), (20_000, "speed"), (100_000, "state")):
-        say(f"{crowd:,} trembling particles, colored by {color}" if crowd else "the engine flat out")
+        print_line(f"{crowd:,} random particles, colored by {color}" if crowd else "the engine at full speed")
         report(measure(float(sys.argv[1]) if len(sys.argv) > 1 else 10.0, crowd, color))

@@ -1,4 +1,4 @@
-"""How exactly and how fast shapes with known boundaries are recovered; prints the figures.
+"""Accuracy and speed of the recovery of shapes with known boundaries; prints a table.
 
 Run by itself: ``python tests/benchmarks/recovery.py``. Each shape is drawn antialiased and started from one circle with
 the default parameters. The error is the mean distance of points every quarter of a pixel along the contours from the

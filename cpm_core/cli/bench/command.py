@@ -1,4 +1,4 @@
-"""``cpm bench``: measures how fast it is here, beside peers and limits."""
+"""``cpm bench``: measures times on this machine, beside other methods and lower bounds."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser = commands.add_parser("bench", help="measure how fast it is here", allow_abbrev=False)
     parser.set_defaults(command=_bench)
     parser.description = (
-        "Measure how fast this is on your machine: whole runs and their parts, beside other methods and beside what "
-        "they cannot do without. Each time is a median, compilation left out. It takes about a minute."
+        "Measure how fast this is on your machine: whole runs and their parts, beside other methods and lower bounds. "
+        "Each time is a median, without compilation. It takes about a minute."
     )
     parser.add_argument("--image", metavar="PATH", help="image for the whole runs (default: a scene of 398 x 548 px)")
-    parser.add_argument("--quick", action="store_true", help="a few seconds: smaller things, fewer times")
+    parser.add_argument("--quick", action="store_true", help="a few seconds: smaller inputs, fewer repeats")
     add_json(parser)
 
 
 def _bench(arguments: argparse.Namespace) -> None:
-    """Measure, a line for each thing that is done."""
+    """Measure, with a line for each measurement as soon as it is known."""
     image = None if arguments.image is None else load_image(arguments.image)
     began = time.perf_counter()
     rows = measurements(QUICK if arguments.quick else UNHURRIED, image)
@@ -41,7 +41,7 @@ def _bench(arguments: argparse.Namespace) -> None:
         print(json.dumps(facts | {"measurements": entries}))
         return
     for number, row in enumerate(rows):
-        if number == 0:  # an image that cannot be worked with is known by now
+        if number == 0:  # a bad image has raised an error by now
             print(", ".join(f"{name} {value}" for name, value in here.items()))
             print(f"{'':{_WHAT}}{'ours':>{_TIME}}  {'beside it':{_PEER}}{'':>{_TIME}}  ours/it")
         print(_line(row), flush=True)
@@ -62,7 +62,7 @@ def _line(row: Measurement) -> str:
 
 
 def _time(value: float, unit: str) -> str:
-    """Time with three digits, in a unit that suits its size."""
+    """Time with three digits, in a unit that fits its size."""
     seconds = value * {"s": 1.0, "ms": 1e-3}[unit]
     factor, shown = (1.0, "s") if seconds >= 1.0 else (1e3, "ms") if seconds >= 1e-4 else (1e6, "µs")
     return f"{float(f'{seconds * factor:.3g}'):g} {shown}"

@@ -16,14 +16,14 @@ from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 
 _COUNTS = (1_000, 4_000, 16_000, 64_000, 256_000)
 _MOST_PAIRS = 16_000
-"""Particles up to which the loop over all pairs is awaited."""
+"""Largest number of particles for the loop over all pairs."""
 
 _PLACES = 50
 """Particles at which the force is compared with the direct sum."""
 
 
 def coulomb_forces(patience: Patience) -> Iterator[Measurement]:
-    """The force at numbers of particles that quadruple from row to row."""
+    """The force on numbers of particles that quadruple from row to row."""
     _compile_loops()
     before: tuple[int, float] | None = None
     for count in (500, 2_000) if patience.quick else _COUNTS:
@@ -45,7 +45,7 @@ def coulomb_forces(patience: Patience) -> Iterator[Measurement]:
 
 
 def _compile_loops() -> None:
-    """Have the loops of every method, which a run has no use for, compiled before the clock is started."""
+    """Compile the loops of every method, some of which no run needs, before times are taken."""
     points = along_curves(400)
     for method in ("exact", "single", "tree"):
         coulomb_force(points, method)
@@ -53,18 +53,7 @@ def _compile_loops() -> None:
 
 
 def all_pairs(points: Array) -> Array:
-    """Eq. (9) as it is written, in one loop over all pairs on one core.
-
-    Parameters
-    ----------
-    points : ndarray, shape (N, 2)
-        Positions.
-
-    Returns
-    -------
-    ndarray, shape (N, 2)
-        Force.
-    """
+    """Force (N, 2) on points (N, 2) by eq. (9) literally, in one loop over all pairs on one core."""
     row, col = np.ascontiguousarray(points.T)
     force = np.empty((2, len(points)))
     _all_pairs(row, col, force)

@@ -1,4 +1,4 @@
-"""The field and what else particles feel, beside the bare Fourier transforms that a convolution consists of."""
+"""The field and the scale fields, beside the bare Fourier transforms that a convolution consists of."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _PEER = "1 padded FFT and 2 back"
 
 
 def fields(patience: Patience) -> Iterator[Measurement]:
-    """The field at several sizes, in both precisions; and the levels of a scene, anew and after one parameter moved."""
+    """The field at several sizes and in both precisions; scale fields from scratch and after a parameter changed."""
     for side in (64, 128) if patience.quick else (256, 512, 1024):
         f = edge_map(objects((side, side)))
         methods: dict[str, Callable[[Array], Array]] = {"": electric_field, ", single precision": _single}
@@ -35,7 +35,7 @@ def fields(patience: Patience) -> Iterator[Measurement]:
         for (name, method), value in zip(methods.items(), ours, strict=True):
             what, error = f"field {side} x {side}{name}", field_error(f, np.asarray(method(f)))
             yield Measurement("field", what, value, "ms", _PEER, bare, error)
-    yield from _levels(patience)
+    yield from _scale_fields(patience)
 
 
 def _single(f: Array) -> Array:
@@ -44,7 +44,7 @@ def _single(f: Array) -> Array:
 
 
 def _bare(side: int) -> None:
-    """The transforms of a convolution that has two components, with nothing between them."""
+    """Only the transforms of a convolution with two components."""
     spectrum = scipy.fft.rfft2(np.zeros((side, side)), workers=-1)
     for _ in range(2):
         scipy.fft.irfft2(spectrum, workers=-1)
@@ -65,14 +65,14 @@ def field_error(f: Array, field: Array) -> float:
     return worst / largest
 
 
-def _levels(patience: Patience) -> Iterator[Measurement]:
-    """What particles feel, at all scales; then at the finest one when a parameter moves to where it has never been."""
+def _scale_fields(patience: Patience) -> Iterator[Measurement]:
+    """The fields of all scales; then that of the finest one after a change of a parameter to a new value."""
     values, start = objects((160, 220) if patience.quick else HAND), PRESETS["automatic"]
     size = " x ".join(map(str, values.shape))
     (ours,) = milliseconds_of(patience, lambda: Engine(values, start))
-    yield Measurement("field", f"all that is felt, {size}, {start.scales} scales", ours)
+    yield Measurement("field", f"scale fields, {size}, {start.scales} scales", ours)
     engine = Engine(values, start)
     for name, step in (("smoothing", 0.01), ("edge_floor", 0.0001), ("beta", 0.001)):
         moved = [replace(start, **{name: getattr(start, name) + step * k}) for k in range(1, patience.repeats + 2)]
-        (anew,) = milliseconds_of(patience, lambda: engine.scale_field(moved.pop()))  # noqa: B023  # done with by then
-        yield Measurement("field", f"the finest scale for another {name}", anew, "ms", "all that is felt", ours)
+        (again,) = milliseconds_of(patience, lambda: engine.scale_field(moved.pop()))  # noqa: B023  # called within this pass
+        yield Measurement("field", f"the finest scale for another {name}", again, "ms", "all scales from scratch", ours)

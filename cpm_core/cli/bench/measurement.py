@@ -1,4 +1,4 @@
-"""What is measured, and how a time is taken."""
+"""Measurements: a row of the table, and how times are taken."""
 
 from __future__ import annotations
 
@@ -10,38 +10,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Measurement:
-    """One row of the table.
+    """One row of the table: our time, and that of a peer, another method for the same task or a lower bound."""
 
-    Attributes
-    ----------
-    part : str
-        Part of the program that it belongs to.
-    what : str
-        What was done.
-    value : float
-        How long it took, in `unit`.
-    unit : str
-        Unit of both times: "s" or "ms".
-    peer : str, optional
-        What else was done in the same run: another method for the same task, or what cannot be gone without.
-    peer_value : float, optional
-        How long that took.
-    error : float, optional
-        Relative error of what came out.
-    growth : float, optional
-        Exponent with which the time grows, from the row before to this one, with what there is more of.
-    note : str
-        What else is to be known.
-    """
-
-    part: str
+    part: str  # of the program
     what: str
-    value: float
-    unit: str = "ms"
+    value: float  # our time
+    unit: str = "ms"  # of both times, "s" or "ms"
     peer: str | None = None
-    peer_value: float | None = None
-    error: float | None = None
-    growth: float | None = None
+    peer_value: float | None = None  # time of the peer, measured in the same run
+    error: float | None = None  # relative error of our result
+    growth: float | None = None  # exponent of the time over the size, from the row before to this one
     note: str = ""
 
     @property
@@ -52,37 +30,27 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Patience:
-    """How long to look.
+    """Limits of a measurement."""
 
-    Attributes
-    ----------
-    seconds : float
-        Time to spend on one piece of work, once it has been done twice [s].
-    repeats : int
-        How often to do it at most.
-    quick : bool
-        Whether to leave out what is large.
-    """
-
-    seconds: float = 1.0
-    repeats: int = 15
-    quick: bool = False
+    seconds: float = 1.0  # time for one task, after it has been done twice [s]
+    repeats: int = 15  # at most
+    quick: bool = False  # whether large inputs are left out
 
 
 _LONG = 3.0
-"""How many times the time to spend something must take to be done only once."""
+"""A task that takes this many times `Patience.seconds` is done only once."""
 
 TOO_LONG = 20.0
-"""What is expected to take longer than this is left out [s]."""
+"""Runs that are expected to take longer are left out [s]."""
 
 UNHURRIED, QUICK = Patience(), Patience(seconds=0.05, repeats=3, quick=True)
 
 
 def seconds_of(patience: Patience, *works: Callable[[], object]) -> list[float]:
-    """Median times that several pieces of work take [s].
+    """Median times of several tasks [s].
 
-    They are done in turn, so that whatever else the machine does meanwhile slows down one as much as the other. The
-    first round fills caches and does not count, unless it has taken so long that this makes no difference.
+    They are done in turn, so that other load on the machine slows down all of them equally. The first round fills
+    caches and does not count, unless it takes so long that caches make no difference.
     """
     began = time.perf_counter()
     rounds = [_round(works)]
@@ -95,12 +63,12 @@ def seconds_of(patience: Patience, *works: Callable[[], object]) -> list[float]:
 
 
 def milliseconds_of(patience: Patience, *works: Callable[[], object]) -> list[float]:
-    """Median times that several pieces of work take [ms]; see `seconds_of`."""
+    """Median times of several tasks [ms]; see `seconds_of`."""
     return [1e3 * seconds for seconds in seconds_of(patience, *works)]
 
 
 def _round(works: Sequence[Callable[[], object]]) -> list[float]:
-    """How long each piece of work takes, done once [s]."""
+    """Time of each task, done once [s]."""
     times = []
     for work in works:
         start = time.perf_counter()

@@ -20,26 +20,15 @@ from cpm_core.particles.initialization import circle, uniform_grid
 from cpm_core.segmentation.segment import segment
 
 _RADIUS, _AROUND, _SNAKE = 12.0, 33.0, 200
-"""Radius of the circle in the object that is found by itself, and of that around it which a snake starts from [px];
-points of the snake."""
+"""Radius of the circle inside one object, and of that around it from which a snake starts [px]; points of the snake."""
 
 _AUTOMATIC = PRESETS["automatic"]
 
 
 def whole_runs(patience: Patience, image: Image | None = None) -> Iterator[Measurement]:
-    """Runs that start everywhere, and one that starts in one object.
+    """Runs that start everywhere, one row for each peer, on an image or else on a synthetic scene.
 
-    Parameters
-    ----------
-    patience : Patience
-        How long to look.
-    image : Image, optional
-        What to work on instead of the scene of our own.
-
-    Yields
-    ------
-    Measurement
-        One for each peer; with the scene, also for one object, and for scenes of other sizes.
+    On the scene also a run that starts in one object, and runs on larger scenes.
     """
     values = image.values if image is not None else objects((160, 220) if patience.quick else HAND)
     name = image.source if image is not None else "scene"
@@ -58,12 +47,12 @@ def _everywhere(values: Array) -> object:
 
 
 def _scales(values: Array) -> int:
-    """As many scales as usual, or as a small image admits."""
+    """As many scales as usual, or as a small image permits."""
     return min(_AUTOMATIC.scales, most_scales(values.shape))
 
 
 def _level_sets(values: Array) -> dict[str, Callable[[], object]]:
-    """Peers that need no drawing either."""
+    """Other methods that need no seeds either."""
     gray = (values - values.min()) / max(float(np.ptp(values)), 1e-300)
     methods = skimage.segmentation
 
@@ -79,7 +68,7 @@ def _level_sets(values: Array) -> dict[str, Callable[[], object]]:
 
 
 def _one_object(values: Array, patience: Patience) -> Measurement:
-    """A circle in one object, beside a snake around it; the whole image is prepared for both."""
+    """A circle in one object, beside a snake around it; both times include the preparation of the whole image."""
     center = one_object(values.shape)
     angle = 2.0 * np.pi * np.arange(_SNAKE) / _SNAKE
     around = np.array(center) + _AROUND * np.stack([np.sin(angle), np.cos(angle)], axis=1)

@@ -1,4 +1,4 @@
-"""What is worked on: images of many objects, and particles along curves."""
+"""Inputs: images of many objects, and particles along curves."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ HAND = (398, 548)
 """Size of a radiograph of a hand, as in the publication [px]."""
 
 _CELL = 72
-"""Side of the square that each object has for itself [px]."""
+"""Side of the square cell around each object [px]."""
 
 _PITCH = 1.5
 """Distance of neighbors along a curve, as at the end of a run [px]."""
@@ -20,19 +20,9 @@ _ON_A_CURVE = 400
 
 
 def objects(shape: tuple[int, int], seed: int = 0) -> Array:
-    """Image of bright objects of several sizes and gray levels on an uneven ground, with a little noise.
+    """Image (H, W) of bright objects of several sizes on an uneven background, with a little noise.
 
-    Parameters
-    ----------
-    shape : tuple of int
-        Rows and columns; a larger image has more objects of the same sizes.
-    seed : int
-        For sizes, gray levels and noise.
-
-    Returns
-    -------
-    ndarray, shape (H, W)
-        Gray levels from about 30 to 230.
+    Gray levels are from about 30 to 230. A larger image has more objects of the same sizes.
     """
     random = np.random.default_rng(seed)
     row, col = np.indices(shape, dtype=float)
@@ -53,20 +43,7 @@ def one_object(shape: tuple[int, int]) -> tuple[float, float]:
 
 
 def along_curves(count: int, seed: int = 0) -> Array:
-    """Particles as they lie at the end of a run: along closed curves, not quite evenly.
-
-    Parameters
-    ----------
-    count : int
-        About how many.
-    seed : int
-        For the unevenness.
-
-    Returns
-    -------
-    ndarray, shape (N, 2)
-        Positions [px].
-    """
+    """About `count` particles (N, 2) [px] as at the end of a run: along closed curves, with small random offsets."""
     curves = max(1, count // _ON_A_CURVE)
     each = count // curves
     radius = _PITCH * each / (2.0 * np.pi)

@@ -1,4 +1,4 @@
-"""What a start costs: importing the core, and loading or compiling its loops, each in a process of its own."""
+"""Start-up: importing the core, and loading or compiling its loops, each in a process of its own."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ def starts(patience: Patience) -> Iterator[Measurement]:
     loaded = _seconds(_WARM_UP, before=_GET_WARM_UP, times=times)
     yield Measurement("start", "loops loaded and run once", loaded, "s")
     if not patience.quick:
-        with tempfile.TemporaryDirectory() as nothing:
-            anew = _seconds(_WARM_UP, before=_GET_WARM_UP, times=1, environment={"NUMBA_CACHE_DIR": nothing})
-        yield Measurement("start", "loops compiled, the first start ever", anew, "s")
+        with tempfile.TemporaryDirectory() as empty:
+            compiled = _seconds(_WARM_UP, before=_GET_WARM_UP, times=1, environment={"NUMBA_CACHE_DIR": empty})
+        yield Measurement("start", "loops compiled, the first start ever", compiled, "s")
 
 
 def _seconds(statement: str, *, before: str = "", times: int, environment: Mapping[str, str] | None = None) -> float:
-    """Median time that a statement takes in a fresh process, the interpreter's own start left out [s]."""
+    """Median time that a statement takes in a new process, without the start of the interpreter [s]."""
     program = f"import time\n{before}\nbegan = time.perf_counter()\n{statement}\nprint(time.perf_counter() - began)"
     printed = [
         subprocess.run(

@@ -1,25 +1,33 @@
-"""A time step of the model, beside the Coulomb force alone."""
+"""Runs under way: a time step beside the Coulomb force alone, the reconstruction beside one triangulation."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
+import scipy
+
 from cpm_core.cli.bench.measurement import Measurement, Patience, milliseconds_of
-from cpm_core.cli.bench.scenes import objects
-from cpm_core.parameters import Parameters
+from cpm_core.cli.bench.scenes import HAND, along_curves, objects
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from cpm_core.particles.initialization import uniform_grid
 from cpm_core.particles.state import State
+from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
 
 _WARM_UP = 60
-"""Steps before the clock is started, after which most particles are on an edge and few are at rest."""
+"""Steps before the time is taken, after which most particles are on an edge and few are at rest."""
 
 _TIMED = 30
 
 SIDES = (345, 1080)
 """Sides of the images on which there are then about 2,000 and 20,000 particles [px]."""
+
+_POINTS = 5_000
+_STEPS = 120
+"""Steps before a reconstruction, which a window does in the course of a run."""
 
 
 def steps(patience: Patience) -> Iterator[Measurement]:
@@ -39,10 +47,24 @@ def steps(patience: Patience) -> Iterator[Measurement]:
         yield Measurement("step", f"step, {particles} particles", one, "ms", "Coulomb force alone", force, note=note)
 
 
-def under_way(side: int, parameters: Parameters) -> tuple[Engine, State]:
-    """A run that started everywhere on a scene of `side` x `side` pixels and is some steps old."""
-    engine = Engine(objects((side, side)), parameters)
+def under_way(side: int | tuple[int, int], parameters: Parameters, count: int = _WARM_UP) -> tuple[Engine, State]:
+    """A run that started everywhere on a scene of that side, or (rows, columns), and has done `count` steps."""
+    engine = Engine(objects(side if isinstance(side, tuple) else (side, side)), parameters)
     state = engine.start(uniform_grid(engine.image.shape))
-    for _ in range(_WARM_UP):
+    for _ in range(count):
         state = engine.step(state, parameters)
     return engine, state
+
+
+def reconstructions(patience: Patience) -> Iterator[Measurement]:
+    """Contours through points without an image, and those of a run under way."""
+    points = along_curves(800 if patience.quick else _POINTS)
+    ours, peer = milliseconds_of(patience, lambda: reconstruct_curve(points), lambda: scipy.spatial.Delaunay(points))
+    yield Measurement("reconstruction", f"curves through {len(points)} points", ours, "ms", "1 triangulation", peer)
+    parameters = replace(PRESETS["automatic"], scales=1)
+    engine, state = under_way((160, 220) if patience.quick else HAND, parameters, _STEPS)
+    ours, peer = milliseconds_of(
+        patience, lambda: engine.result(state, parameters), lambda: scipy.spatial.Delaunay(state.position)
+    )
+    what = f"contours of a run, {len(state.position)} particles"
+    yield Measurement("reconstruction", what, ours, "ms", "1 triangulation", peer)

@@ -1,4 +1,4 @@
-"""All that is measured, in the order of the table, and the machine that it was measured on."""
+"""All measurements in the order of the table, and the machine that they were made on."""
 
 from __future__ import annotations
 
@@ -9,41 +9,27 @@ from importlib.metadata import version
 from cpm_core.cli.bench.coulomb import coulomb_forces
 from cpm_core.cli.bench.field import fields
 from cpm_core.cli.bench.measurement import Measurement, Patience
-from cpm_core.cli.bench.reconstruction import reconstructions
 from cpm_core.cli.bench.runs import whole_runs
 from cpm_core.cli.bench.start import starts
-from cpm_core.cli.bench.steps import steps
+from cpm_core.cli.bench.steps import reconstructions, steps
 from cpm_core.image.image import Image
 from cpm_core.numerics.parallel import cores
 from cpm_core.segmentation.warm_up import warm_up
 
 
 def measurements(patience: Patience, image: Image | None = None) -> Iterator[Measurement]:
-    """Measure one thing after the other; the loops are compiled first.
+    """Measure all parts in turn, each row as soon as it is known; the loops are compiled first.
 
-    Parameters
-    ----------
-    patience : Patience
-        How long to look.
-    image : Image, optional
-        Image for the whole runs instead of the scene of our own.
-
-    Yields
-    ------
-    Measurement
-        One row after the other, each as soon as it is known.
+    The whole runs are done on `image` if one is given, else on a synthetic scene.
     """
     warm_up()
     yield from whole_runs(patience, image)
-    yield from fields(patience)
-    yield from coulomb_forces(patience)
-    yield from steps(patience)
-    yield from reconstructions(patience)
-    yield from starts(patience)
+    for part in (fields, coulomb_forces, steps, reconstructions, starts):
+        yield from part(patience)
 
 
 def machine() -> dict[str, str | int]:
-    """What a time depends on: cores, processor, system and libraries."""
+    """Properties that times depend on: cores, processor, system and libraries."""
     return {
         "cores": cores(),
         "processor": platform.machine(),

@@ -1,4 +1,4 @@
-"""``cpm figures``: does the experiments of the gallery again and writes their pictures."""
+"""``cpm figures``: repeats the experiments of the gallery and writes their pictures."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from cpm_core.cli.terminal import counted
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add this command to those of the command line."""
-    parser = commands.add_parser("figures", help="do the experiments of the gallery again", allow_abbrev=False)
+    parser = commands.add_parser("figures", help="repeat the experiments of the gallery", allow_abbrev=False)
     parser.set_defaults(command=_figures)
     parser.description = (
-        "Do the experiments of the gallery again: one picture for each, an index, and all that was measured. "
+        "Repeat the experiments of the gallery: one picture for each, an index, and all measured values. "
         "It takes a minute or two, and needs matplotlib."
     )
     parser.add_argument("--output", metavar="DIR", required=True, help="folder to write to; made when it is missing")
@@ -30,14 +30,14 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 
 def _figures(arguments: argparse.Namespace) -> None:
-    """Make figures, a line for each that is done."""
+    """Make figures, with a line for each that is finished."""
     began = time.perf_counter()
 
-    def tell(figure: Figure, measured: str) -> None:
+    def report(figure: Figure, measured: str) -> None:
         nonlocal began
         now = time.perf_counter()
         print(f"{figure.name}  {now - began:4.1f} s  {figure.title}: {measured}", flush=True)
         began = now
 
-    written = write_figures(Path(arguments.output), arguments.only, tell)
+    written = write_figures(Path(arguments.output), arguments.only, report)
     print(f"Wrote {counted(len(written), 'file')} to {arguments.output}")

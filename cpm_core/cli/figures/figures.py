@@ -1,4 +1,4 @@
-"""The figures of the gallery: which there are, and how they are written with their index and all that was measured."""
+"""The table of the figures of the gallery; writing of their pictures, the index and the measured values."""
 
 from __future__ import annotations
 
@@ -6,32 +6,25 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.figures import automatic, recovery, skeletons, studies
+from cpm_core.cli.figures import pictures, recovery, silhouettes, skeletons, studies
 from cpm_core.cli.figures.pages import Page
 from cpm_core.cli.figures.plotting import draw, require_matplotlib
+from cpm_core.cli.figures.recovery import from_start_to_result
 from cpm_core.formats.atomic import write_together
 
 INDEX, MEASURED = "README.md", "figures.json"
 
+_TOLERANCE = 1.5
+"""Distance up to which contours agree with the truth in scenes like photographs [px]."""
+
 
 @dataclass(frozen=True)
 class Figure:
-    """An experiment of the gallery.
-
-    Attributes
-    ----------
-    name : str
-        Name of its file, without the suffix.
-    title : str
-        Its heading.
-    about : str
-        One sentence on what it shows.
-    build : callable
-        Does the experiment.
-    """
+    """An experiment of the gallery: name of its file without the suffix, heading, description, and its function."""
 
     name: str
     title: str
@@ -51,16 +44,16 @@ _TABLE = (
     ),
     Figure(
         "fig07", "Initialization", "The start may lie inside, outside, across the boundary or at one corner.",
-        recovery.initialization,
+        partial(from_start_to_result, silhouettes.silhouettes),
     ),
     Figure(
-        "fig08", "Boundary concavities", "Particles push one another along the walls to the end of narrow bays.",
-        recovery.concavities,
+        "fig08", "Boundary concavities", "Particles push one another along the edges to the end of narrow bays.",
+        partial(from_start_to_result, silhouettes.concavities),
     ),
     Figure(
         "fig09", "Embedded objects and topology",
         "Junctions, objects in objects and rings in rings from one circle; separate objects from several.",
-        recovery.topology,
+        partial(from_start_to_result, silhouettes.embedded),
     ),
     Figure(
         "fig10", "Damping decides how many objects are found",
@@ -70,17 +63,17 @@ _TABLE = (
     ),
     Figure(
         "fig11", "Vessels and textures", "Drawn images with noise, uneven light, and texture around or on the object.",
-        recovery.textures,
+        partial(from_start_to_result, pictures.textures, _TOLERANCE),
     ),
     Figure(
         "fig12", "Automatic segmentation",
         "Starts that need no drawing: on strong gradients (cells, chromosomes) and all over the image (hand, head).",
-        automatic.medical,
+        partial(from_start_to_result, pictures.medical, _TOLERANCE),
     ),
     Figure(
         "fig13", "Automatic segmentation of natural scenes", "Drawn scenes with shading and texture, started on strong "
         "gradients.",
-        automatic.natural,
+        partial(from_start_to_result, pictures.natural, _TOLERANCE),
     ),
     Figure(
         "fig14", "Skeletons",
@@ -90,7 +83,7 @@ _TABLE = (
     Figure(
         "fig17", "Sensitivity to parameters",
         "A shape under five weight ratios and five annealing factors; then both weights and damping with a second "
-        "shape that particles must fly to.",
+        "shape that particles must travel to.",
         studies.sensitivity,
     ),
     Figure(
@@ -106,27 +99,11 @@ FIGURES: dict[str, Figure] = {figure.name: figure for figure in _TABLE}
 def write_figures(
     folder: Path, names: Sequence[str] = (), progress: Callable[[Figure, str], object] | None = None
 ) -> list[Path]:
-    """Do experiments again and write their pictures, the index of the folder and what was measured.
+    """Repeat experiments and write their pictures, the index of the folder and the measured values.
 
-    Parameters
-    ----------
-    folder : Path
-        Where to; made when it is missing. Entries there of other figures are kept.
-    names : sequence of str
-        Which figures; all when empty.
-    progress : callable, optional
-        Called with each figure that is done and a sentence on what was measured.
-
-    Returns
-    -------
-    list of Path
-        The files written.
-
-    Raises
-    ------
-    ValueError
-        When a name is unknown, matplotlib is not installed, or the folder cannot be written to; then nothing is
-        written.
+    All figures unless `names` are given. The folder is made when it is missing; its entries for other figures are kept.
+    `progress` is called with each finished figure and a sentence on its results. Returns the files written. ValueError,
+    before anything is written, when a name is unknown, matplotlib is missing, or the folder is not writable.
     """
     unknown = [name for name in names if name not in FIGURES]
     if unknown:
@@ -153,16 +130,16 @@ def write_figures(
 
 
 def _check_folder(folder: Path) -> None:
-    """Raise ValueError unless a folder is there or can be made."""
+    """Raise ValueError unless a folder exists or can be made."""
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not there.is_dir():
-        raise ValueError(f"{there} is a file, so that {folder} is no folder: name another one.")
+        raise ValueError(f"{there} is a file, so {folder} cannot be a folder: name another one.")
     if not os.access(there, os.W_OK | os.X_OK):
-        raise ValueError(f"nothing may be written into {there}: name another folder.")
+        raise ValueError(f"{there} is not writable: name another folder.")
 
 
 def _entries(folder: Path) -> dict[str, Any]:
-    """Entries of an earlier run on figures in a folder."""
+    """Entries of the figures that are in a folder already."""
     path = folder / MEASURED
     if not path.exists():
         return {}
@@ -183,7 +160,7 @@ def _entry(figure: Figure, title: str, page: Page) -> dict[str, Any]:
 
 
 def summary(results: Sequence[Mapping[str, Any]]) -> str:
-    """Sentence on the figures of some results: ranges, and sums of closed contours."""
+    """Sentence on several results: ranges of their values, and sums of closed contours."""
 
     def span(key: str, places: int) -> str:
         values = [result[key] for result in results if result[key] is not None]
@@ -202,17 +179,17 @@ def summary(results: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _index(entries: Mapping[str, Any]) -> str:
-    """Text of the index: a line, the figures measured and the picture for each entry."""
+    """Text of the index: description, measured values and picture of each entry."""
     lines = [
         "# Gallery",
         "",
-        "What CPM does, on images drawn for it, in the manner of the experiments of the paper. All boundaries are "
-        "known exactly, so that what is found can be measured: *recall* is the share of the true boundary that has a "
-        "contour within the tolerance, *precision* the share of the contours that lies so near the boundary, *mean "
-        "distance* that of both from each other, along both; *closed contours* counts the true ones "
-        "of which one closed contour was found.",
+        "Results of CPM on synthetic images, after the experiments of the paper. All boundaries are known exactly, so "
+        "that the error of the contours can be measured: *recall* is the share of the true boundary that has a contour "
+        "within the tolerance, *precision* the share of the contours that has the true boundary within the tolerance, "
+        "*mean distance* the average symmetric distance of both; *closed contours* counts the true closed contours "
+        "that were recovered as one closed contour.",
         "",
-        f"`cpm figures --output DIR` does all of it again; `{MEASURED}` holds every number.",
+        f"`cpm figures --output DIR` repeats all of it; `{MEASURED}` holds every number.",
     ]
     for name, entry in entries.items():
         lines += ["", f"## {entry['title']}", "", f"{entry['about']} Measured: {entry['measured']}.", ""]

@@ -1,4 +1,4 @@
-"""Outlines of shapes: closed rings of points, from corners, from curves, and from the zero line of signed distances."""
+"""Outlines of shapes: closed rings of points, from corners, curves, and the zero lines of signed distances."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ Distance = Callable[[Array], Array]
 """Signed distance of points, shape (..., 2), to the boundary of a shape [px]; negative inside."""
 
 Rings = tuple[Array, ...]
-"""Closed rings of points (row, col), each of shape (K, 2), the first point not repeated. What an odd number of them go
-round is inside."""
+"""Closed rings of points (row, col), each of shape (K, 2), the first point not repeated. A point is inside when an
+odd number of them encloses it."""
 
 _STEP = 0.5
 """Largest distance from point to point along a curved ring [px]: the chords leave a circle of 4 px by 0.008 px."""
@@ -32,10 +32,7 @@ def disk(center: tuple[float, float], radius: float) -> Distance:
 
 
 def limb(a: tuple[float, float], b: tuple[float, float], radius_a: float, radius_b: float | None = None) -> Distance:
-    """Round-ended limb from `a` to `b`: what disks cover whose radius goes evenly from one to the other.
-
-    Its medial axis is the line from `a` to `b`.
-    """
+    """Round-ended limb with the medial axis from `a` to `b`: union of disks whose radius changes linearly along it."""
     start, along = np.array(a, dtype=float), np.array(b, dtype=float) - a
     length = float(np.hypot(*along))
     taper = (radius_a - (radius_a if radius_b is None else radius_b)) / length
@@ -45,33 +42,32 @@ def limb(a: tuple[float, float], b: tuple[float, float], radius_a: float, radius
         off = points - start
         forth = off @ along / length
         aside = np.abs(off[..., 0] * along[1] - off[..., 1] * along[0]) / length
-        at = np.clip(forth - aside * lean, 0.0, length)  # where the nearest disk of the limb has its center
+        at = np.clip(forth - aside * lean, 0.0, length)  # center of the nearest disk of the limb
         return np.asarray(np.hypot(forth - at, aside) - (radius_a - taper * at))
 
     return distance
 
 
 def stroke(path: ArrayLike, width: float) -> Distance:
-    """What lies within half of `width` from a line through points."""
+    """Points within half of `width` of a line through vertices."""
     points = np.asarray(path, dtype=float)
-    pieces = [(tuple(a), tuple(b)) for a, b in pairwise(points)]
-    return union(*(limb(a, b, 0.5 * width) for a, b in pieces))
+    return union(*(limb(tuple(a), tuple(b), 0.5 * width) for a, b in pairwise(points)))
 
 
 def union(*parts: Distance) -> Distance:
-    """What lies in one of the shapes at least; a distance only where it is not deep inside."""
+    """Union of shapes; deep inside the values are not exact distances."""
     return lambda points: reduce(np.minimum, (part(points) for part in parts))
 
 
 def without(shape: Distance, *holes: Distance) -> Distance:
-    """What lies in a shape and in none of the holes."""
+    """A shape without holes."""
     return lambda points: np.maximum(shape(points), -union(*holes)(points))
 
 
 def blended(radius: float, *parts: Distance) -> Distance:
-    """Union of shapes whose inner corners are rounded, within about `radius`, as flesh is.
+    """Union of shapes whose inner corners are rounded within about `radius`.
 
-    The zero line is exact; away from it the values are distances only nearly.
+    The zero line is exact; away from it the values are approximate distances.
     """
 
     def join(one: Array, other: Array) -> Array:
@@ -82,25 +78,10 @@ def blended(radius: float, *parts: Distance) -> Distance:
 
 
 def rings(distance: Distance, shape: tuple[int, int]) -> Rings:
-    """Zero line of a signed distance.
+    """Zero line of a signed distance in an image of this shape (rows, columns).
 
-    Parameters
-    ----------
-    distance : callable
-        Signed distance.
-    shape : tuple of int
-        Rows and columns of the image that the shape lies in.
-
-    Returns
-    -------
-    tuple of ndarray
-        One ring for each closed line, with a point at least every `_STEP`; each point was moved along the gradient
-        until the distance is zero there.
-
-    Raises
-    ------
-    ValueError
-        When the shape is empty or reaches out of the image.
+    One ring for each closed line, with a point at least every `_STEP`; each point is moved along the gradient to where
+    the distance is zero. ValueError when the shape is empty or reaches out of the image.
     """
     axes = [np.arange(0.0, n - 1 + _STEP, _STEP) for n in shape]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
@@ -111,7 +92,7 @@ def rings(distance: Distance, shape: tuple[int, int]) -> Rings:
 
 
 def _on_zero(points: Array, distance: Distance) -> Array:
-    """Newton's method along the gradient."""
+    """Points moved to the zero line by Newton's method along the gradient."""
     for _ in range(_CORRECTIONS):
         value = distance(points)
         slope = np.stack(
@@ -129,18 +110,9 @@ def polygon(corners: ArrayLike) -> Rings:
 def curve(
     center: tuple[float, float], radius: Callable[[Array], Array], squeeze: float = 1.0, turn: float = 0.0
 ) -> Rings:
-    """Outline that is a radius at every angle.
+    """Outline at the distance `radius` [px] from its center (row, col), as a function of the angle from 0 to 2π.
 
-    Parameters
-    ----------
-    center : tuple of float
-        What the angles are about (row, col).
-    radius : callable
-        Distance of the outline from there at angles from 0 to 2π [px].
-    squeeze : float
-        Factor for the rows, before turning.
-    turn : float
-        Angle by which the whole is turned from columns to rows [rad].
+    The rows are scaled by `squeeze`, then the outline is turned from columns to rows by the angle `turn` [rad].
     """
     angle = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
     count = int(np.ceil(4.0 * np.pi * float(np.max(radius(angle))) / _STEP))
@@ -161,23 +133,9 @@ def round_ring(center: tuple[float, float], radius: float) -> Rings:
 
 
 def coverage(outlines: Sequence[Array], shape: tuple[int, int], fineness: int = 16) -> Array:
-    """Share of every pixel that lies inside rings.
+    """Share of every pixel that is inside rings (see `Rings`), shape (H, W), from 0 to 1.
 
-    Each row of pixels is cut into `fineness` lines, along which the shares are exact.
-
-    Parameters
-    ----------
-    outlines : sequence of ndarray
-        Rings, see `Rings`.
-    shape : tuple of int
-        Rows and columns of the image.
-    fineness : int
-        Lines in each row.
-
-    Returns
-    -------
-    ndarray, shape (H, W)
-        From 0 to 1.
+    Each row of pixels is divided into `fineness` lines, along which the shares are exact.
     """
     rows, cols = shape
     lines, crossings = _crossings(outlines, rows * fineness, fineness)
@@ -193,11 +151,11 @@ def coverage(outlines: Sequence[Array], shape: tuple[int, int], fineness: int = 
 
 
 def _crossings(outlines: Sequence[Array], count: int, fineness: int) -> tuple[NDArray[np.intp], Array]:
-    """Where level lines cross the sides of rings: number of the line, and column; an even number on every line."""
+    """Where horizontal lines cross the sides of rings: number of the line, and column; an even number on every line."""
     numbers, columns = [np.empty(0, np.intp)], [np.empty(0)]
     for ring in outlines:
         a, b = ring, np.roll(ring, -1, axis=0)
-        # Line n lies at the row (n + 1/2) / fineness - 1/2; a side owns its upper end and not its lower one.
+        # Line n lies at the row (n + 1/2) / fineness - 1/2; a side includes its upper end but not its lower one.
         low, high = ((np.minimum, np.maximum)[k](a[:, 0], b[:, 0]) for k in (0, 1))
         first, last = (np.ceil((end + 0.5) * fineness - 0.5).astype(int) for end in (low, high))
         first, last = np.clip(first, 0, count), np.clip(last, 0, count)

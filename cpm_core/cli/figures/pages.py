@@ -1,4 +1,4 @@
-"""What a page of the gallery shows, free of how it is drawn."""
+"""Content of a page of the gallery, without its layout."""
 
 from __future__ import annotations
 
@@ -12,26 +12,9 @@ from cpm_core.numerics.types import Array
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """An image with what lies on it.
+    """An image with overlays: particles or seeds (N, 2) and contours, all in px, and arrows of a field (2, H, W).
 
-    Attributes
-    ----------
-    title : str
-        What it shows.
-    values : ndarray, shape (H, W)
-        Gray levels.
-    particles : ndarray, shape (N, 2), optional
-        Particles or starting points [px].
-    contours : sequence of Contour
-        Contours [px].
-    field : ndarray, shape (2, H, W), optional
-        Vectors to draw as arrows.
-    caption : sequence of str
-        Lines below it.
-    facts : mapping, optional
-        Its measured figures.
-    span : int
-        Columns that it is wide.
+    `caption` are the lines below it, `facts` its measured values, `span` its width in columns of the page.
     """
 
     title: str
@@ -59,7 +42,7 @@ class Stairs:
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """A figure from 0 to 1 over the values of two parameters: `values` has a row for each y."""
+    """A quantity from 0 to 1 over the values of two parameters: `values` has a row for each y."""
 
     title: str
     values: Array
@@ -76,18 +59,10 @@ Panel = Picture | Stairs | Map
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """Panels in rows.
+    """Rows of panels from top to bottom; None leaves a place empty.
 
-    Attributes
-    ----------
-    rows : sequence of sequence of Panel or None
-        From top to bottom and from left to right; None leaves a place empty.
-    note : str
-        What is measured besides the figures of the panels.
-    alike : bool
-        Whether its results are alike, so that one sentence can give their figures.
-    words : mapping
-        What the legend says here instead of its usual words.
+    `note` is a result in addition to those of the panels. `alike` is whether one sentence can summarize the results of
+    all panels. `words` replaces the usual words of the legend.
     """
 
     rows: Sequence[Sequence[Panel | None]]

@@ -1,4 +1,4 @@
-"""Scenes in the manner of medical images and photographs, drawn by formulas: those of Fig. 11 to 14."""
+"""Synthetic scenes like medical images and photographs: those of Fig. 11 to 13."""
 
 from __future__ import annotations
 
@@ -29,23 +29,57 @@ from cpm_core.particles.initialization import circle, gradient_threshold, unifor
 Bone = tuple[tuple[float, float], tuple[float, float], float]
 
 AUTOMATIC = PRESETS["automatic"]
-"""Settings of section 5.2, from which those of the automatic starts depart."""
+"""Parameters of section 5.2, on which those of the automatic starts are based."""
 
 _TEXTURED = Parameters(smoothing=2.0, edge_floor=0.3, min_length=60.0)
-"""Settings that leave out the weak edges of texture."""
+"""Parameters that suppress the weak edges of texture."""
 
 _SHEET = (200, 190)
 """Size of the images of Fig. 12."""
 
 
 def _ramp(size: Size, down: float, right: float) -> Array:
-    """Uneven light: gray levels that rise by `down` and `right` from one border to the other."""
+    """Uneven light: gray levels that rise by `down` and `right` from one image border to the opposite one."""
     row, col = (np.arange(n) / (n - 1) - 0.5 for n in size)
     return down * row[:, None] + right * col[None, :]
 
 
+def _automatic(
+    values: Array, truth: tuple[Contour, ...], smoothing: float, strength: float, length: float, grid: float = 0.0
+) -> Scene:
+    """A scene started where the gradient is strong, or on a grid of that spacing [px] if one is given."""
+    seeds = uniform_grid(values.shape, grid) if grid else gradient_threshold(values, smoothing=smoothing)
+    parameters = replace(AUTOMATIC, smoothing=smoothing, min_strength=strength, min_length=length)
+    return Scene(values, truth, seeds, parameters)
+
+
+def textures() -> dict[str, Scene]:
+    """Fig. 11: a vessel tree, and texture in the background or on the object."""
+    return {
+        "vessel tree": angiogram(),
+        "cell in a cloudy medium": cell_in_haze(),
+        "leaf on gravel": leaf_on_gravel(),
+        "spotted fish": spotted_fish(),
+    }
+
+
+def medical() -> dict[str, Scene]:
+    """Fig. 12: two starts on strong gradients, two uniform ones."""
+    return {
+        "cells; start on gradients": cells(),
+        "chromosomes; start on gradients": chromosomes(),
+        "hand; uniform start": radiograph(),
+        "head; uniform start": slice_of_a_head(),
+    }
+
+
+def natural() -> dict[str, Scene]:
+    """Fig. 13: shaded and textured scenes, started on strong gradients."""
+    return {"pebbles on sand": pebbles(), "hills and a lake": hills(), "pears on cloth": pears()}
+
+
 def angiogram() -> Scene:
-    """A vessel tree, dark on a noisy ground."""
+    """A vessel tree, dark on a noisy background."""
     size = (150, 170)
     tree = (
         limb((133, 60), (98, 72), 8.0, 7.0),
@@ -69,17 +103,17 @@ def angiogram() -> Scene:
 
 
 def leaf_on_gravel() -> Scene:
-    """A plain object on a textured ground."""
+    """A plain object on a textured background."""
     size = (150, 170)
     outline = curve((76, 84), lambda angle: 46.0 * (1.0 + 0.28 * np.cos(2 * angle) + 0.07 * np.cos(9 * angle)), 0.8)
     inside = coverage(outline, size)
-    ground = 95.0 + texture(size, 1.6, 16.0, 21) + texture(size, 6.0, 8.0, 22)
-    values = (1.0 - inside) * ground + inside * (190.0 + _ramp(size, 20.0, 10.0))
+    gravel = 95.0 + texture(size, 1.6, 16.0, 21) + texture(size, 6.0, 8.0, 22)
+    values = (1.0 - inside) * gravel + inside * (190.0 + _ramp(size, 20.0, 10.0))
     return Scene(blurred(values, 0.7), closed(outline), circle((76.0, 90.0), 20.0), _TEXTURED)
 
 
 def spotted_fish() -> Scene:
-    """A textured object on a plain ground."""
+    """A textured object on a plain background."""
     size = (150, 170)
     body = blended(12.0, limb((76, 50), (76, 92), 30.0, 25.0), limb((76, 92), (76, 134), 22.0, 6.0))
     tail = union(limb((76, 130), (52, 150), 5.0, 8.0), limb((76, 130), (100, 150), 5.0, 8.0))
@@ -114,9 +148,7 @@ def cells() -> Scene:
         outlines += [cell, nucleus]
         layers += [(cell, random.uniform(50.0, 80.0)), (nucleus, random.uniform(60.0, 80.0))]
     values = blurred(paint(size, 40.0, *layers), 0.9) + _ramp(size, 15.0, -12.0) + grain(size, 3.0, 71)
-    seeds = gradient_threshold(values, smoothing=1.5)
-    parameters = replace(AUTOMATIC, smoothing=1.5, min_strength=6.0, min_length=15.0)
-    return Scene(values, closed(*outlines), seeds, parameters)
+    return _automatic(values, closed(*outlines), 1.5, 6.0, 15.0)
 
 
 def _wavy(radius: float, dents: Array, turns: Array) -> Callable[[Array], Array]:
@@ -126,7 +158,7 @@ def _wavy(radius: float, dents: Array, turns: Array) -> Callable[[Array], Array]
 
 
 def chromosomes() -> Scene:
-    """Dark, bent rods and crosses on a bright ground, started where the gradient is strong."""
+    """Dark, bent rods and crosses on a bright background, started where the gradient is strong."""
     size = _SHEET
     rods = [
         union(stroke([(31, 28), (49, 40), (67, 40)], 11.0), stroke([(31, 54), (49, 46), (67, 58)], 11.0)),
@@ -142,8 +174,7 @@ def chromosomes() -> Scene:
     outlines = [rings(blended(2.0, rod), size) for rod in rods]
     values = paint(size, 205.0, *((outline, -130.0) for outline in outlines))
     values = blurred(values, 0.8) + _ramp(size, 10.0, 15.0) + grain(size, 4.0, 81)
-    parameters = replace(AUTOMATIC, smoothing=1.2, min_strength=8.0, min_length=15.0)
-    return Scene(values, closed(*outlines), gradient_threshold(values, smoothing=1.2), parameters)
+    return _automatic(values, closed(*outlines), 1.2, 8.0, 15.0)
 
 
 def _bones() -> list[Bone]:
@@ -180,8 +211,7 @@ def radiograph() -> Scene:
     bones = [rings(limb(*bone), size) for bone in _bones()]
     layers = [(flesh, 55.0), *((bone, 85.0) for bone in bones)]
     values = blurred(paint(size, 25.0, *layers), 0.8) + _ramp(size, 12.0, 6.0) + grain(size, 2.0, 91)
-    parameters = replace(AUTOMATIC, smoothing=1.2, min_strength=5.0, min_length=15.0)
-    return Scene(values, closed(flesh, *bones), uniform_grid(size, 6.0), parameters)
+    return _automatic(values, closed(flesh, *bones), 1.2, 5.0, 15.0, grid=6.0)
 
 
 def slice_of_a_head() -> Scene:
@@ -196,9 +226,7 @@ def slice_of_a_head() -> Scene:
     lesion = ellipse((131, 118), 7.0, 10.0, 0.5)
     layers = ((scalp, 150.0), (skull, -120.0), (brain, 80.0), *((v, -65.0) for v in ventricles), (lesion, 60.0))
     values = blurred(paint(size, 15.0, *layers), 0.8) + grain(size, 4.0, 101)
-    parameters = replace(AUTOMATIC, smoothing=1.5, min_strength=6.0, min_length=20.0)
-    truth = closed(scalp, skull, brain, *ventricles, lesion)
-    return Scene(values, truth, uniform_grid(size, 6.0), parameters)
+    return _automatic(values, closed(scalp, skull, brain, *ventricles, lesion), 1.5, 6.0, 20.0, grid=6.0)
 
 
 def pebbles() -> Scene:
@@ -217,13 +245,11 @@ def pebbles() -> Scene:
         own = random.uniform(55, 95) + 0.6 * light + texture(size, 2.0, 5.0, 113 + col)
         values = (1.0 - inside) * values + inside * own
         outlines.append(stone)
-    parameters = replace(AUTOMATIC, smoothing=2.0, min_strength=9.0, min_length=30.0)
-    values = blurred(values, 0.6)
-    return Scene(values, closed(*outlines), gradient_threshold(values, smoothing=2.0), parameters)
+    return _automatic(blurred(values, 0.6), closed(*outlines), 2.0, 9.0, 30.0)
 
 
 def hills() -> Scene:
-    """Sun, sky, two ridges and a lake: boundaries that run from border to border."""
+    """Sun, sky, two ridges and a lake: boundaries that run from one image border to another."""
     size = (160, 200)
     col = np.linspace(-0.5, size[1] - 0.5, 401)
     far = 72.0 - 20.0 * np.exp(-(((col - 52) / 26) ** 2)) - 7.0 * np.sin(col / 31.0)
@@ -232,19 +258,16 @@ def hills() -> Scene:
     sun = round_ring((32, 140), 14.0)
     lines = [np.stack([line, col], axis=1) for line in (far, near, lake)]
     below = [coverage((np.array([*line, (size[0] + 1.0, col[-1]), (size[0] + 1.0, col[0])]),), size) for line in lines]
-    sky = 205.0 + _ramp(size, 30.0, 0.0) + 45.0 * coverage(sun, size)
-    values = sky
-    grounds = (
+    values = 205.0 + _ramp(size, 30.0, 0.0) + 45.0 * coverage(sun, size)
+    surfaces = (
         140.0 + texture(size, 4.0, 4.0, 121),
         80.0 + texture(size, 1.5, 7.0, 122),
         165.0 + texture(size, (0.8, 9.0), 5.0, 123),
     )
-    for inside, ground in zip(below, grounds, strict=True):
-        values = (1.0 - inside) * values + inside * ground
-    parameters = replace(AUTOMATIC, smoothing=2.0, min_strength=5.0, min_length=30.0)
-    values = blurred(values, 0.6)
+    for inside, surface in zip(below, surfaces, strict=True):
+        values = (1.0 - inside) * values + inside * surface
     truth = (*(Contour(line, closed=False) for line in lines), *closed(sun))
-    return Scene(values, truth, gradient_threshold(values, smoothing=2.0), parameters)
+    return _automatic(blurred(values, 0.6), truth, 2.0, 5.0, 30.0)
 
 
 def pears() -> Scene:
@@ -263,6 +286,4 @@ def pears() -> Scene:
         own = 150.0 + 2.2 * depth - 0.25 * (right - 100) + texture(size, 1.5, 3.0, 132)
         inside = coverage(outline, size)
         values = (1.0 - inside) * values + inside * own
-    parameters = replace(AUTOMATIC, smoothing=2.0, min_strength=9.0, min_length=30.0)
-    values = blurred(values, 0.6)
-    return Scene(values, closed(*outlines), gradient_threshold(values, smoothing=2.0), parameters)
+    return _automatic(blurred(values, 0.6), closed(*outlines), 2.0, 9.0, 30.0)

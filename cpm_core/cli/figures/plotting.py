@@ -1,4 +1,4 @@
-"""Pages as PNG pictures, drawn by matplotlib, which is needed only here and loaded only when something is drawn."""
+"""Pages as PNG pictures, drawn by matplotlib, which is imported only when something is drawn."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# The colors of the window's canvas: hues after Okabe and Ito, which color-blind people tell apart, with a dark halo.
+# The colors of the window's canvas: hues of Okabe and Ito, distinct for color-blind people, with a dark halo.
 PARTICLE, CLOSED, OPEN, JUNCTION, FIELD = "#f0e442", "#56b4e9", "#ff9d1e", "#ff7ac6", "#ff9ad5"
 HALO, TEXT, DIM, PAPER = "#101216", "#1b1f24", "#5a6470", "#ffffff"
 _SERIES = ("#0072b2", "#d55e00", "#009e73")
@@ -26,19 +26,19 @@ _HEAT = "cividis"
 
 _DPI = 100
 _MARGIN, _GAP, _HEAD, _LEGEND, _TITLE, _LINE, _WIDEST, _PANEL = 18, 14, 30, 24, 24, 16, 1600, 290
-"""Sizes on a page [px]; no panel of one column is wider than the last of them, no page than the one before it."""
+"""Sizes on a page [px]; the last two are the largest widths of a page and of a panel of one column."""
 
 _CHART, _TALLEST_CHART = 0.7, 320
 _ARROWS = 26
 _DOTS = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
-"""Up to how many particles on a picture a dot is drawn in which area [pt²]; the smallest have no halo."""
+"""Largest number of particles on a picture, and area of their dots [pt²]; the smallest dots have no halo."""
 
 _DARKEST, _BRIGHTEST = 0.1, 0.86
-"""How bright the extreme gray levels are drawn, so that lines and their halos show on them."""
+"""Brightness of the extreme gray levels, on which lines and their halos must be visible."""
 
 
 def require_matplotlib() -> None:
-    """Raise a ValueError that says what to install unless matplotlib can be loaded."""
+    """Raise ValueError, with what to install, unless matplotlib can be imported."""
     try:
         import matplotlib  # noqa: F401
     except ImportError:
@@ -48,25 +48,7 @@ def require_matplotlib() -> None:
 
 
 def draw(page: Page, title: str) -> bytes:
-    """Draw a page.
-
-    Parameters
-    ----------
-    page : Page
-        What to draw.
-    title : str
-        Its heading.
-
-    Returns
-    -------
-    bytes
-        A PNG file with a palette.
-
-    Raises
-    ------
-    ValueError
-        When matplotlib is not installed.
-    """
+    """Draw a page with a heading as a PNG file with a palette; ValueError when matplotlib is not installed."""
     require_matplotlib()
     import matplotlib.style
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -96,7 +78,7 @@ def draw(page: Page, title: str) -> bytes:
 
 
 class _Sheet:
-    """A figure with places in px from its upper left corner."""
+    """A figure with coordinates in px from its upper left corner."""
 
     def __init__(self, figure: Figure, size: tuple[int, int]) -> None:
         self.figure = figure
@@ -108,10 +90,8 @@ class _Sheet:
         return self.figure.add_axes(place)
 
     def text(self, left: float, middle: float, text: str, size: float, **style: Any) -> None:
-        style.setdefault("color", TEXT)
-        self.figure.text(
-            left / self._width, 1.0 - middle / self._height, text, fontsize=size, va="center", ha="left", **style
-        )
+        style = {"color": TEXT, "va": "center", "ha": "left", **style}
+        self.figure.text(left / self._width, 1.0 - middle / self._height, text, fontsize=size, **style)
 
     def width_of(self, text: str, size: float) -> float:
         """Width of a text [px]."""
@@ -128,30 +108,27 @@ def _width(panel: Panel, unit: int) -> int:
 def _height(panel: Panel, unit: int) -> int:
     """Height of a panel with its title and caption [px]."""
     width = _width(panel, unit)
+    below = _LINE * len(panel.caption) + 6 if isinstance(panel, Picture) else 0
+    return _TITLE + _height_of_drawing(panel, width) + below + _GAP
+
+
+def _height_of_drawing(panel: Panel, width: int) -> int:
     if isinstance(panel, Picture):
-        return _TITLE + _image_height(panel, width) + _LINE * len(panel.caption) + _GAP + 6
-    return _TITLE + _chart_height(width) + _GAP
-
-
-def _image_height(panel: Picture, width: int) -> int:
-    rows, cols = panel.values.shape
-    return int(width * rows / cols)
-
-
-def _chart_height(width: int) -> int:
+        rows, cols = panel.values.shape
+        return int(width * rows / cols)
     return min(_TALLEST_CHART, round(_CHART * width))
 
 
 def _panel(sheet: _Sheet, panel: Panel, left: int, top: int, width: int) -> None:
     sheet.text(left, top + 0.5 * _TITLE, panel.title, 9.5, weight="bold")
     top += _TITLE
+    height = _height_of_drawing(panel, width)
     if isinstance(panel, Picture):
-        height = _image_height(panel, width)
         _picture(sheet.axes(left, top, width, height), panel)
         for number, line in enumerate(panel.caption):
             sheet.text(left, top + height + 5 + _LINE * (number + 0.5), line, 8.5, color=DIM)
     else:
-        axes = sheet.axes(left + 58, top + 4, width - 70, _chart_height(width) - 50)
+        axes = sheet.axes(left + 58, top + 4, width - 70, height - 50)
         axes.tick_params(labelsize=8.5, colors=DIM, length=3)
         axes.set_xlabel(panel.x_label, fontsize=9, color=TEXT)
         axes.set_ylabel(panel.y_label, fontsize=9, color=TEXT)
@@ -169,13 +146,11 @@ def _picture(axes: Axes, panel: Picture) -> None:
         spine.set_visible(False)
     if panel.field is not None:
         _arrows(axes, panel.field)
-    for contour in panel.contours:
-        path = contour.path
-        axes.plot(path[:, 1], path[:, 0], color=HALO, linewidth=2.6, solid_joinstyle="round")
-    for contour in panel.contours:
-        path = contour.path
-        color = CLOSED if contour.closed else OPEN
-        axes.plot(path[:, 1], path[:, 0], color=color, linewidth=1.5, solid_joinstyle="round")
+    for halo, width in ((True, 2.6), (False, 1.5)):
+        for contour in panel.contours:
+            color = HALO if halo else CLOSED if contour.closed else OPEN
+            row, col = contour.path.T
+            axes.plot(col, row, color=color, linewidth=width, solid_joinstyle="round")
     junctions = _junctions(panel)
     axes.scatter(junctions[:, 1], junctions[:, 0], s=26.0, c=JUNCTION, edgecolors=HALO, linewidths=0.7, zorder=4)
     if panel.particles is not None:
@@ -187,13 +162,8 @@ def _picture(axes: Axes, panel: Picture) -> None:
 
 
 def _junctions(panel: Picture) -> Array:
-    """Ends of contours that lie on junctions, shape (N, 2)."""
-    ends = [
-        contour.points[end]
-        for contour in panel.contours
-        for end, there in zip((0, -1), contour.junctions, strict=True)
-        if there
-    ]
+    """Ends of contours that are junctions, shape (N, 2)."""
+    ends = [one.points[end] for one in panel.contours for end, at in zip((0, -1), one.junctions, strict=True) if at]
     return np.array(ends).reshape(-1, 2)
 
 
@@ -211,18 +181,10 @@ def _arrows(axes: Axes, field: Array) -> None:
 def _stairs(axes: Axes, panel: Stairs) -> None:
     most = max(max(series) for series in panel.series.values())
     for number, (label, series) in enumerate(panel.series.items()):
-        lift = 0.05 * (number - 0.5 * (len(panel.series) - 1))  # so that lines on one another are all seen
+        lift = 0.05 * (number - 0.5 * (len(panel.series) - 1))  # so that coinciding lines are all visible
         color, mark = _SERIES[number % 3], "os^"[number % 3]
-        axes.plot(
-            panel.x,
-            np.array(series) + lift,
-            color=color,
-            marker=mark,
-            markersize=5,
-            linewidth=1.6,
-            label=label,
-            drawstyle="steps-mid",
-        )
+        style: dict[str, Any] = {"color": color, "marker": mark, "markersize": 5, "linewidth": 1.6}
+        axes.plot(panel.x, np.array(series) + lift, label=label, drawstyle="steps-mid", **style)
     axes.set(ylim=(-0.2, most + 0.35), yticks=range(most + 1), xticks=panel.x)
     axes.set_xticklabels([f"{x:g}" for x in panel.x])
     axes.grid(color="#e3e6ea", linewidth=0.8)
@@ -243,7 +205,7 @@ def _map(axes: Axes, panel: Map) -> None:
 
 
 def _legend(sheet: _Sheet, page: Page, middle: float) -> None:
-    """A line that says what the colors on this page mean."""
+    """A line with the meaning of the colors on this page."""
     from matplotlib.patheffects import withStroke
 
     pictures = [panel for panel in page.panels if isinstance(panel, Picture)]
@@ -272,7 +234,7 @@ def _legend(sheet: _Sheet, page: Page, middle: float) -> None:
 
 
 def _png(pixels: NDArray[np.uint8]) -> bytes:
-    """A PNG with the palette of the gallery: grays, and the colors of the drawing with their passages to grays."""
+    """A PNG file with the palette of the gallery: grays, and the colors of overlays with transitions to grays."""
     palette = _palette()
     packed = (pixels.astype(np.uint32) << (16, 8, 0)).sum(axis=-1, dtype=np.uint32)
     colors, which = np.unique(packed, return_inverse=True)
@@ -294,9 +256,9 @@ def _palette() -> NDArray[np.uint8]:
     heat = colormaps[_HEAT](np.linspace(0.0, 1.0, 32))[:, :3]
     named = [TEXT, DIM, HALO, PAPER]
     hues = np.array([to_rgb(name) for name in (PARTICLE, CLOSED, OPEN, JUNCTION, FIELD, *_SERIES)])
-    grounds = np.array([to_rgb(HALO), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)])
+    backgrounds = np.array([to_rgb(HALO), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)])
     shares = (0.25, 0.5, 0.75)
-    passages = [(1.0 - share) * hues + share * ground for ground in grounds for share in shares]
-    colors = np.concatenate([grays, heat, np.array([to_rgb(name) for name in named]), hues, *passages])
+    transitions = [(1.0 - share) * hues + share * background for background in backgrounds for share in shares]
+    colors = np.concatenate([grays, heat, np.array([to_rgb(name) for name in named]), hues, *transitions])
     colors = np.concatenate([colors, np.repeat(colors[-1:], 256 - len(colors), axis=0)])
     return np.rint(255.0 * colors).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""A run on a scene: what it found, how it came there, and how well it agrees with the truth."""
+"""A run on a scene: its snapshots, its result, and how well they agree with the truth."""
 
 from __future__ import annotations
 
@@ -6,43 +6,29 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.cli.figures.scenes import Scene
 from cpm_core.contours.agreement import Agreement, agreement, recovered
 from cpm_core.contours.contour import Contour
+from cpm_core.numerics.types import Array
 from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
 
 Facts = Mapping[str, object]
-"""Measured figures by name, as they go into a JSON file."""
+"""Measured values by name, as they are written to a JSON file."""
 
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """What a run has found at some step.
+    """State of a run after some steps: particles (N, 2) [px], contours, and their agreement with the truth.
 
-    Attributes
-    ----------
-    step : int
-        Steps done.
-    scale : int
-        Scale that the particles are on: 0 is the image itself.
-    particles : ndarray, shape (N, 2)
-        Positions [px].
-    contours : tuple of Contour
-        Contours through them.
-    agreement : Agreement
-        Of the contours with the truth.
-    closed, closed_true : int
-        True closed contours that were found as one, and all of them.
-    converged : bool
-        Whether the particles have come to rest.
+    `scale` 0 is the image itself. `closed` counts the true closed contours that were recovered as one closed contour,
+    `closed_true` all of them. `converged` is whether the particles are at rest.
     """
 
     step: int
     scale: int
-    particles: NDArray[np.float64]
+    particles: Array
     contours: tuple[Contour, ...]
     agreement: Agreement
     closed: int
@@ -51,12 +37,13 @@ class Moment:
 
     @property
     def facts(self) -> Facts:
-        """Its figures, rounded to what they are good for."""
+        """Its measured values, rounded."""
         seen = self.agreement
+        distance = seen.mean_boundary_distance
         return {
             "recall": round(seen.recall, 4),
             "precision": round(seen.precision, 4),
-            "mean_distance_px": rounded(seen.mean_boundary_distance),
+            "mean_distance_px": round(distance, 3) if np.isfinite(distance) else None,
             "tolerance_px": seen.tolerance,
             "closed": self.closed,
             "closed_true": self.closed_true,
@@ -67,24 +54,9 @@ class Moment:
         }
 
 
-def rounded(distance: float) -> float | None:
-    """A distance to three digits [px]; None when it is infinite, for want of a contour."""
-    return round(distance, 3) if np.isfinite(distance) else None
-
-
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A run from its start to its end.
-
-    Attributes
-    ----------
-    scene : Scene
-        What it began with.
-    moments : tuple of Moment
-        At the steps that were asked for, as far as it came.
-    end : Moment
-        Its outcome.
-    """
+    """A run of a scene, with snapshots at the requested steps that it reached, and its end."""
 
     scene: Scene
     moments: tuple[Moment, ...]
@@ -92,18 +64,9 @@ class Run:
 
 
 def run(scene: Scene, at: Sequence[int] = (), tolerance: float = 1.0, engine: Engine | None = None) -> Run:
-    """Let particles flow in a scene until they are at rest.
+    """Run a scene until the particles are at rest, with snapshots after the steps `at`.
 
-    Parameters
-    ----------
-    scene : Scene
-        Image, truth, start and parameters.
-    at : sequence of int
-        Steps to look at on the way.
-    tolerance : float
-        Distance up to which a contour agrees with the truth [px].
-    engine : Engine, optional
-        What steps the particles; one of the scene's image when left out.
+    A contour agrees with the truth up to a distance of `tolerance` px. Without `engine` one is made of the image.
     """
     parameters = scene.parameters
     engine = engine or Engine(scene.values, parameters)

@@ -1,4 +1,4 @@
-"""Scenes: an image, the boundary in it that is known exactly, and a start; and how images are painted from outlines."""
+"""Scenes: a synthetic image, its exact boundaries, seeds and parameters; and painting of images from outlines."""
 
 from __future__ import annotations
 
@@ -14,36 +14,19 @@ from cpm_core.parameters import PRESETS, Parameters
 
 Size = tuple[int, int]
 Layer = tuple[Rings, float]
-"""Outlines, and the gray levels by which what is inside them differs from what is outside."""
-
+"""Outlines, and the difference of gray levels between their inside and outside."""
 
 SHAPE = PRESETS["shape"]
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What an experiment starts from.
-
-    Attributes
-    ----------
-    values : ndarray, shape (H, W)
-        Image.
-    truth : tuple of Contour
-        The boundary of the objects in it.
-    seeds : ndarray, shape (N, 2)
-        Where the particles start [px].
-    parameters : Parameters
-        Parameters of the run.
-    """
+    """Input of an experiment: image (H, W), true boundaries, seeds (N, 2) [px] and parameters."""
 
     values: Array
     truth: tuple[Contour, ...]
     seeds: Array
     parameters: Parameters = SHAPE
-
-    def started(self, seeds: Array) -> Scene:
-        """The same with another start."""
-        return replace(self, seeds=seeds)
 
     def under(self, parameters: Parameters) -> Scene:
         """The same with other parameters."""
@@ -51,7 +34,7 @@ class Scene:
 
 
 def paint(size: Size, background: float, *layers: Layer) -> Array:
-    """Gray levels of layers that lie beside or within one another, every pixel the mean over its area."""
+    """Gray levels of layers beside or within one another, every pixel the mean over its area."""
     values = np.full(size, float(background))
     for outlines, contrast in layers:
         values += contrast * coverage(outlines, size)
@@ -59,26 +42,26 @@ def paint(size: Size, background: float, *layers: Layer) -> Array:
 
 
 def closed(*outlines: Rings) -> tuple[Contour, ...]:
-    """Rings as the closed contours that a run ought to find."""
+    """Rings as closed contours of the truth."""
     return tuple(Contour(ring, closed=True) for rings in outlines for ring in rings)
 
 
 def binary(size: Size, outlines: Rings, seeds: Array) -> Scene:
-    """A bright shape on a dark ground."""
+    """A bright shape on a dark background."""
     return Scene(paint(size, 0.0, (outlines, 255.0)), closed(outlines), seeds)
 
 
 def blurred(values: Array, sigma: float) -> Array:
-    """An image out of focus by a Gaussian."""
+    """An image smoothed by a Gaussian, as if out of focus."""
     return np.asarray(scipy.ndimage.gaussian_filter(values, sigma, mode="nearest"))
 
 
 def grain(size: Size, spread: float, seed: int) -> Array:
-    """Normal noise of a standard deviation, each pixel for itself."""
+    """Uncorrelated normal noise of a standard deviation `spread`."""
     return np.random.default_rng(seed).normal(0.0, spread, size)
 
 
 def texture(size: Size, grain_size: float | tuple[float, float], spread: float, seed: int) -> Array:
-    """Cloudy texture: noise blurred by `grain_size` px (along rows and columns), of a standard deviation."""
+    """Texture: noise smoothed by `grain_size` px (along rows and columns), of a standard deviation `spread`."""
     clouds = np.asarray(scipy.ndimage.gaussian_filter(grain(size, 1.0, seed), grain_size, mode="wrap"))
     return clouds * (spread / float(clouds.std()))

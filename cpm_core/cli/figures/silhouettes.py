@@ -7,7 +7,6 @@ from itertools import pairwise
 import numpy as np
 
 from cpm_core.cli.figures.outlines import (
-    Distance,
     Rings,
     blended,
     curve,
@@ -32,11 +31,10 @@ SIZE = (SIDE, SIDE)
 
 def letter_u() -> Scene:
     """The U of Fig. 5, with a circle over the lower right."""
-    outline = without(
-        union(stroke([(24, 72), (82, 72)], 96.0), disk((82, 72), 48.0)),
-        union(stroke([(-30, 72), (82, 72)], 44.0)),
-    )
-    return binary(SIZE, _cut(outline, above=22.3), circle((104.0, 100.0), 17.0))
+    outer = union(stroke([(24, 72), (82, 72)], 96.0), disk((82, 72), 48.0))
+    outline = without(outer, union(stroke([(-30, 72), (82, 72)], 44.0)))
+    cut = rings(lambda points: np.maximum(outline(points), 22.3 - points[..., 0]), SIZE)  # without the rows above
+    return binary(SIZE, cut, circle((104.0, 100.0), 17.0))
 
 
 def flower() -> Scene:
@@ -46,7 +44,7 @@ def flower() -> Scene:
 
 
 def silhouettes() -> dict[str, Scene]:
-    """Fig. 7: starts across, beside and around shapes, none of which a snake could begin with."""
+    """Fig. 7: starts across, beside and around shapes, which are no initializations for a snake."""
     return {
         "fish, across": binary(SIZE, _fish(), circle((60.0, 60.0), 34.0)),
         "key, one side": binary(SIZE, _key(), circle((26.0, 26.0), 12.0)),
@@ -92,16 +90,21 @@ def hand() -> Rings:
     return rings(blended(6.0, limb((104, 74), (116, 76), 24.0), *fingers), SIZE)
 
 
+def concavities() -> dict[str, Scene]:
+    """Fig. 8: a spiral corridor and a comb."""
+    return {"a spiral": spiral(), "a comb": comb()}
+
+
 def spiral() -> Scene:
-    """Fig. 8: a corridor that winds inwards, started from a circle on its outer side."""
+    """A corridor that winds inwards, started from a circle on its outer side."""
     angle = np.linspace(0.0, 5.2 * np.pi, 150)
     radius = 9.0 + 9.6 * angle / np.pi
     path = np.stack([76.0 + radius * np.sin(angle), 72.0 + radius * np.cos(angle)], axis=1)
-    return binary((SIDE, SIDE), rings(stroke(path, 11.0), SIZE), circle((112.0, 30.0), 12.0))
+    return binary(SIZE, rings(stroke(path, 11.0), SIZE), circle((112.0, 30.0), 12.0))
 
 
 def comb() -> Scene:
-    """Fig. 8: slits 7 px wide and 92 px deep, started at the far ends of the teeth."""
+    """Slits 7 px wide and 92 px deep, started at the far ends of the teeth."""
     teeth = [(18.0 + 18.0 * k, 18.0 + 18.0 * k + 11.0) for k in range(6)]
     corners = [(126.3, 18.2), (20.3, 18.2)]
     for (_, right), (left, _) in pairwise(teeth):
@@ -161,7 +164,7 @@ def _scattered() -> Scene:
 
 
 ACROSS = ("ellipse", "border", "circle")
-"""Objects of the damping experiment, in the order in which particles can come to them."""
+"""Objects of the damping experiment, in the order in which particles can reach them."""
 
 
 def across(contrast: float = 40.0) -> Scene:
@@ -194,12 +197,7 @@ def for_sensitivity() -> Scene:
 
 
 def out_of_reach() -> Scene:
-    """Fig. 17: two shapes in noise, of which the start touches one only: particles must fly to the other."""
+    """Fig. 17: two shapes in noise, of which the start touches only one: particles must travel to the other."""
     near, far = curve((62.0, 60.0), lambda angle: 36.0 + 16.0 * np.cos(4.0 * angle + 0.4)), round_ring((116, 112), 16)
     values = paint(SIZE, 60.0, (near, 120.0), (far, 120.0)) + grain(SIZE, 30.0, 171)
     return Scene(values, closed(near, far), circle((50.0, 34.0), 13.0), Parameters(smoothing=1.5))
-
-
-def _cut(shape: Distance, above: float) -> Rings:
-    """A shape without what lies above a row."""
-    return rings(lambda points: np.maximum(shape(points), above - points[..., 0]), SIZE)

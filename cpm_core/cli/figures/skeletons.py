@@ -10,7 +10,7 @@ import numpy as np
 from cpm_core.cli.figures.outlines import Distance, Rings, coverage, ellipse, limb, rings, union
 from cpm_core.cli.figures.pages import Page, Picture
 from cpm_core.cli.figures.runs import Facts
-from cpm_core.cli.figures.scenes import blurred, grain, paint, texture
+from cpm_core.cli.figures.scenes import blurred, closed, grain, paint, texture
 from cpm_core.cli.figures.silhouettes import SIDE, hand
 from cpm_core.contours.agreement import agreement
 from cpm_core.contours.contour import Contour
@@ -23,17 +23,7 @@ _TOLERANCE = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """What a skeleton is measured on.
-
-    Attributes
-    ----------
-    values : ndarray, shape (H, W)
-        Image.
-    outline : tuple of ndarray
-        Outline of the shape.
-    axis : tuple of Contour
-        Its medial axis where that is known exactly; else none.
-    """
+    """An image (H, W), the outline of its shape, and the medial axis of that where it is known exactly."""
 
     values: Array
     outline: Rings
@@ -42,22 +32,15 @@ class Shape:
 
 def skeletons() -> Page:
     """Fig. 14: skeletons of two black and white shapes and two gray ones, and the shapes rebuilt from them."""
-    drawn = shapes()
-    found = [skeleton(shape.values) for shape in drawn.values()]
-    measured = [_measure(shape, one) for shape, one in zip(drawn.values(), found, strict=True)]
-    above = [
-        Picture(name, shape.values, contours=one.contours, caption=_agreement(facts), facts=facts)
-        for (name, shape), one, facts in zip(drawn.items(), found, measured, strict=True)
-    ]
-    below = [
-        Picture(
-            "rebuilt from its skeleton",
-            one.rebuilt().astype(float),
-            contours=[Contour(ring, closed=True) for ring in shape.outline],
-            caption=[f"overlap with the true shape {facts['overlap']:.3f}"],
-        )
-        for shape, one, facts in zip(drawn.values(), found, measured, strict=True)
-    ]
+    above, below, measured = [], [], []
+    for name, shape in shapes().items():
+        found = skeleton(shape.values)
+        facts = _measure(shape, found)
+        measured.append(facts)
+        above.append(Picture(name, shape.values, contours=found.contours, caption=_agreement(facts), facts=facts))
+        overlap = f"overlap with the true shape {facts['overlap']:.3f}"
+        rebuilt, outline = found.rebuilt().astype(float), closed(shape.outline)
+        below.append(Picture("rebuilt from its skeleton", rebuilt, contours=outline, caption=[overlap]))
     words = {"open contour": "skeleton", "closed contour": "true outline", "boundary": "medial axis"}
     return Page([above, below], note=_note(measured), alike=False, words=words)
 
@@ -90,10 +73,8 @@ def _agreement(facts: Facts) -> list[str]:
     branches = f"{facts['branches']} branch{'' if facts['branches'] == 1 else 'es'}, {facts['length_px']:.0f} px long"
     if "recall" not in facts:
         return [branches]
-    agreement = (
-        f"recall {facts['recall']:.3f} · precision {facts['precision']:.3f} · {facts['mean_distance_px']:.3f} px"
-    )
-    return [agreement, branches]
+    shares = f"recall {facts['recall']:.3f} · precision {facts['precision']:.3f}"
+    return [f"{shares} · {facts['mean_distance_px']:.3f} px", branches]
 
 
 def _note(measured: Sequence[Facts]) -> str:
@@ -112,7 +93,7 @@ def _line(*points: tuple[float, float]) -> Contour:
 
 
 def _ellipse() -> Shape:
-    """Its medial axis reaches to the centers of curvature of its ends."""
+    """An ellipse; its medial axis ends at the centers of curvature of its vertices."""
     center, short, long = (72.2, 71.7), 28.0, 58.0
     reach = (long * long - short * short) / long
     outline = ellipse(center, short, long)
@@ -125,7 +106,7 @@ def _hand() -> Shape:
 
 
 def _arms(count: int, length: float, wide: float, thin: float, turn: float) -> tuple[Distance, tuple[Contour, ...]]:
-    """Equal limbs from the middle at equal angles, whose medial axis are by symmetry their middle lines."""
+    """Equal limbs from one center at equal angles; by symmetry the medial axis is their middle lines."""
     center = (72.3, 71.6)
     angle = turn + 2.0 * np.pi * np.arange(count) / count
     tips = [(center[0] + length * float(np.sin(a)), center[1] + length * float(np.cos(a))) for a in angle]

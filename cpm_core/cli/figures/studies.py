@@ -1,4 +1,4 @@
-"""How the result depends on parameters and on noise: the experiments of Fig. 17 and 18."""
+"""Dependence of the result on parameters and on noise: the experiments of Fig. 17 and 18."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.cli.figures import silhouettes
-from cpm_core.cli.figures.pages import Map, Page, Picture
+from cpm_core.cli.figures.pages import Map, Page, Panel, Picture
 from cpm_core.cli.figures.recovery import outcome, start
 from cpm_core.cli.figures.runs import Run, run
 from cpm_core.cli.figures.scenes import Scene, grain
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.engine import Engine
 
@@ -27,7 +26,7 @@ _NOISE_TOLERANCE, _GOOD = 3.0, 0.95
 
 
 def sensitivity() -> Page:
-    """Fig. 17: weight ratio and annealing on one shape; weight ratio and damping with another shape out of reach."""
+    """Fig. 17: weight ratio and annealing on one shape; weight ratio and damping with a second, distant shape."""
     one, two = silhouettes.for_sensitivity(), silhouettes.out_of_reach()
     shape, pair = (_Varied(scene) for scene in (one, two))
     ratios = [shape.picture(f"w₁/w₂ = {ratio:g}", _weighted(one.parameters, ratio)) for ratio in RATIOS]
@@ -35,29 +34,26 @@ def sensitivity() -> Page:
     over_annealing = shape.map("annealing a", ANNEALINGS, [replace(one.parameters, annealing=a) for a in ANNEALINGS])
     over_damping = pair.map("damping β", DAMPINGS, [replace(two.parameters, beta=beta) for beta in DAMPINGS])
     worst, most = float(over_annealing.values.min()), int((over_damping.values > 0.95).sum())
+    maps: list[Panel] = [
+        replace(over_annealing, title="F over w₁/w₂ and annealing, this shape", span=2),
+        start(two, "with a shape out of reach"),
+        replace(over_damping, title="F over w₁/w₂ and damping, both shapes", span=2),
+    ]
     return Page(
-        [
-            ratios,
-            annealings,
-            [
-                replace(over_annealing, title="F over w₁/w₂ and annealing, this shape", span=2),
-                start(two, "with a shape out of reach"),
-                replace(over_damping, title="F over w₁/w₂ and damping, both shapes", span=2),
-            ],
-        ],
+        [ratios, annealings, maps],
         note=f"F at least {worst:.2f} over w₁/w₂ and annealing; the shape out of reach is found at {most} of "
         f"{over_damping.values.size} settings of w₁/w₂ and damping",
     )
 
 
 class _Varied:
-    """A scene under many parameters."""
+    """A scene that is run with many parameters."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene, self._engine = scene, Engine(scene.values, scene.parameters)
 
     def picture(self, title: str, parameters: Parameters) -> Picture:
-        """What is found under parameters."""
+        """Result with these parameters."""
         panel = outcome(title, run(self._scene.under(parameters), engine=self._engine))
         varied = {"w_ratio": round(parameters.w1 / parameters.w2, 4), "a": parameters.annealing}
         return replace(panel, facts={**varied, **(panel.facts or {})})
@@ -89,11 +85,9 @@ def noise() -> Page:
         for title, spoil, amounts in kinds
     ]
     good = sum(done.end.agreement.f >= _GOOD for row in runs for _, done in row)
-    rows = [[outcome(title, done) for title, done in row] for row in runs]
-    return Page(
-        [[start(scene, "common start"), *rows[0]], [None, *rows[1]], [None, *rows[2]]],
-        note=f"F of {_GOOD:g} or more in {good} of {sum(map(len, runs))} cases",
-    )
+    first = (start(scene, "common start"), None, None)
+    rows = [[one, *(outcome(title, done) for title, done in row)] for one, row in zip(first, runs, strict=True)]
+    return Page(rows, note=f"F of {_GOOD:g} or more in {good} of {sum(map(len, runs))} cases")
 
 
 def _under_noise(scene: Scene, values: Array) -> Run:
@@ -101,7 +95,7 @@ def _under_noise(scene: Scene, values: Array) -> Run:
 
 
 def gaussian(values: Array, spread: float, seed: int) -> Array:
-    """Normal noise added, the sum cut to gray levels from 0 to 255."""
+    """Normal noise added, the sum clipped to gray levels from 0 to 255."""
     shape = (values.shape[0], values.shape[1])
     return np.clip(values + grain(shape, spread, seed), 0.0, 255.0)
 
@@ -118,7 +112,7 @@ def salt_and_pepper(values: Array, percentage: float, seed: int) -> Array:
     return np.where(_chosen(values, percentage, random), 255.0 * random.integers(0, 2, values.shape), values)
 
 
-def _chosen(values: Array, percentage: float, random: np.random.Generator) -> NDArray[np.bool_]:
-    """Exactly that percentage of the pixels, anywhere."""
+def _chosen(values: Array, percentage: float, random: np.random.Generator) -> Mask:
+    """Exactly that percentage of the pixels, at random."""
     order = random.permutation(values.size).reshape(values.shape)
     return np.asarray(order < round(0.01 * percentage * values.size))

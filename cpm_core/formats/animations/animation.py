@@ -1,4 +1,4 @@
-"""Animations: frames become a file that plays."""
+"""Animations: a sequence of frames as a GIF, APNG or MP4 file."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from cpm_core.numerics.types import Pixels
 
 
 class Animation(Protocol):
-    """An animation that is written frame by frame, so that no more than two of them are ever in memory.
+    """An animation that is written frame by frame, so that at most two of them are in memory.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Animation(Protocol):
         """End the file."""
 
     def abandon(self) -> None:
-        """Stop writing; the file is of no use then."""
+        """Stop writing; the file is incomplete."""
 
 
 _FORMATS: dict[str, type[Animation]] = {
@@ -57,7 +57,7 @@ ANIMATED: dict[str, str] = {**gif.ANIMATES, **apng.ANIMATES, **mp4.ANIMATES}
 """Suffixes of animations that can be written -> what they are."""
 
 SLOWEST, FASTEST = 0.1, 120.0
-"""Frames a second that may be asked for; a GIF shows 50 at most."""
+"""Range of frames a second; a GIF shows 50 at most."""
 
 
 def write_animation(
@@ -67,32 +67,32 @@ def write_animation(
     progress: Callable[[int], object] | None = None,
     cancelled: Callable[[], bool] | None = None,
 ) -> bool:
-    """Write frames as an animation that plays for ever, or as a film, by suffix.
+    """Write frames as an animation that repeats for ever, or as a video, by suffix.
 
     Parameters
     ----------
     frames : iterable of ndarray of uint8, shape (H, W, 3)
-        Red, green and blue, all of one size. Each is taken when the one before has been written, so they may be drawn
-        on the way.
+        Red, green and blue, all of one size. Each is requested when the one before has been written, so a generator may
+        render them one by one.
     path : path-like
-        File to write; see `ANIMATED` for the suffixes. It takes its place in one stroke at the end.
+        File to write; see `ANIMATED` for the suffixes. It is replaced atomically at the end.
     frames_per_second : float
         Speed.
     progress : callable, optional
         Called with the number of frames written, after each.
     cancelled : callable, optional
-        Asked before each frame whether to give up.
+        Called before each frame; True stops the writing.
 
     Returns
     -------
     bool
-        False when it was cancelled; then nothing is written, and a file that was there is still the old one.
+        False when it was cancelled; then nothing is written, and an existing file is unchanged.
 
     Raises
     ------
     ValueError
-        When the suffix is not known, the file cannot be written there, the encoder of films is not installed, or the
-        frames are no such frames, or none.
+        When the suffix is not known, the file cannot be written there, the encoder of videos is not installed, or the
+        frames are not such arrays, or there are none.
     """
     check_animation(path)
     _check_speed(frames_per_second)
@@ -113,12 +113,12 @@ def write_animation(
 
 
 def check_animation(path: str | os.PathLike[str]) -> None:
-    """Tell beforehand whether `write_animation` could write to a path.
+    """Check in advance whether `write_animation` could write to a path.
 
     Raises
     ------
     ValueError
-        When the suffix is not known, the encoder that it needs is not installed, or there is no place for a file.
+        When the suffix is not known, the encoder that it needs is not installed, or no file can be written there.
     """
     file = Path(path)
     suffix = file.suffix.lower()
@@ -131,7 +131,7 @@ def check_animation(path: str | os.PathLike[str]) -> None:
 
 
 class _CancelledError(Exception):
-    """The animation was given up."""
+    """The animation was cancelled."""
 
 
 def _check_speed(frames_per_second: float) -> None:
@@ -148,7 +148,7 @@ def _add_all(
     progress: Callable[[int], object] | None,
     cancelled: Callable[[], bool] | None,
 ) -> None:
-    """Add frames and end the file; whatever comes between abandons it. `cancelled` is not asked before the first."""
+    """Add frames and end the file; any exception abandons it. `cancelled` is not called before the first frame."""
     try:
         for count, frame in enumerate(frames, start=1):
             if count > 1 and cancelled is not None and cancelled():
@@ -164,7 +164,7 @@ def _add_all(
 
 
 def _checked(frame: Pixels, wanted: tuple[int, int] | None) -> tuple[int, int]:
-    """Rows and columns of a frame; ValueError when it is none, or of another size than wanted."""
+    """Rows and columns of a frame; ValueError when it is not a frame, or of another size than `wanted`."""
     if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or not frame.size:
         raise ValueError(
             f"A frame holds {frame.dtype} of shape {frame.shape}, but must hold uint8 of shape (rows, columns, 3)."

@@ -1,4 +1,4 @@
-"""APNG: an animation in full color, which browsers show and other programs take for a picture of its first frame."""
+"""APNG: an animation in full color, which browsers show; other programs show its first frame."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 
-from cpm_core.formats.animations.changes import changed
+from cpm_core.formats.animations.frame_compression import changed
 from cpm_core.numerics.types import Pixels
 
 ANIMATES = {
@@ -35,7 +35,7 @@ class ApngAnimation:
         self._stream.write(_SIGNATURE)
         self._chunk(b"IHDR", struct.pack(">IIBBBBB", shape[1], shape[0], 8, 2, 0, 0, 0))
         self._counter = self._stream.tell()
-        self._chunk(b"acTL", struct.pack(">II", 0, 0))  # how many there are is known at the end
+        self._chunk(b"acTL", struct.pack(">II", 0, 0))  # the number of frames is filled in at the end
 
     def add(self, frame: Pixels) -> None:
         """Append a frame: the rectangle of it that has changed."""
@@ -71,7 +71,7 @@ class ApngAnimation:
 
 
 def _pixels(frame: Pixels) -> Iterator[bytes]:
-    """Packed pixels of a picture, taken out of a file of that picture alone."""
+    """Compressed pixels of a picture, extracted from a PNG file of it."""
     stream = io.BytesIO()
     PIL.Image.fromarray(frame).save(stream, format="PNG")
     content, start = stream.getvalue(), len(_SIGNATURE)

@@ -1,4 +1,4 @@
-"""GIF: an animation that everything shows, in at most 256 colors a frame."""
+"""GIF: an animation that all viewers show, in at most 256 colors a frame."""
 
 from __future__ import annotations
 
@@ -9,31 +9,26 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 
-from cpm_core.formats.animations.changes import changed
-from cpm_core.formats.animations.palette import indexed
+from cpm_core.formats.animations.frame_compression import changed, indexed
 from cpm_core.numerics.types import Pixels
 
-ANIMATES = {".gif": "animated GIF, which everything shows"}
+ANIMATES = {".gif": "animated GIF, which all viewers show"}
 
 FASTEST = 50.0
-"""Frames a second that viewers show; they take what claims to be faster for a mistake and show it slowly."""
+"""Most frames a second that viewers show; they play a faster animation slowly."""
 
 _FOREVER = b"!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
-_KEEP, _SEEN_THROUGH = 1 << 2, 1
+_KEEP, _TRANSPARENT = 1 << 2, 1
 _TABLE = 0x80
 _MOST = 255
-"""Colors of a frame; one more entry of its table stands for pixels that are seen through."""
+"""Colors of a frame; one more entry of its table is the transparent color."""
 
 
 class GifAnimation:
     """A GIF that is written frame by frame, each with a palette of its own; see `animation.Animation`.
 
-    Times are kept to a hundredth of a second, without drifting.
-
-    Raises
-    ------
-    ValueError
-        When the speed is more than viewers show, or the frames are too large.
+    Times are rounded to a hundredth of a second without accumulating errors. ValueError when the speed is more than
+    viewers show, or the frames are too large.
     """
 
     def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
@@ -59,12 +54,12 @@ class GifAnimation:
             fresh = (part != self._last[top:bottom, left:right]).any(axis=2)
             fresh[0, 0] = True  # a palette has at least one color
         found, palette = indexed(part[fresh][None], _MOST)
-        indices = np.full(part.shape[:2], len(palette), dtype=np.uint8)  # the last one is seen through
+        indices = np.full(part.shape[:2], len(palette), dtype=np.uint8)  # the last one is transparent
         indices[fresh] = found[0]
         table, data = _parts(indices, palette)
         delay = round((self._count + 1) * self._duration) - round(self._count * self._duration)
-        # the first frame is whole, and readers would otherwise take the animation for a transparent one
-        control = (_KEEP | _SEEN_THROUGH, delay, len(palette)) if self._count else (_KEEP, delay, 0)
+        # the first frame is complete; with a transparent color readers would treat the whole animation as transparent
+        control = (_KEEP | _TRANSPARENT, delay, len(palette)) if self._count else (_KEEP, delay, 0)
         self._stream.write(b"!\xf9\x04" + struct.pack("<BHBB", *control, 0))
         size = (len(table) // 3).bit_length() - 2
         self._stream.write(b"," + struct.pack("<4HB", left, top, right - left, bottom - top, _TABLE | size))
@@ -82,7 +77,7 @@ class GifAnimation:
 
 
 def _parts(indices: Pixels, palette: Pixels) -> tuple[bytes, bytes]:
-    """Table of colors and packed pixels of a picture, taken out of a file of that picture alone."""
+    """Table of colors and compressed pixels of a picture, extracted from a GIF file of it."""
     picture = PIL.Image.fromarray(indices)
     picture.putpalette(palette.tobytes() + bytes(3))
     stream = io.BytesIO()
@@ -91,7 +86,7 @@ def _parts(indices: Pixels, palette: Pixels) -> tuple[bytes, bytes]:
     start = 13
     table = content[start : start + 3 * (2 << (content[10] & 7))]
     start += len(table)
-    while content[start : start + 1] == b"!":  # extensions: a mark, a kind and blocks that tell their length
+    while content[start : start + 1] == b"!":  # extensions: a mark, a kind and blocks that begin with their length
         start += 2
         while content[start]:
             start += 1 + content[start]

@@ -1,4 +1,4 @@
-"""MP4: a film, where the optional encoder is installed."""
+"""MP4: a video, where the optional encoder is installed."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 
 from cpm_core.numerics.types import Pixels
 
-ANIMATES = {".mp4": "film for slides and players; needs imageio-ffmpeg"}
+ANIMATES = {".mp4": "video for slides and players; needs imageio-ffmpeg"}
 
 _COLORS = "bt709"
-"""The standard by which players turn what is stored back into red, green and blue."""
+"""Standard by which players convert the stored values to red, green and blue."""
 
 _OUTPUT = (
     *("-crf", "16", "-movflags", "+faststart"),
@@ -31,14 +31,10 @@ def check() -> None:
 
 
 class Mp4Animation:
-    """A film that is written frame by frame by ffmpeg (H.264, which all players know); see `animation.Animation`.
+    """A video that is written frame by frame by ffmpeg (H.264, which all players know); see `animation.Animation`.
 
-    The format wants even numbers of rows and columns: where they are odd, the last row or column is repeated.
-
-    Raises
-    ------
-    ValueError
-        When there is no encoder, or it does not work.
+    The format needs even numbers of rows and columns: where they are odd, the last row or column is repeated.
+    ValueError when there is no encoder, or it does not work.
     """
 
     def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
@@ -64,7 +60,7 @@ class Mp4Animation:
         self._send(np.ascontiguousarray(np.pad(frame, self._padding, mode="edge")))
 
     def close(self) -> None:
-        """End the film."""
+        """End the file."""
         self._encoder.close()
 
     def abandon(self) -> None:

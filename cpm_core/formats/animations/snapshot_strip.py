@@ -1,4 +1,4 @@
-"""Snapshot strip: moments of a run side by side, as a figure of a publication shows them."""
+"""Snapshot strip: snapshots of a run side by side, as in a figure of a publication."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ Font = PIL.ImageFont.FreeTypeFont | PIL.ImageFont.ImageFont
 
 _MOST_COLUMNS = 4
 _TEXT_SHARE, _LEAST_TEXT = 0.05, 11.0
-"""Height of the letters of a caption: so much of a frame's height, and so much at least [px]."""
+"""Height of the letters of a caption: fraction of a frame's height, and smallest value [px]."""
 
 _COMMON = ("DejaVuSans.ttf", "segoeui.ttf", "Arial Unicode.ttf", "arial.ttf", "LiberationSans-Regular.ttf")
 """Fonts of Linux, Windows and macOS with Greek and accented letters."""
 
 _UNKNOWN = "\uffff"
-"""A letter that no font has."""
+"""A character that is in no font."""
 
 _PLAIN = {"µ": "u", "×": "x", "−": "-", "⁻": "-", "≤": "<=", "≥": ">=", "≈": "~", "·": ".", "…": "..."}
 _PLAIN |= {"ß": "ss", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L"}
-"""What stands for signs that a font lacks."""
+"""Replacements of characters that a font lacks."""
 
 _PAPER, _INK = (255, 255, 255), (0, 0, 0)
 
@@ -51,7 +51,7 @@ def strip(
         Red, green and blue, all of one size.
     captions : sequence of str
         One for each frame, or none at all. Letters that Pillow's own font lacks are drawn in a common one of the system
-        where there is any, else spelt out: β becomes beta, µm um. A caption wider than its frame is cut short.
+        where there is one, else spelled out: β becomes beta, µm um. A caption wider than its frame is truncated.
     columns : int, optional
         Frames in a row; up to four unless given.
     gap : int
@@ -67,7 +67,7 @@ def strip(
     Raises
     ------
     ValueError
-        When there is no frame, frames differ in size or are no frames, or captions are not as many.
+        When there is no frame, frames differ in size or are not such arrays, or the number of captions differs.
     """
     _check(frames, captions, columns, gap)
     height, width = frames[0].shape[:2]
@@ -113,7 +113,7 @@ def write_picture(pixels: Pixels, path: str | os.PathLike[str]) -> None:
 
 
 def _check(frames: Sequence[Pixels], captions: Sequence[str], columns: int | None, gap: int) -> None:
-    """Raise ValueError unless a strip can be made of these."""
+    """Raise ValueError unless these arguments make a strip."""
     if not frames:
         raise ValueError("A strip needs at least one frame: take a snapshot first.")
     for frame in frames:
@@ -131,7 +131,7 @@ def _check(frames: Sequence[Pixels], captions: Sequence[str], columns: int | Non
 
 
 def _font(text: str, size: float) -> Font:
-    """Pillow's own font, or the first common one that has all letters of a text if that has not."""
+    """Pillow's own font if it has all letters of a text, else the first common one that has them."""
     own = PIL.ImageFont.load_default(size)
     if not _lacking(text, own):
         return own
@@ -158,15 +158,15 @@ def _spelt(text: str, font: Font) -> str:
 
 
 def _drawn(letter: str, font: Font) -> bytes:
-    """What the font draws of a letter; of each that it lacks, the same."""
+    """Bitmap of a letter; the same for all letters that the font lacks."""
     try:
         return bytes(font.getmask(letter))
-    except UnicodeError:  # the font of a Pillow without FreeType is one of western letters
+    except UnicodeError:  # without FreeType the font of Pillow has Western letters only
         return b""
 
 
 def _plain(letter: str) -> str:
-    """A letter of another font in plain ones: names of Greek letters, digits of indices; else a question mark."""
+    """ASCII replacement of a letter: the name of a Greek letter, the digit of an index; else a question mark."""
     if letter in _PLAIN:
         return _PLAIN[letter]
     kind, _, name = unicodedata.name(letter, "").rpartition(" LETTER ")
@@ -180,7 +180,7 @@ def _plain(letter: str) -> str:
 
 
 def _shortened(text: str, font: Font, width: int) -> str:
-    """A caption in one line, cut short where it is wider than its frame."""
+    """A caption in one line, truncated where it is wider than its frame."""
     line = " ".join(text.split())
     if font.getlength(line) <= width:
         return line

@@ -1,4 +1,4 @@
-"""Appearance: what a contour is called and which color it has in files."""
+"""Appearance: name and color of a contour in files."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from cpm_core.contours.contour import Contour
 RGB = tuple[int, int, int]
 
 DEFAULT = "#d6006c"
-"""Color of contours without one of their own: it shows on gray, and on white paper."""
+"""Color of contours without one of their own: visible on gray and on white."""
 
 
 def title(contour: Contour, number: int) -> str:
-    """Name of a contour, or its place among the contours."""
+    """Name of a contour, or its number."""
     return contour.name or f"contour {number}"
 
 

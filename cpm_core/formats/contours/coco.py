@@ -1,4 +1,4 @@
-"""COCO: closed contours as instances for training and for comparing with what was learnt."""
+"""COCO: closed contours as instances, to train and evaluate learned segmentation."""
 
 from __future__ import annotations
 
@@ -10,29 +10,20 @@ from cpm_core.formats.json_text import pairs, rounded, text
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _CATEGORY = "object"
-"""What an instance is that has no name."""
+"""Category of an instance without a name."""
 
 
 def encode(result: Result | Skeleton) -> bytes:
     """Write an instance for each closed contour, as one polygon with its area and its box.
 
-    Names are categories. Coordinates are x, y in px from the corner of the image. The polygons of this format know no
-    holes: a contour in another is an instance of its own, and the outer one covers it. Open contours are left out.
-
-    Returns
-    -------
-    bytes
-        A UTF-8 JSON file.
-
-    Raises
-    ------
-    ValueError
-        When no contour is closed.
+    Names are categories. Coordinates are x, y in px from the corner of the image. The polygons of this format have no
+    holes: a contour in another is an instance of its own, and the outer one covers it. Open contours are left out;
+    ValueError when no contour is closed.
     """
     closed = [contour for contour in result.contours if contour.closed and len(contour.points) > 2]
     if not closed:
         raise ValueError(
-            f"No contour of {result.source} is closed, and a COCO file tells only of closed ones: "
+            f"No contour of {result.source} is closed, and a COCO file holds only closed ones: "
             "let it run on, or export to GeoJSON or CSV."
         )
     categories = sorted({contour.name or _CATEGORY for contour in closed})

@@ -1,16 +1,17 @@
-"""CSV: contours as a table for spreadsheets and statistics."""
+"""CSV: contours as tables for spreadsheets and statistics, one row a vertex or one row a contour."""
 
 from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Iterable, Sequence
 
+from cpm_core.contours.measurements import measure
 from cpm_core.contours.rasterize import numbers
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
 
-ASCII_UNIT = {"µm": "um"}  # spreadsheets guess the encoding of a file from its header, and guess badly
-"""What units are called in the names of columns."""
+_ASCII_UNIT = {"µm": "um"}  # spreadsheets often take a header with other letters for a wrong encoding
 
 
 def encode(result: Result | Skeleton) -> bytes:
@@ -23,27 +24,17 @@ def encode(result: Result | Skeleton) -> bytes:
     there is no image to measure it in), and where any contour has one, ``name`` and ``color``. Of a skeleton each
     branch is a contour, has a label in the branch mask, no contrast, and a last column ``radius``: the distance to the
     boundary [px].
-
-    Returns
-    -------
-    bytes
-        A UTF-8 CSV file with a header, commas, and points as decimal marks.
     """
     branched = isinstance(result, Skeleton)
-    header = ["contour", "closed", "label", "strength", "vertex", "row", "col"]
-    if result.unit:
-        unit = ASCII_UNIT.get(result.unit, result.unit)
-        header += [f"x_{unit}", f"y_{unit}"]
+    header = ["contour", "closed", "label", "strength", "vertex", "row", "col", *_in_unit(result, "x_{}", "y_{}")]
     if not branched:
         header.append("contrast")
-    called = any(contour.name or contour.color for contour in result.contours)
-    if called:
+    named = any(contour.name or contour.color for contour in result.contours)
+    if named:
         header += ["name", "color"]
     if branched:
         header.append("radius")
-    stream = io.StringIO(newline="")
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow(header)
+    lines: list[list[object]] = []
     labels = range(1, len(result.contours) + 1) if branched else numbers(result.contours)
     for number, (contour, label) in enumerate(zip(result.contours, labels, strict=True), start=1):
         fixed = [number, str(contour.closed).upper(), label, f"{contour.strength:.6g}"]
@@ -54,9 +45,45 @@ def encode(result: Result | Skeleton) -> bytes:
                 line += [f"{col * result.spacing[1]:.7g}", f"{row * result.spacing[0]:.7g}"]
             if not branched:
                 line.append(contrast)
-            if called:
+            if named:
                 line += [contour.name, contour.color]
             if isinstance(result, Skeleton):
                 line.append(f"{result.radii[number - 1][vertex - 1]:.4f}")
-            table.writerow(line)
+            lines.append(line)
+    return _table(header, lines)
+
+
+def encode_measures(result: Result | Skeleton) -> bytes:
+    """Tabulate the measures of the contours, one contour a row.
+
+    Columns: ``contour`` (from 1), ``label`` (the one in the label mask, 0 when open), ``name``, ``color``, ``closed``
+    (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
+    none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
+    it in), ``length_px``, ``area_px2`` (0 when open), and the same in the unit of the image where it is known.
+    """
+    header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
+    header += ["length_px", "area_px2", *_in_unit(result, "length_{}", "area_{}2")]
+    lines: list[list[object]] = []
+    for row in measure(result.contours, result.spacing):
+        contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
+        line = [row.number, row.label, row.name, row.color, str(row.closed).upper(), row.junctions, row.inside]
+        line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}", f"{row.area:.4f}"]
+        if result.unit:
+            line += [f"{row.length_in_units:.7g}", f"{row.area_in_units:.7g}"]
+        lines.append(line)
+    return _table(header, lines)
+
+
+def _in_unit(result: Result | Skeleton, *columns: str) -> list[str]:
+    """Names of columns in the unit of the image; none where it is unknown."""
+    unit = _ASCII_UNIT.get(result.unit or "", result.unit)
+    return [column.format(unit) for column in columns if unit]
+
+
+def _table(header: Sequence[str], lines: Iterable[Sequence[object]]) -> bytes:
+    """A UTF-8 CSV file with a header, commas, and points as decimal marks."""
+    stream = io.StringIO(newline="")
+    table = csv.writer(stream, lineterminator="\n")
+    table.writerow(header)
+    table.writerows(lines)
     return stream.getvalue().encode()

@@ -1,4 +1,4 @@
-"""Contour files: reads back contours that CPM, QuPath or labelme have written."""
+"""Contour files: reads contours that CPM, QuPath or labelme have written."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CONTOURS_READABLE: dict[str, str] = {
 """Suffixes of files that contours can be read from -> what they are."""
 
 _CIRCLE = 128
-"""Vertices of what is a circle in a file."""
+"""Vertices that a circle of a file is converted to."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class ContourFile:
     contours : tuple of Contour
         The contours, in px.
     shape : tuple of int or None
-        Shape of the image that they belong to, where the file tells it.
+        Shape of the image that they belong to, where the file gives it.
     """
 
     contours: tuple[Contour, ...]
@@ -52,23 +52,23 @@ def load_contours(path: str | os.PathLike[str]) -> tuple[Contour, ...]:
 
 
 def read_contours(path: str | os.PathLike[str]) -> ContourFile:
-    """Read contours, and what the file tells about the image.
+    """Read contours, and the shape of the image where the file gives it.
 
     Parameters
     ----------
     path : path-like
         A table of vertices or a JSON file that `export` has written, GeoJSON in px from the corner of the image, or a
-        file of labelme. Which JSON it is shows in its content.
+        file of labelme. The kind of JSON is recognized by its content.
 
     Returns
     -------
     ContourFile
-        Contours with what the file tells of their names, colors, strengths and junctions; single points are left out.
+        Contours with the names, colors, strengths and junctions that the file gives; single points are left out.
 
     Raises
     ------
     ValueError
-        When the file cannot be read or holds no contour; one sentence that names it and says what to do.
+        When the file cannot be read or holds no contour; one sentence with its name and what to do.
     """
     file = Path(path)
     read = _table if file.suffix.lower() == ".csv" else _json
@@ -87,7 +87,7 @@ def read_contours(path: str | os.PathLike[str]) -> ContourFile:
         ) from error
     contours = tuple(contour for contour in found.contours if len(contour.points) > 1)
     if not all(np.isfinite(contour.points).all() for contour in contours):
-        raise ValueError(f"{file.name} holds vertices that are no finite numbers: write it anew.")
+        raise ValueError(f"{file.name} holds vertices that are not finite numbers: write it again.")
     if not contours:
         raise ValueError(f"{file.name} holds no contours: choose a file with at least one line or polygon.")
     return ContourFile(contours, found.shape)
@@ -98,7 +98,7 @@ def _contour(
 ) -> Contour:
     vertices = np.array(points, dtype=np.float64)
     if vertices.ndim != 2 or vertices.shape[1] != 2:
-        raise ValueError("vertices are no pairs")
+        raise ValueError("vertices are not pairs")
     first, last = (*map(bool, junctions), False, False)[:2]
     return Contour(vertices, closed and len(vertices) > 2, float(strength), (first, last), None, str(name), color)
 
@@ -108,7 +108,7 @@ def _table(name: str, text: str) -> ContourFile:
     missing = {"contour", "closed", "row", "col"} - set(rows[0] if rows else ())
     if missing:
         raise UnreadableError(
-            f"{name} is no table of contours, for it has no column {' or '.join(sorted(missing))}: choose a table of "
+            f"{name} is not a table of contours: it has no column {' or '.join(sorted(missing))}. Choose a table of "
             "vertices that CPM has written."
         )
     contours = []
@@ -138,9 +138,7 @@ def _json(name: str, text: str) -> ContourFile:
     lines = list(_features(content))
     exteriors = {_key(line.points) for line, interior in lines if not interior}
     # a contour in another is an interior ring there and, where CPM has written the file, a feature of its own as well
-    return ContourFile(
-        tuple(line for line, interior in lines if not (interior and _key(line.points) in exteriors)), None
-    )
+    return ContourFile(tuple(line for line, interior in lines if not (interior and _key(line.points) in exteriors)))
 
 
 def _own(content: dict[str, Any]) -> ContourFile:
@@ -192,7 +190,7 @@ _SHAPES: dict[str, Callable[[Array], tuple[Array, bool]]] = {
 
 
 def _features(content: Any, properties: dict[str, Any] | None = None) -> Iterator[tuple[Contour, bool]]:
-    """Contours of anything in GeoJSON, and whether each is an interior ring."""
+    """Contours of any GeoJSON object, and whether each is an interior ring."""
     if isinstance(content, list):
         for entry in content:
             yield from _features(entry)
@@ -215,7 +213,7 @@ def _features(content: Any, properties: dict[str, Any] | None = None) -> Iterato
         for line in [content["coordinates"]] if kind == "LineString" else content["coordinates"]:
             yield _line(line, False, known), False
     elif kind not in ("Point", "MultiPoint"):
-        raise ValueError(f"{kind} is no kind of geometry")
+        raise ValueError(f"{kind} is not a kind of geometry")
 
 
 def _line(positions: Any, closed: bool, known: dict[str, Any]) -> Contour:
@@ -231,5 +229,5 @@ def _line(positions: Any, closed: bool, known: dict[str, Any]) -> Contour:
 
 
 def _key(points: Array) -> frozenset[tuple[float, ...]]:
-    """What is the same of two rings that begin or turn differently."""
+    """Key that is equal for rings which differ only in first point or direction."""
     return frozenset(map(tuple, np.round(points, 3).tolist()))

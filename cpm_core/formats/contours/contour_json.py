@@ -1,4 +1,4 @@
-"""JSON: all that a result tells, for scripts."""
+"""JSON: everything that a result holds, for scripts."""
 
 from __future__ import annotations
 
@@ -10,21 +10,16 @@ from cpm_core.formats.json_text import rounded, text
 from cpm_core.medial_axis.skeleton import Skeleton
 
 FORMAT = "cpm-contours"
-"""What the entry ``format`` of such a file says."""
+"""Value of the entry ``format`` of such a file."""
 
 
 def encode(result: Result | Skeleton) -> bytes:
-    """Write an object with the image, the run, the contours and the bridges.
+    """Write an object with the image, the run, the contours and the bridges; `load_contours` reads it back.
 
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
     levels / px. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null where
-    there is no image to measure it in. Where the size of a pixel is known, length and area stand there in its unit as
+    there is no image to measure it in. Where the size of a pixel is known, length and area are given in its unit as
     well. Of a skeleton the branches are contours with ``radii`` [px], and there is no run.
-
-    Returns
-    -------
-    bytes
-        A UTF-8 JSON file, which `load_contours` reads back.
     """
     image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}

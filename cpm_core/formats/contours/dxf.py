@@ -23,7 +23,7 @@ _NUMBERS = {
     (128, 128, 128): 8,
     (255, 127, 0): 30,
 }
-"""The numbers of some colors, which is how this version tells them."""
+"""Color numbers of this version of the format."""
 
 _BY_LAYER = 256
 _LONGEST_NAME = 31
@@ -34,13 +34,8 @@ def encode(result: Result | Skeleton) -> bytes:
 
     The drawing is the right way up: x runs along columns and y up, from the lower left corner of the image, in the unit
     of the image where the size of a pixel is known, else in px. Closed and open contours lie on layers of these names,
-    and one with a name on a layer of that, as far as the letters, digits and dashes allowed there go; a color becomes
-    the nearest of a few. A single vertex is a point.
-
-    Returns
-    -------
-    bytes
-        An ASCII DXF file.
+    and one with a name on a layer of that name, with other signs than letters, digits and dashes replaced; a color
+    becomes the nearest of `_NUMBERS`. A single vertex is a point.
     """
     rows, cols = result.shape
     height, width = rows * result.spacing[0], cols * result.spacing[1]
@@ -74,13 +69,13 @@ def _entity(x: list[float], y: list[float], contour: Contour, layer: str) -> lis
 
 
 def _layer(contour: Contour) -> str:
-    """Name of a layer in the letters that are allowed there."""
+    """Name of the layer of a contour, in characters that layers may have."""
     named = re.sub(r"[^A-Z0-9_$-]+", "_", contour.name.upper()).strip("_")[:_LONGEST_NAME]
     return named or (_CLOSED if contour.closed else _OPEN)
 
 
 def _nearest(contour: Contour) -> int:
-    """Number of the color next to that of a contour; the color of its layer when it has none."""
+    """Number of the color nearest to that of a contour; the color of its layer when it has none."""
     if not contour.color:
         return _BY_LAYER
     red, green, blue = rgb(contour)

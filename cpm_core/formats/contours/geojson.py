@@ -17,16 +17,11 @@ from cpm_core.medial_axis.skeleton import Skeleton
 
 
 def encode(result: Result | Skeleton) -> bytes:
-    """Write a collection of features, one a contour (RFC 7946, with the properties that QuPath knows).
+    """Write a collection of features, one for each contour (RFC 7946, with the properties that QuPath uses).
 
-    A closed contour is a polygon whose interior rings are the contours right inside it, so that it covers what has its
-    label in the label mask; each of those is a feature of its own as well. An open one is a line, a single vertex a
+    A closed contour is a polygon whose interior rings are the contours directly inside it, so it covers the pixels of
+    its label in the label mask; each of those is a feature of its own as well. An open one is a line, a single vertex a
     point. Coordinates are (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5).
-
-    Returns
-    -------
-    bytes
-        A UTF-8 GeoJSON file.
     """
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
@@ -53,7 +48,7 @@ def encode(result: Result | Skeleton) -> bytes:
 
 
 def _measurements(row: Measures, unit: str | None) -> dict[str, float]:
-    """Numbers under the names that QuPath gives to such."""
+    """Measures under the names that QuPath uses."""
     found = {"Length px": row.length, "Area px^2": row.area}
     if unit:
         found |= {f"Length {unit}": row.length_in_units, f"Area {unit}^2": row.area_in_units}

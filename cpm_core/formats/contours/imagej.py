@@ -18,22 +18,11 @@ _LARGEST = 32767
 """Largest coordinate of a box."""
 
 _LONGEST = 60
-"""Letters of a name that go into the name of a file in the archive."""
+"""Longest name of a file in the archive [characters]."""
 
 
 def encode(result: Result | Skeleton) -> bytes:
-    """Write the only contour of a result.
-
-    Returns
-    -------
-    bytes
-        A ROI file.
-
-    Raises
-    ------
-    ValueError
-        When there are none or several.
-    """
+    """Write the only contour of a result as a ROI file; ValueError when there are none or several."""
     if len(result.contours) != 1:
         raise ValueError(
             f"{result.source} has {len(result.contours) or 'no'} contours, but a .roi file holds exactly one: "
@@ -45,25 +34,16 @@ def encode(result: Result | Skeleton) -> bytes:
 def encode_set(result: Result | Skeleton) -> bytes:
     """Write each contour as a selection into one archive, which the ROI manager of ImageJ opens.
 
-    The ROI manager calls a selection what its file in the archive is called: the name of the contour, with a number
-    behind it where several have the same.
-
-    Returns
-    -------
-    bytes
-        A ZIP file of ROI files in their order; the same result makes the same bytes.
-
-    Raises
-    ------
-    ValueError
-        When there is no contour, for which ImageJ takes an archive for damaged.
+    The ROI manager shows a selection under the name of its file in the archive: the name of the contour, with a number
+    appended where several have the same. The same result always gives the same bytes. ValueError when there is no
+    contour, because ImageJ reports an empty archive as damaged.
     """
     if not result.contours:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         for number, (contour, name) in enumerate(zip(result.contours, _names(result), strict=True), start=1):
-            entry = zipfile.ZipInfo(f"{name}.roi")  # of no date, as the result has none
+            entry = zipfile.ZipInfo(f"{name}.roi")  # without a date, because the result has none
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, _selection(contour, number))
@@ -71,15 +51,15 @@ def encode_set(result: Result | Skeleton) -> bytes:
 
 
 def _selection(contour: Contour, number: int) -> bytes:
-    """Write a contour as a polygon when it is closed, else as a line of segments, or a point.
+    """Write a contour as a polygon when it is closed, else as a polyline, or a point.
 
-    Coordinates are fractions of pixels. As ImageJ means them, those of a polygon count from the corner of a pixel and
-    those of lines and points from its center.
+    Coordinates have subpixel resolution. ImageJ counts those of a polygon from the corner of a pixel and those of lines
+    and points from its center.
     """
     areal = contour.closed and len(contour.points) > 2
     points = contour.points if areal or not contour.closed else contour.path
     xy = (points[:, ::-1] + (0.5 if areal else 0.0)).astype(np.float32)
-    # no corner of the box lies beyond what its two bytes hold
+    # the corners of the box are stored as 16-bit integers
     left, top = np.clip(np.floor(xy.min(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
     right, bottom = np.clip(np.ceil(xy.max(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
     name = title(contour, number)
@@ -95,15 +75,15 @@ def _selection(contour: Contour, number: int) -> bytes:
         integer_coordinates=np.clip(np.rint(xy - (left, top)), 0, _LARGEST).astype(np.int32),
         subpixel_coordinates=xy,
         stroke_color=bytes((255, *rgb(contour))),
-        # roifile counts letters where the file counts units of UTF-16; zeros behind the name make up for those of two
+        # roifile counts characters, the file UTF-16 units: one zero is appended for each character of two units
         name=name + "\0" * sum(ord(letter) > 0xFFFF for letter in name),
     )
     return roi.tobytes()
 
 
 def _names(result: Result | Skeleton) -> list[str]:
-    """Name of each contour in letters that file names may have, none twice."""
-    found: dict[str, str] = {}  # in small letters, for some file systems do not tell them apart
+    """Name of each contour in characters that file names may have, none twice."""
+    found: dict[str, str] = {}  # keys in lower case, because some file systems ignore case
     for number, contour in enumerate(result.contours, start=1):
         plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
         name = plain if plain.lower() not in found else f"{plain}-{number}"

@@ -1,4 +1,4 @@
-"""Labelme: contours as shapes for the annotation program of that name."""
+"""Labelme: contours as shapes for the annotation program labelme."""
 
 from __future__ import annotations
 
@@ -10,20 +10,15 @@ from cpm_core.formats.json_text import pairs, text
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _VERSION = "5.5.0"
-"""Version of the program whose files these are like; later ones read them."""
+"""Version of labelme whose format this is; later versions read it."""
 
 
 def encode(result: Result | Skeleton) -> bytes:
     """Write a polygon for each closed contour and a strip of lines for each open one.
 
-    The label of a shape is the name of the contour, or "closed" or "open", for in labelme it tells what kind of thing a
-    shape is. Coordinates are (x, y) in px from the corner of the image. The image is referred to by its name, so the
-    file belongs beside it; a hole is a polygon of its own, and colors, which labelme gives to labels, are left out.
-
-    Returns
-    -------
-    bytes
-        A UTF-8 JSON file.
+    The label of a shape, its class, is the name of the contour, or "closed" or "open". Coordinates are (x, y) in px
+    from the corner of the image. The image is referenced by its name, so the file belongs beside it. A hole is a
+    polygon of its own. Colors are left out, because labelme chooses them by label.
     """
     rows, cols = result.shape
     shapes: list[dict[str, Any]] = [

@@ -17,7 +17,7 @@ def load_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     ----------
     path : path-like
         A text file with one point a line, row and column in px, separated by a comma. With a header that names the
-        columns ``row`` and ``col``, these are taken wherever they stand, so an exported contour table can be read back.
+        columns ``row`` and ``col``, these are used in any order, so an exported contour table can be read back.
 
     Returns
     -------
@@ -27,7 +27,7 @@ def load_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     Raises
     ------
     ValueError
-        When the file cannot be read or a line holds no two finite numbers; the message names the line.
+        When the file cannot be read or a line does not hold two finite numbers; the message names the line.
     """
     file = Path(path)
     try:

@@ -14,27 +14,23 @@ from cpm_core.formats.contours.appearance import DEFAULT
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _MILLIMETERS = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}
-_SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell could not be seen
+_SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell would be invisible
 
 
 def encode(result: Result | Skeleton) -> bytes:
     """Draw the contours of a result.
 
     User units are pixels of the image, x along columns and y along rows, pixel centers at integers: the image covers
-    the view box. Every contour is one path without a fill, and tells in data attributes whether it is closed, its mean
-    edge strength [gray levels / px], its length [px], its contrast where that can be measured, and its label in the
-    label mask (0 when open). One that has been named or colored has its name as the title and its color as the
-    stroke. The page has the object's true size where that is known and can be seen, else one CSS pixel per pixel. Of a
-    skeleton each branch is such a path, and tells the distance to the boundary of all its vertices [px].
-
-    Returns
-    -------
-    bytes
-        A UTF-8 SVG file.
+    the view box. Every contour is one path without a fill. Its data attributes give whether it is closed, its mean edge
+    strength [gray levels / px], its length [px], its contrast where that can be measured, and its label in the label
+    mask (0 when open). A name becomes the title, a color the stroke. The page has the object's true size where that is
+    known and large enough to see, else one CSS pixel per pixel. Of a skeleton each branch is such a path, with the
+    distance to the boundary of all its vertices [px].
     """
     rows, cols = result.shape
     width, height = _page(result)
-    known = f' data-unit="{escape(result.unit)}" data-spacing="{_text(result.spacing)}"' if result.unit else ""
+    spacing = " ".join(f"{size:.9g}" for size in result.spacing)
+    known = f' data-unit="{escape(result.unit)}" data-spacing="{spacing}"' if result.unit else ""
     if isinstance(result, Skeleton):
         title = "Skeleton"
         paths = [_path(c, n, r) for n, (c, r) in enumerate(zip(result.contours, result.radii, strict=True), start=1)]
@@ -55,7 +51,7 @@ def encode(result: Result | Skeleton) -> bytes:
 
 
 def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None) -> str:
-    vertices = contour.points if len(contour.points) > 1 else contour.points.repeat(2, axis=0)  # one by itself: a dot
+    vertices = contour.points if len(contour.points) > 1 else contour.points.repeat(2, axis=0)  # a single vertex: a dot
     points = " L".join(f"{col:.3f} {row:.3f}" for row, col in vertices)
     known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '
     known += "" if contour.sides is None else f'data-contrast="{contour.contrast:.4f}" '
@@ -76,7 +72,3 @@ def _page(result: Result | Skeleton) -> tuple[str, str]:
         return f"{millimeters[1]:.6g}mm", f"{millimeters[0]:.6g}mm"
     pixels = size / min(result.spacing)
     return f"{pixels[1]:.6g}", f"{pixels[0]:.6g}"
-
-
-def _text(spacing: tuple[float, ...]) -> str:
-    return " ".join(f"{size:.9g}" for size in spacing)

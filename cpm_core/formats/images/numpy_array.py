@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.formats.images.color import to_gray
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, to_gray
 
 READS = {".npy": "NumPy array"}
 
 
 def reads(head: bytes, _path: Path) -> bool:
-    """Whether a file that begins so is a NumPy array."""
+    """Whether the first bytes of a file are those of a NumPy array."""
     return head.startswith(b"\x93NUMPY")
 
 
@@ -29,7 +28,7 @@ def read(path: Path) -> Decoded:
     """
     stored: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
     if stored.dtype.kind not in "buif":
-        raise UnreadableError(f"{path.name} holds values of type {stored.dtype}, but grey levels must be real numbers.")
+        raise UnreadableError(f"{path.name} holds values of type {stored.dtype}, but gray levels must be real numbers.")
     color = stored.ndim == 3 and stored.shape[2] in (3, 4)
     if stored.ndim != 2 and not color:
         raise UnreadableError(

@@ -9,9 +9,15 @@ import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 
-from cpm_core.formats.images import orientation, resolution
-from cpm_core.formats.images.color import to_gray
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
+from cpm_core.formats.images import resolution
+from cpm_core.formats.images.decoded import (
+    ORIENTATION_TAG,
+    Decoded,
+    UnreadableError,
+    check_size,
+    to_gray,
+    upright,
+)
 
 READS = {
     ".png": "PNG picture",
@@ -19,22 +25,22 @@ READS = {
     ".jpeg": "JPEG picture",
     ".bmp": "BMP picture",
     ".pbm": "portable bitmap",
-    ".pgm": "portable grey map",
-    ".ppm": "portable colour map",
+    ".pgm": "portable gray map",
+    ".ppm": "portable color map",
     ".pnm": "portable any map",
     ".gif": "GIF picture, first frame",
     ".webp": "WebP picture, first frame",
     ".jp2": "JPEG 2000 picture",
 }
 
-# Named one by one: others that Pillow knows start external programs or are documents rather than images.
+# A list of its own, because other decoders of Pillow start external programs or read documents.
 _DECODERS = ("PNG", "JPEG", "BMP", "DIB", "PPM", "GIF", "WEBP", "JPEG2000")
 _WITH_ALPHA = ("LA", "PA", "RGBA", "RGBa")
 _PIXELS_A_METER = 1 / 0.0254
 
 
 def reads(_head: bytes, _path: Path) -> bool:
-    """Whether a file that begins so is for this reader: Pillow finds out itself, so it takes what is left over."""
+    """Always true: this reader is the last one, and Pillow recognizes the format itself."""
     return True
 
 
@@ -44,7 +50,7 @@ def read(path: Path) -> Decoded:
     Raises
     ------
     UnreadableError
-        When the file is no such picture, or too large. Damaged files raise whatever the decoder raises.
+        When the file is not such a picture, or too large. Damaged files raise any exception of the decoder.
     """
     try:
         with PIL.Image.open(path, formats=_DECODERS) as picture:
@@ -91,11 +97,11 @@ def _read(picture: PIL.Image.Image, name: str) -> Decoded:
     spacing, unit = _spacing(picture)
     turn = _orientation(picture)
     frames = ("Only its first frame was taken.",) if _has_second_frame(picture) else ()
-    return orientation.upright(Decoded(decoded.values, spacing, unit, (*decoded.notes, *frames)), turn)
+    return upright(Decoded(decoded.values, spacing, unit, (*decoded.notes, *frames)), turn)
 
 
 def _tile_arguments(picture: PIL.Image.Image) -> tuple[Any, ...]:
-    """What Pillow will hand to its decoder; empty when it does not say."""
+    """Arguments that Pillow passes to its decoder; empty when there are none."""
     tiles = getattr(picture, "tile", None) or [("", None, 0, ())]
     arguments = tiles[0][3]
     return arguments if isinstance(arguments, tuple) else (arguments,)
@@ -108,11 +114,11 @@ def _depth_notes(picture: PIL.Image.Image) -> tuple[str, ...]:
         (arguments and ";16" in str(arguments[0]))
         or (picture.format == "PPM" and (_declared_maximum(picture) or 0) > 255)
     )
-    return ("Its 16 bits a colour were cut down to 8.",) if deep_color else ()
+    return ("Its 16 bits a color were cut down to 8.",) if deep_color else ()
 
 
 def _declared_maximum(picture: PIL.Image.Image) -> int | None:
-    """Maximum value that the header of a portable map declares, to which Pillow does not stick."""
+    """Maximum value that the header of a portable map declares; Pillow scales the values to another one."""
     arguments = _tile_arguments(picture)
     if picture.format == "PPM" and len(arguments) == 2 and isinstance(arguments[1], int) and arguments[1] > 0:
         return arguments[1]
@@ -129,8 +135,8 @@ def _spacing(picture: PIL.Image.Image) -> resolution.Spacing:
 
 def _orientation(picture: PIL.Image.Image) -> int:
     try:
-        return int(picture.getexif().get(orientation.TAG, 1))
-    except Exception:  # the pixels are sound; Pillow raises anything on broken camera data, and then none is known
+        return int(picture.getexif().get(ORIENTATION_TAG, 1))
+    except Exception:  # Pillow raises exceptions of any kind on broken camera data; the pixels are valid all the same
         return 1
 
 

@@ -1,4 +1,4 @@
-"""Resolution: how large a pixel is, where a file tells it believably."""
+"""Resolution: the size of a pixel, where a file gives a plausible one."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 MICROMETER = "µm"
 
 PRINT_LIMIT = 10.0
-"""Largest pixel size that is believed from a plain resolution tag [µm]; see `from_density`."""
+"""Largest pixel size that is accepted from a plain resolution tag [µm]; see `from_density`."""
 
 _NAMES = {
     "um": MICROMETER,
@@ -28,7 +28,7 @@ UNKNOWN: Spacing = ((1.0, 1.0), None)
 
 
 def from_sizes(row: float, col: float, unit: str) -> Spacing:
-    """Spacing from the size of a pixel in a named unit; unknown when a size or the unit makes no sense."""
+    """Spacing from the size of a pixel in a named unit; unknown when a size or the unit is not valid."""
     name = _NAMES.get(unit.replace("\\u00B5", "\u00b5").strip().lower())
     if name is None or not all(math.isfinite(size) and size > 0 for size in (row, col)):
         return UNKNOWN
@@ -38,8 +38,8 @@ def from_sizes(row: float, col: float, unit: str) -> Spacing:
 def from_density(rows_per_meter: float, columns_per_meter: float) -> Spacing:
     """Spacing from a plain resolution tag, in pixels a meter.
 
-    Cameras, screens and printers write 72, 96, 300 dots an inch and the like whatever the picture shows. Only a
-    resolution too fine for them, a pixel below `PRINT_LIMIT`, is taken for the size of a pixel on the specimen.
+    Cameras, screens and printers write 72, 96 or 300 dots an inch, regardless of the content of the picture. Only a
+    finer resolution, a pixel below `PRINT_LIMIT`, is taken for the size of a pixel on the specimen.
     """
     if not (rows_per_meter > 0 and columns_per_meter > 0):
         return UNKNOWN

@@ -1,9 +1,12 @@
-"""TIFF: microscopy and scientific images of any depth, with the size of a pixel where the file tells it."""
+"""TIFF: microscopy and scientific images of any depth, with the size of a pixel where the file gives it."""
 
 from __future__ import annotations
 
+import contextlib
 import logging
+import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +15,12 @@ import PIL.Image
 import tifffile
 from numpy.typing import NDArray
 
-from cpm_core.formats.images import orientation, raster, resolution
-from cpm_core.formats.images.color import to_gray
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, full_scale
-from cpm_core.formats.images.silence import native_silence
+from cpm_core.formats.images import raster, resolution
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, full_scale, to_gray, upright
 
 READS = {".tif": "TIFF image, first page", ".tiff": "TIFF image, first page"}
 
-# tifffile reports every oddity of a file to its logger; what matters reaches the user as one sentence instead.
+# tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
 _MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
@@ -30,7 +31,7 @@ _PER_METER = {_INCH: 1 / 0.0254, _CENTIMETER: 100.0}
 
 
 def reads(head: bytes, _path: Path) -> bool:
-    """Whether a file that begins so is a TIFF."""
+    """Whether the first bytes of a file are those of a TIFF."""
     return head.startswith(_MAGIC)
 
 
@@ -40,7 +41,7 @@ def read(path: Path) -> Decoded:
     Raises
     ------
     UnreadableError
-        When the page is too large or no plane. Damaged files raise whatever the decoder raises.
+        When the page is too large or a volume. Damaged files raise any exception of the decoder.
     """
     with tifffile.TiffFile(path) as file:
         page = file.pages.first
@@ -50,11 +51,11 @@ def read(path: Path) -> Decoded:
         if page.compression in _PLAIN_COMPRESSIONS and page.photometric in (0, 1, 2, 3):
             decoded = _pixels(page)
         else:
-            with native_silence(), _open_packed(path) as picture:
+            with _native_silence(), _open_packed(path) as picture:
                 decoded = raster.pixels(picture)
         notes = (*decoded.notes, *_page_notes(file))
         spacing, unit = _spacing(file, page)
-        return orientation.upright(Decoded(decoded.values, spacing, unit, notes), _number(page, "Orientation", 1))
+        return upright(Decoded(decoded.values, spacing, unit, notes), _number(page, "Orientation", 1))
 
 
 def _open_packed(path: Path) -> PIL.Image.Image:
@@ -62,7 +63,7 @@ def _open_packed(path: Path) -> PIL.Image.Image:
         return PIL.Image.open(path, formats=("TIFF",))
     except PIL.UnidentifiedImageError:
         raise UnreadableError(
-            f"{path.name} is damaged or a TIFF of an uncommon kind: save it anew as an uncompressed TIFF or as PNG."
+            f"{path.name} is damaged or a TIFF of an uncommon kind: save it again as an uncompressed TIFF or as PNG."
         ) from None
 
 
@@ -103,7 +104,7 @@ def _page_notes(file: tifffile.TiffFile) -> tuple[str, ...]:
 
 
 def _spacing(file: tifffile.TiffFile, page: tifffile.TiffPage) -> resolution.Spacing:
-    """Pixel size from OME or ImageJ, which mean the specimen; else from the resolution tag, when it is believable."""
+    """Pixel size on the specimen from OME or ImageJ; else from the resolution tag, when it is plausible."""
     if file.ome_metadata:
         found = re.search(r"<Pixels\b[^>]*>", file.ome_metadata)
         entries = dict(re.findall(r"\b(PhysicalSize[XY](?:Unit)?)=\"([^\"]*)\"", found.group() if found else ""))
@@ -123,7 +124,7 @@ def _spacing(file: tifffile.TiffFile, page: tifffile.TiffPage) -> resolution.Spa
 
 
 def _density(page: tifffile.TiffPage, name: str) -> float:
-    """A resolution tag as pixels a unit; 0 when it is missing or makes no sense."""
+    """A resolution tag as pixels per unit; 0 when it is missing or not valid."""
     tag = page.tags.get(name)
     if tag is None or not isinstance(tag.value, tuple) or len(tag.value) != 2 or not tag.value[1]:
         return 0.0
@@ -133,3 +134,24 @@ def _density(page: tifffile.TiffPage, name: str) -> float:
 def _number(page: tifffile.TiffPage, name: str, otherwise: int) -> int:
     tag = page.tags.get(name)
     return int(tag.value) if tag is not None and isinstance(tag.value, int) else otherwise
+
+
+@contextlib.contextmanager
+def _native_silence() -> Iterator[None]:
+    """Discard the standard error of the whole process within the block.
+
+    libtiff prints warnings on unusual files directly to the file descriptor, and Pillow cannot turn them off.
+    """
+    try:
+        kept = os.dup(2)
+    except OSError:  # a window without a console has no standard error
+        yield
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)

@@ -16,18 +16,10 @@ _PER_CENTIMETER = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
 
 
 def encode(result: Result | Skeleton) -> bytes:
-    """Make the label mask of a result, or the branch mask of a skeleton.
+    """Make an uncompressed gray TIFF of 16 bits with the entries of ImageJ, which then shows lengths in the unit.
 
-    Returns
-    -------
-    bytes
-        An uncompressed gray TIFF of 16 bits with the entries of ImageJ, so that it shows lengths in the unit of the
-        image; of 32 bits where there are more than 65535 labels, which ImageJ would take for real numbers.
-
-    Raises
-    ------
-    ValueError
-        When there is nothing to paint.
+    It has 32 bits where there are more than 65535 labels; ImageJ would interpret them as real numbers, so its entries
+    are left out. ValueError when there is nothing to paint.
     """
     mask = labels_of(result)
     entries: dict[str, Any] = {}

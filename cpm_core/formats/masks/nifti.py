@@ -25,19 +25,11 @@ _SCANNER = 1
 
 
 def encode(result: Result | Skeleton) -> bytes:
-    """Make the label mask of a result, or the branch mask of a skeleton.
+    """Make a NIfTI-1 file of one slice, columns first, from the label mask of a result or a skeleton.
 
-    Returns
-    -------
-    bytes
-        A NIfTI-1 file of one slice, columns first. Columns run to the patient's left and rows to the back, as they do
-        where a picture without a place is opened, so that mask and picture lie on each other. Micrometers, millimeters
-        and meters are kept, other units turned into the next of them.
-
-    Raises
-    ------
-    ValueError
-        When there is nothing to paint.
+    Columns run to the patient's left and rows to the back, as in a picture that is opened without a position, so that
+    mask and picture coincide. Micrometers, millimeters and meters are kept, other units converted to the nearest of
+    them. ValueError when there is nothing to paint.
     """
     mask = labels_of(result)
     rows, cols = mask.shape
@@ -63,5 +55,5 @@ def encode(result: Result | Skeleton) -> bytes:
 
 
 def encode_packed(result: Result | Skeleton) -> bytes:
-    """Compress what `encode` makes; the same result makes the same bytes."""
+    """Compress what `encode` makes; the same result always gives the same bytes."""
     return gzip.compress(encode(result), mtime=0)

@@ -1,1 +1,1 @@
-"""Files of sessions: what a person has drawn, set and said, as readable JSON."""
+"""Session files: shapes, parameters and the review of contours, as readable JSON."""

@@ -1,7 +1,7 @@
 """Values of a session as plain JSON and back: shapes, parameters, and any frozen dataclass by the types of its fields.
 
-Dataclasses may hold numbers, text, truth values, literals, tuples and dataclasses of them: all that shapes are made of.
-What comes back has been checked against the types; whatever does not fit leads to one sentence.
+Dataclasses may hold numbers, text, truth values, literals, tuples and dataclasses of them: all that shapes consist of.
+Values that are read are checked against the types; one that does not fit raises ValueError with one sentence.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from cpm_core.shapes import SHAPES, Everywhere, Kind, Shape
 T = TypeVar("T")
 
 LARGEST = 1e6
-"""Largest number of a session file, either way: far outside of any image, and no sum of such numbers overflows."""
+"""Largest absolute value of a number: far outside of any image, and sums of such numbers do not overflow."""
 
 _FORMER_KINDS: Mapping[object, Kind] = MappingProxyType({"edges": "gradient"})
-"""Kinds of starts everywhere by the names that older files have for them."""
+"""Names of automatic starts in older files -> present names."""
 
 
 def to_plain(value: object) -> Any:
-    """A value of a dataclass, or one itself, as JSON keeps it."""
+    """A dataclass, or the value of one of its fields, as plain JSON."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: to_plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
     if isinstance(value, tuple | list):
@@ -36,21 +36,10 @@ def to_plain(value: object) -> Any:
 
 
 def from_plain(kind: type[T], plain: object, where: str) -> T:
-    """A dataclass from what JSON has kept of it.
+    """A dataclass of type `kind` from a mapping of its fields; those with a default may be missing.
 
-    Parameters
-    ----------
-    kind : type
-        Which dataclass.
-    plain : object
-        What was read: a mapping of its fields; those with a default may be missing.
-    where : str
-        What it is called in a sentence on what is wrong, as in ``"shape 3"``.
-
-    Raises
-    ------
-    ValueError
-        When something is missing, unknown, or not of its type; and whatever the dataclass itself finds wrong.
+    ValueError when a field is missing, unknown, or not of its type, or the dataclass rejects a value; `where` names the
+    dataclass in the sentence, as in ``"shape 3"``.
     """
     plain = mapping(plain, where)
     hints = get_type_hints(kind)
@@ -71,13 +60,13 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
 
 
 def shape_to_plain(shape: Shape) -> dict[str, Any]:
-    """A shape as JSON keeps it: its kind and the values of its fields."""
+    """A shape as plain JSON: its kind and the values of its fields."""
     kind = next(name for name, made in SHAPES.items() if type(shape) is made)
     return {"shape": kind, **to_plain(shape)}
 
 
 def shape_from_plain(plain: object, where: str) -> Shape:
-    """A shape from what JSON has kept of it; ValueError when it is none, or none that could be drawn."""
+    """A shape from plain JSON; ValueError when it is not a valid shape."""
     values = dict(mapping(plain, where))
     kind = values.pop("shape", None)
     if not isinstance(kind, str) or kind not in SHAPES:
@@ -88,19 +77,9 @@ def shape_from_plain(plain: object, where: str) -> Shape:
 
 
 def parameters_from_plain(plain: object) -> tuple[Parameters, tuple[str, ...]]:
-    """Parameters from what JSON has kept of them, under their present or former names.
+    """Parameters from plain JSON under their present or former names, and the names that are unknown.
 
-    Returns
-    -------
-    parameters : Parameters
-        Those that are missing have their defaults.
-    unknown : tuple of str
-        Names that are none of a parameter.
-
-    Raises
-    ------
-    ValueError
-        When `plain` is no mapping, or a value lies outside its range.
+    Missing parameters have their defaults. ValueError when `plain` is not a mapping, or a value is out of range.
     """
     given = {FORMER_NAMES.get(name, name): value for name, value in mapping(plain, "parameters").items()}
     known = {field.name for field in dataclasses.fields(Parameters)}
@@ -121,7 +100,7 @@ def mapping(value: object, where: str) -> Mapping[str, Any]:
 
 
 def shown(value: object) -> str:
-    """A value as it stands in a sentence: short, whatever it is."""
+    """A value as text for a sentence, truncated to 40 characters."""
     text = f'"{value}"' if isinstance(value, str) else repr(value)
     return text if len(text) <= 40 else f"{text[:36]}…"
 
@@ -154,7 +133,7 @@ def _value(hint: Any, plain: object, where: str) -> Any:
         return plain
     if dataclasses.is_dataclass(hint) and isinstance(hint, type):
         return from_plain(hint, plain, where)
-    raise TypeError(f"{where} is of the type {hint}, which session files cannot keep")
+    raise TypeError(f"{where} is of the type {hint}, which session files cannot store")
 
 
 def _tuple(items: tuple[Any, ...], plain: object, where: str) -> tuple[Any, ...]:

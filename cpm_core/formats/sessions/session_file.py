@@ -1,8 +1,7 @@
-"""Session files: everything that is needed to take work up again, or to repeat it without a window.
+"""Session files: everything that is needed to continue work, or to repeat it without a window.
 
-A session file is JSON that a person can read and edit: which image, what is drawn on it, the parameters, what has been
-said about the contours, and how it was looked at. The image itself stays in its own file; a hash tells whether it is
-still the same.
+A session file is JSON that can be read and edited by hand: the image file, the shapes drawn on it, the parameters, the
+review of the contours, and the view. The image stays in its own file; a hash shows whether it has changed.
 """
 
 from __future__ import annotations
@@ -40,18 +39,18 @@ _LARGEST_SIDE = 10**6
 
 @dataclass(frozen=True, slots=True)
 class ImageFile:
-    """Which image a session belongs to.
+    """The image that a session belongs to.
 
     Attributes
     ----------
     path : str
-        Its file; a relative one is meant from the folder of the session file.
+        Its file; a relative path starts at the folder of the session file.
     sha256 : str
         Hash of that file, 64 hexadecimal digits; empty where it is not known.
     shape : tuple of int
         (rows, cols); empty where it is not known.
     elsewhere : tuple of str
-        Other places where it may be.
+        Other paths where it may be.
     """
 
     path: str
@@ -62,26 +61,26 @@ class ImageFile:
 
 @dataclass(frozen=True, slots=True)
 class SessionFile:
-    """What a session file holds.
+    """Content of a session file.
 
     Attributes
     ----------
     image : ImageFile or None
-        The image; None for a session that is meant for any.
+        The image; None for a session that is for any image.
     shapes : tuple of Shape
-        What is drawn: starts, regions of interest, barriers, placed charges.
+        Starts, regions of interest, barriers and placed charges.
     parameters : Parameters
         Parameters of the run.
     marks : tuple of Mark
-        What has been said about contours.
+        Review of the contours.
     mode : str
-        What the window was set up for, empty for nothing in particular.
+        Mode of the window; empty for the default.
     view : mapping
-        How the window looked at it, as plain JSON; of no concern to a run.
+        View of the window, as plain JSON; without effect on a run.
     extra : mapping
-        What another version has added, kept when the file is written again.
+        Entries of other versions, kept when the file is written again.
     notes : tuple of str
-        What a person should know about the reading, one sentence each.
+        Messages from reading, one sentence each.
     """
 
     image: ImageFile | None = None
@@ -104,20 +103,20 @@ def fingerprint(path: Path) -> str:
 
 
 def save_session(session: SessionFile, path: Path) -> None:
-    """Write a session file in one stroke.
+    """Write a session file atomically.
 
     Parameters
     ----------
     session : SessionFile
-        What to keep. The path of its image is written relative to the file when it lies beside or below it, and in
-        full as well.
+        Content. The path of its image is written as an absolute path, and relative to the file when it is in the folder
+        of the file or below.
     path : Path
-        Where to; a file that exists is replaced.
+        Target; an existing file is replaced.
 
     Raises
     ------
     ValueError
-        When it cannot be written there.
+        When it cannot be written.
     """
     path = Path(path)
     check_place(path)
@@ -149,12 +148,12 @@ def load_session(path: Path) -> SessionFile:
     Returns
     -------
     SessionFile
-        What it holds, everything checked; the path of its image is not looked up yet, see `find_image`.
+        Its content, checked; the path of its image is not looked up yet, see `find_image`.
 
     Raises
     ------
     ValueError
-        When there is no such file, or it is none that can be used; one sentence that says what is wrong.
+        When there is no such file, or it is not a valid session file; one sentence that says what is wrong.
     """
     path = Path(path)
     try:
@@ -171,7 +170,7 @@ def load_session(path: Path) -> SessionFile:
 
 
 def decode(content: bytes, name: str) -> SessionFile:
-    """What the bytes of a session file hold; `name` is for sentences."""
+    """Content of the bytes of a session file; `name` is its name in error messages."""
     plain = parsed(content, name)
     try:
         parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
@@ -195,12 +194,12 @@ def _mark(plain: object, where: str) -> Mark:
 
 
 def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
-    """Where the image of a session is now.
+    """Find the image of a session.
 
     Parameters
     ----------
     image : ImageFile
-        What the session file says.
+        Entry of the session file.
     folder : Path
         Folder of the session file.
 
@@ -209,19 +208,19 @@ def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
     path : Path
         Its file.
     notes : tuple of str
-        A warning when the image is not the one that the session was made with.
+        A warning when the image has changed since.
 
     Raises
     ------
     ValueError
-        When it is nowhere; the sentence says where it was looked for.
+        When it is not found; the sentence names the paths that were tried.
     """
     candidates = dict.fromkeys(folder / place for place in (image.path, *image.elsewhere, PurePath(image.path).name))
     for candidate in candidates:
         if _is_file(candidate):
             found = candidate.resolve()
             if image.sha256 and fingerprint(found) != image.sha256:
-                return found, (f"{found.name} has changed since the session was saved: what is drawn may lie off.",)
+                return found, (f"{found.name} has changed since the session was saved: shapes may be misplaced.",)
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)
     raise ValueError(f"The image of the session was not found at {looked}: put it there, or name it.")
@@ -257,7 +256,7 @@ def _image_to_plain(image: ImageFile, folder: Path) -> dict[str, Any]:
 
 
 def _listed(plain: Plain, name: str) -> list[tuple[int, object]]:
-    """The items of a list with their numbers, counted from one; an empty one where it is missing."""
+    """The items of a list with their numbers, counted from one; empty where the entry is missing."""
     items = plain.get(name, [])
     if not isinstance(items, list):
         raise ValueError(f"{name} is {shown(items)} but must be a list.")

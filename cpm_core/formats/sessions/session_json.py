@@ -1,4 +1,4 @@
-"""JSON of session files: laid out for people to read and edit, and read with care, for it may have been edited."""
+"""JSON of session files: laid out to be read and edited by hand, and therefore checked when it is read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cpm_core.formats.sessions.plain_values import shown
 VERSION = 1
 
 MARK = "cpm-session"
-"""The key that tells a session file from other JSON; its value is the version."""
+"""Key that distinguishes a session file from other JSON; its value is the version."""
 
 Plain = Mapping[str, Any]
 
@@ -22,13 +22,7 @@ _UNPAIRED = re.compile("[\ud800-\udfff]")
 
 
 def parsed(content: bytes, name: str) -> Plain:
-    """The JSON of a session file; `name` is for sentences.
-
-    Raises
-    ------
-    ValueError
-        When the content is damaged, none of a session file, or of a version that is not known.
-    """
+    """The JSON of a session file; ValueError, with `name`, when it is damaged or of an unknown kind or version."""
 
     def refuse(constant: str) -> NoReturn:
         raise ValueError(f"it holds {constant}")
@@ -41,11 +35,11 @@ def parsed(content: bytes, name: str) -> Plain:
         plain = json.loads(content.decode("utf-8-sig"), parse_constant=refuse, parse_float=finite)
     except (ValueError, RecursionError) as error:
         place = f" (line {error.lineno})" if isinstance(error, json.JSONDecodeError) else ""
-        raise ValueError(f"{name} is no session file, or a damaged one{place}: get a sound copy of it.") from error
+        raise ValueError(f"{name} is not a session file, or a damaged one{place}: get a sound copy of it.") from error
     if not isinstance(plain, dict) or MARK not in plain:
-        raise ValueError(f"{name} is no session file: it does not say {MARK}.")
+        raise ValueError(f"{name} is not a session file: it has no entry {MARK}.")
     if _depth(plain) > _DEEPEST:
-        raise ValueError(f"{name} is no session file: its values lie within each other too deeply.")
+        raise ValueError(f"{name} is not a session file: its values are nested too deeply.")
     version = plain[MARK]
     if version != VERSION or isinstance(version, bool):
         raise ValueError(
@@ -56,7 +50,7 @@ def parsed(content: bytes, name: str) -> Plain:
 
 
 def text_of(plain: Plain) -> str:
-    """JSON with one line for each shape, mark and parameter, as a person would set it."""
+    """JSON with one line for each shape, mark and parameter."""
     lines = []
     for key, value in plain.items():
         items: list[str]
@@ -74,12 +68,12 @@ def text_of(plain: Plain) -> str:
 
 def _line(value: object) -> str:
     text = json.dumps(value, ensure_ascii=False, allow_nan=False, default=dict)
-    # Names of files may hold bytes that are no text; they survive as escapes only.
+    # Names of files may hold bytes that are not text, which only escapes preserve.
     return text if text.isascii() or not _UNPAIRED.search(text) else json.dumps(value, allow_nan=False, default=dict)
 
 
 def _depth(plain: object) -> int:
-    """How deeply values lie within each other."""
+    """Depth of nested values."""
     depth, layer = 0, [plain]
     while layer and depth <= _DEEPEST:
         depth += 1

@@ -174,7 +174,7 @@ def test_what_another_version_has_added_survives_saving(ready, hand, saved_to) -
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
-        (lambda path: path.write_text("{"), "work.cpm is no session file"),
+        (lambda path: path.write_text("{"), "work.cpm is not a session file"),
         (lambda path: path.unlink(), "does not exist"),
         (lambda path: path.write_text('{"cpm-session": 1}'), "names no image"),
         (lambda path: path.write_text('{"cpm-session": 1, "image": {"path": "gone.png"}}'), "gone.png"),

@@ -1,4 +1,4 @@
-"""``cpm bench``: what it measures is what it says, and it tells the same as a table and as JSON."""
+"""``cpm bench``: its measurements are right, and the table and JSON hold the same."""
 
 import json
 import re
@@ -26,13 +26,13 @@ FEATURES = ["run", "field", "coulomb", "step", "reconstruction", "start"]
 
 @pytest.fixture(scope="module")
 def measured():
-    """All that the quick run measures."""
+    """All measurements of the quick run."""
     return list(table.measurements(QUICK))
 
 
 @pytest.fixture
 def command(monkeypatch, capsys, measured):
-    """Function that runs the command on what has been measured already."""
+    """Function that runs the command on the measurements of the fixture."""
     monkeypatch.setattr("cpm_core.cli.bench.command.measurements", lambda _patience, _image: iter(measured))
 
     def run(*arguments):
@@ -56,7 +56,7 @@ def test_every_part_is_measured_beside_something(measured):
     assert {row.part for row in measured if row.growth is not None} == {"run", "coulomb"}
 
 
-def test_what_is_measured_is_right(measured):
+def test_measured_results_are_right(measured):
     errors = {row.what: row.error for row in measured if row.error is not None}
     assert len(errors) >= 6
     for what, error in errors.items():
@@ -115,14 +115,14 @@ def test_an_image_of_the_users_own_takes_the_place_of_the_scene():
 
 @pytest.fixture
 def clock(monkeypatch):
-    """A clock that stands still but when work moves it: a list of one time [s]."""
+    """A clock that only work advances: a list of one time [s]."""
     now = [0.0]
     monkeypatch.setattr(measurement, "time", SimpleNamespace(perf_counter=lambda: now[0]))
     return now
 
 
 def taking(clock, times):
-    """Work that takes these times, one after the other."""
+    """Task that takes these times, one after the other."""
     left = iter(times)
 
     def work():
@@ -137,13 +137,13 @@ def test_a_time_is_the_median_of_some_and_the_first_is_left_out(clock):
     assert next(left) == 0.5
 
 
-def test_once_the_time_is_up_nothing_is_repeated(clock):
+def test_nothing_is_repeated_after_the_time_limit(clock):
     work, left = taking(clock, [0.4, 0.3, 0.4, 0.5])
     assert seconds_of(Patience(seconds=1.0, repeats=9), work) == pytest.approx([0.35])
     assert next(left) == 0.5
 
 
-def test_what_takes_long_is_done_once(clock):
+def test_a_long_task_is_done_once(clock):
     work, left = taking(clock, [3.1, 0.5])
     assert seconds_of(Patience(seconds=1.0), work) == pytest.approx([3.1])
     assert next(left) == 0.5
@@ -162,7 +162,7 @@ def test_ours_and_its_peers_are_done_in_turn(clock):
 
 
 @pytest.mark.parametrize(
-    ("value", "unit", "told"),
+    ("value", "unit", "shown"),
     [
         (0.000012345, "s", "12.3 µs"),
         (0.25, "ms", "0.25 ms"),
@@ -172,8 +172,8 @@ def test_ours_and_its_peers_are_done_in_turn(clock):
         (0.2, "s", "200 ms"),
     ],
 )
-def test_a_time_is_told_in_a_unit_of_its_size(value, unit, told):
-    assert time_in_words(value, unit) == told
+def test_a_time_is_shown_in_a_unit_of_its_size(value, unit, shown):
+    assert time_in_words(value, unit) == shown
 
 
 def test_without_a_peer_there_is_no_ratio():
@@ -187,7 +187,7 @@ def test_the_loop_over_all_pairs_is_the_coulomb_force():
     np.testing.assert_allclose(all_pairs(points), coulomb_force(points, method="exact"), rtol=1e-9, atol=1e-9)
 
 
-def test_the_error_of_a_field_is_told():
+def test_the_error_of_a_field_is_relative():
     f = np.random.default_rng(0).uniform(size=(30, 26))
     field = electric_field(f)
     assert field_error(f, field) < 1e-12

@@ -1,4 +1,4 @@
-"""Command line: runs without a window, says one line about bad input, and then writes nothing."""
+"""Command line: runs without a window, reports bad input in one line, and then writes nothing."""
 
 import json
 import re
@@ -127,9 +127,9 @@ def test_bridges_are_told(tmp_path, command):
     assert json.loads(command(*run, "--json")[1])["bridges"] == 0
     assert "Bridged" not in command(*run)[1]
     assert json.loads(command(*run, "--max-gap", 40, "--json")[1])["bridges"] == 1
-    told = re.search(r"\nBridged 1 gap, longest ([\d.]+) px\n", command(*run, "--max-gap", 40)[1])
-    assert told
-    assert float(told[1]) == pytest.approx(18.0, abs=2.5)
+    reported = re.search(r"\nBridged 1 gap, longest ([\d.]+) px\n", command(*run, "--max-gap", 40)[1])
+    assert reported
+    assert float(reported[1]) == pytest.approx(18.0, abs=2.5)
 
 
 def test_run_stops_after_the_steps_it_may_take(disk, command):
@@ -140,7 +140,7 @@ def test_run_stops_after_the_steps_it_may_take(disk, command):
 
 @pytest.fixture
 def parameters_of(monkeypatch, disk, command):
-    """Function that tells which parameters a command line leads to."""
+    """Function that gives the parameters of a command line."""
 
     def parameters(*arguments):
         seen = []
@@ -263,7 +263,7 @@ def test_info_tells_size_grey_levels_and_what_reading_changed(tmp_path, command)
     status, out, _ = command("info", tmp_path / "a.png")
     assert status == 0
     assert "12 rows x 30 columns" in out
-    assert "Colour was turned into luminance." in out
+    assert "Color was turned into luminance." in out
     facts = json.loads(command("info", tmp_path / "a.png", "--json")[1])
     assert facts["shape"] == [12, 30]
     assert (facts["minimum"], facts["maximum"]) == pytest.approx((0, 0.7154 * 232))
@@ -306,10 +306,10 @@ def test_an_interrupt_ends_the_run_cleanly_and_writes_nothing(disk, tmp_path, in
         "from cpm_core.cli import main, run\n"
         "original = run.segment\n"
         "def segment(*args, progress, **rest):\n"
-        "    def told(state):\n"
+        "    def reported(state):\n"
         "        print('running', flush=True)\n"
         "        import time; time.sleep(0.05)\n"
-        "    return original(*args, progress=told, **rest)\n"
+        "    return original(*args, progress=reported, **rest)\n"
         "run.segment = segment\n"
         "sys.exit(main(sys.argv[1:]))"
     )

@@ -1,4 +1,4 @@
-"""`cpm run --session` and `cpm batch`: what a session file says is done without a window, to one image or to many."""
+"""`cpm run --session` and `cpm batch`: a session file is applied without a window, to one image or to many."""
 
 from __future__ import annotations
 
@@ -148,8 +148,8 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("line", "said"), BAD)
-def test_bad_input_is_one_line_and_exit_status_two(command, session, tmp_path, monkeypatch, line, said):
+@pytest.mark.parametrize(("line", "words"), BAD)
+def test_bad_input_is_one_line_and_exit_status_two(command, session, tmp_path, monkeypatch, line, words):
     monkeypatch.chdir(tmp_path)
     save_session(SessionFile(shapes=(Circle((1.0, 1.0), 2.0),)), tmp_path / "free.cpm")
     save_session(SessionFile(ImageFile("gone.png"), (Circle((1.0, 1.0), 2.0),)), tmp_path / "lost.cpm")
@@ -158,7 +158,7 @@ def test_bad_input_is_one_line_and_exit_status_two(command, session, tmp_path, m
     assert (status, out) == (2, "")
     assert err.startswith("cpm: ")
     assert err.count("\n") == 1
-    assert any(word in err for word in said.split("|"))
+    assert any(word in err for word in words.split("|"))
     assert not (tmp_path / "out").exists() or not any((tmp_path / "out").iterdir())
 
 
@@ -171,13 +171,13 @@ def table(folder):
 def test_a_batch_does_to_each_image_what_a_run_does_and_reports_a_bad_one(command, session, disks, tmp_path, count):
     (tmp_path / "bad.png").write_text("no picture")
     out = tmp_path / "deep" / "out"
-    status, told, err = command(
+    status, reported, err = command(
         "batch", disks, tmp_path / "bad.png", disks, "--session", session, "--output", out,
         "--workers", count, "--max-steps", 40, "--export", "csv", ".svg",
     )  # fmt: skip
     assert status == 1
     assert "bad.png is" in err
-    assert "3 images" in told
+    assert "3 images" in reported
     names = {path.name for path in out.iterdir()}
     assert names == {"summary.csv", *(f"disks_contours{n}.{s}" for n in ("", "_2") for s in ("csv", "svg"))}
     command("run", "--session", session, "--max-steps", 40, "--export", tmp_path / "one.csv")
@@ -192,9 +192,9 @@ def test_a_batch_tells_json(command, session, disks, tmp_path):
     status, out, _ = command(
         "batch", disks, "--session", session, "--output", tmp_path / "o", "--max-steps", 5, "--json"
     )
-    told = facts(out)
-    assert (status, told["done"], told["failed"]) == (0, 1, 0)
-    (image,) = told["images"]
+    reported = facts(out)
+    assert (status, reported["done"], reported["failed"]) == (0, 1, 0)
+    (image,) = reported["images"]
     assert image["steps"] == 5
     assert {Path(file).suffix for file in image["files"]} == {".svg", ".csv", ".png"}
     assert all(Path(file).is_file() for file in image["files"])
@@ -239,7 +239,7 @@ def test_an_interrupt_ends_a_batch_at_once_and_leaves_whole_files_only(tmp_path,
             assert time.monotonic() < end
             assert process.poll() is None
             time.sleep(0.02)
-        os.killpg(process.pid, signal.SIGINT)  # what Ctrl+C does: all processes of the terminal are told
+        os.killpg(process.pid, signal.SIGINT)  # like Ctrl+C: all processes of the terminal get the signal
         _, err = process.communicate(timeout=30)
     assert process.returncode == 130
     assert err.startswith("cpm: interrupted; ")
@@ -263,12 +263,12 @@ def test_a_worker_that_dies_is_reported_and_the_others_go_on(session, disks, mon
     jobs = [Job(number, str(disks), made, Parameters(scales=2), 3, ()) for number in range(4)]
     done = {each.number: each for each in workers.here(jobs, 2)}
     assert len(lines) == 1
-    assert [bool(done[number].trouble) for number in range(4)] == [False, True, False, False]
-    assert "ended all of a sudden" in done[1].trouble
+    assert [bool(done[number].error) for number in range(4)] == [False, True, False, False]
+    assert "ended unexpectedly" in done[1].error
 
 
 class Cluster:
-    """Stands in for dask where it is not installed: does everything at once, here."""
+    """Replaces dask where it is not installed: does everything at once in this process."""
 
     cancelled: list[object]
 

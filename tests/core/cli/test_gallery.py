@@ -1,4 +1,4 @@
-"""The gallery: shapes are where they say, scenes have the boundary that they claim, figures are written whole."""
+"""The gallery: shapes have their stated position, scenes their stated boundary, figures are written completely."""
 
 import functools
 import io
@@ -78,10 +78,10 @@ def scene_of(name):
     return SCENES[name]()
 
 
-def test_the_coverage_of_a_disk_is_that_of_places_within_its_pixels():
+def test_the_coverage_of_a_disk_is_that_of_points_within_its_pixels():
     seen = coverage(round_ring((30.3, 40.6), 20.2), (64, 80))
     inside = antialiased((64, 80), lambda row, col: np.hypot(row - 30.3, col - 40.6) < 20.2)
-    assert np.abs(seen - (inside - 40.0) / 160.0).max() < 0.07  # of 8 x 8 places, one line of eight may differ by half
+    assert np.abs(seen - (inside - 40.0) / 160.0).max() < 0.07  # of 8 x 8 points, one line of eight may differ by half
 
 
 @settings(deadline=None)
@@ -95,7 +95,7 @@ def test_coverage_adds_up_to_the_area(radii, center):
     assert seen.sum() == pytest.approx(Contour(ring, closed=True).area, rel=0.01, abs=0.3)
 
 
-def test_what_rings_go_round_twice_is_outside():
+def test_a_point_enclosed_by_two_rings_is_outside():
     seen = coverage((*round_ring((30, 30), 20.0), *round_ring((30, 30), 8.0)), (60, 60))
     assert seen.sum() == pytest.approx(np.pi * (400 - 64), rel=1e-3)
     assert seen[30, 30] == 0.0
@@ -107,7 +107,7 @@ def test_a_shape_that_reaches_out_of_the_image_is_cut_by_its_border():
     assert np.array_equal(half, np.repeat([[1.0] * 5 + [0.0] * 5], 20, axis=0))
 
 
-def test_a_limb_is_what_disks_of_even_growth_cover():
+def test_a_limb_is_the_union_of_disks_of_linear_radius():
     a, b, wide, thin = np.array([20.0, 20.0]), np.array([40.0, 60.0]), 12.0, 4.0
     points = np.random.default_rng(0).uniform(0.0, 64.0, (300, 2))
     share = np.linspace(0.0, 1.0, 2001)
@@ -143,7 +143,7 @@ def test_a_shape_that_is_empty_or_too_large_is_refused(shape):
         rings(shape, (80, 80))
 
 
-def test_curves_are_as_far_from_their_middle_as_they_say():
+def test_curves_have_the_given_distance_from_their_center():
     (ring,) = ellipse((40, 50), 10.0, 20.0, 0.7)
     down, right = (ring - (40, 50)).T
     along, across = right * np.cos(0.7) + down * np.sin(0.7), down * np.cos(0.7) - right * np.sin(0.7)
@@ -154,10 +154,10 @@ def test_curves_are_as_far_from_their_middle_as_they_say():
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_the_image_has_an_edge_where_the_scene_says(name):
-    """Across the true boundary the edge map is strongest within a pixel of it, at seven places of eight.
+def test_the_image_has_an_edge_at_the_true_boundary(name):
+    """Across the true boundary the maximum of the edge map is within a pixel of it, at seven points of eight.
 
-    The others lie at sharp corners; were the boundary elsewhere it would be so at four of ten.
+    The others are at sharp corners; at a wrong boundary it would be so at four points of ten.
     """
     scene = scene_of(name)
     strength = edge_map(scene.values, 1.5)
@@ -184,7 +184,7 @@ def test_scenes_are_the_same_every_time_and_begin_inside_the_image(name):
 
 
 @pytest.mark.parametrize("name", ["ellipse", "grey starfish", "grey cross in noise"])
-def test_a_medial_axis_is_as_far_from_the_outline_on_either_side(name):
+def test_a_medial_axis_is_equally_far_from_the_outline_on_both_sides(name):
     shape = skeletons.shapes()[name]
     outline = np.concatenate([sampled(ring.path, 0.1) for ring in closed(shape.outline)])
     for line in shape.axis:
@@ -200,17 +200,17 @@ def test_a_medial_axis_is_as_far_from_the_outline_on_either_side(name):
         )
 
 
-def test_noise_changes_as_many_pixels_as_it_says():
-    grey = np.full((120, 100), 100.0)
+def test_noise_changes_the_given_percentage_of_pixels():
+    gray = np.full((120, 100), 100.0)
     for spoil, levels in ((studies.uniform, 256), (studies.salt_and_pepper, 2)):
-        spoiled = spoil(grey, 60.0, 3)
+        spoiled = spoil(gray, 60.0, 3)
         changed = spoiled[spoiled != 100.0]
-        assert len(changed) / grey.size == pytest.approx(0.6, abs=0.004)
+        assert len(changed) / gray.size == pytest.approx(0.6, abs=0.004)
         assert len(np.unique(changed)) <= levels
         assert (changed.min(), changed.max()) == (0.0, 255.0)
         assert changed.mean() == pytest.approx(127.5, abs=3.0)
-    assert (studies.gaussian(grey, 20.0, 3) - grey).std() == pytest.approx(20.0, rel=0.02)
-    strong = studies.gaussian(grey, 100.0, 3)
+    assert (studies.gaussian(gray, 20.0, 3) - gray).std() == pytest.approx(20.0, rel=0.02)
+    strong = studies.gaussian(gray, 100.0, 3)
     assert (strong.min(), strong.max()) == (0.0, 255.0)
 
 
@@ -222,7 +222,7 @@ def test_more_damping_never_finds_more_objects(contrast):
     assert found[-1] < found[0]
 
 
-def test_a_run_is_looked_at_when_asked_and_at_its_end():
+def test_a_run_has_snapshots_at_the_requested_steps_and_at_its_end():
     scene = silhouettes.for_sensitivity()
     done = run(scene, at=(10, 20, 10**6))
     assert [moment.step for moment in done.moments] == [10, 20]
@@ -245,7 +245,7 @@ RESULT = {
 }
 
 
-def test_a_summary_tells_ranges_and_sums():
+def test_a_summary_holds_ranges_and_sums():
     other = {**RESULT, "recall": 0.5, "closed": 2, "steps": 30, "mean_distance_px": None}
     assert summary([RESULT, other]) == (
         "recall 0.500 to 1.000 and precision 0.900 within 1.0 px, mean distance 0.100 px, 3 of 4 closed contours, "
@@ -254,14 +254,14 @@ def test_a_summary_tells_ranges_and_sums():
     assert summary([]) == ""
 
 
-GREY = np.add.outer(np.arange(30.0), np.arange(40.0))
+GRAY = np.add.outer(np.arange(30.0), np.arange(40.0))
 PICTURE = Picture(
     "a picture",
-    GREY,
+    GRAY,
     particles=circle_points((15, 20), 8.0, 12),
     contours=[
         Contour(circle_points((15, 20), 10.0, 60), closed=True),
-        Contour(GREY[:2, :2], closed=False, junctions=(True, False)),
+        Contour(GRAY[:2, :2], closed=False, junctions=(True, False)),
     ],
     field=np.ones((2, 30, 40)),
     caption=["one line", "another"],
@@ -288,7 +288,7 @@ def test_a_page_is_drawn_as_a_picture_of_the_size_of_its_panels():
     assert np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0).shape[0] > 50
     five = opened(draw(Page([[PICTURE] * 5]), "Five"))
     assert five.width <= 1600
-    assert np.asarray(five.convert("L"))[:10].min() == 255  # nothing reaches into the margin
+    assert np.asarray(five.convert("L"))[:10].min() == 255  # the margin is empty
 
 
 @pytest.fixture
@@ -299,9 +299,11 @@ def tiny(monkeypatch):
     return table
 
 
-def test_figures_are_written_with_an_index_and_all_that_was_measured(tiny, tmp_path):
-    told = []
-    written = write_figures(tmp_path / "new", progress=lambda figure, measured: told.append((figure.name, measured)))
+def test_figures_are_written_with_an_index_and_all_measured_values(tiny, tmp_path):
+    reported = []
+    written = write_figures(
+        tmp_path / "new", progress=lambda figure, measured: reported.append((figure.name, measured))
+    )
     assert sorted(path.name for path in written) == ["README.md", "fig05.png", "fig06.png", "figures.json"]
     assert sorted(path.name for path in (tmp_path / "new").iterdir()) == sorted(path.name for path in written)
     measured = json.loads((tmp_path / "new" / "figures.json").read_text(encoding="utf-8"))
@@ -310,11 +312,11 @@ def test_figures_are_written_with_an_index_and_all_that_was_measured(tiny, tmp_p
     text = (tmp_path / "new" / "README.md").read_text(encoding="utf-8")
     assert text.count("recall 1.000 and precision 0.900") == 2
     assert re.findall(r"\]\((.*?)\)", text) == ["fig05.png", "fig06.png"]
-    assert [name for name, _ in told] == ["fig05", "fig06"]
-    assert told[0][1].startswith("so much; recall 1.000")
+    assert [name for name, _ in reported] == ["fig05", "fig06"]
+    assert reported[0][1].startswith("so much; recall 1.000")
 
 
-def test_one_figure_made_anew_leaves_the_others_in_the_index(tiny, tmp_path):
+def test_one_figure_made_again_leaves_the_others_in_the_index(tiny, tmp_path):
     write_figures(tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     (tmp_path / "fig05.png").write_bytes(b"old")
@@ -336,9 +338,9 @@ def test_a_figure_of_the_gallery_is_made_by_the_command_line(tmp_path, capsys):
     [
         ("", "--output"),
         ("--output new --only fig99", "no figure fig99: choose among fig05"),
-        ("--output file", "file is a file, so that file is no folder: name another one"),
+        ("--output file", "file is a file, so file cannot be a folder: name another one"),
         ("--output damaged", "cannot be read: remove it"),
-        ("--output none/new/in/here", "new is a file, so that none/new/in/here is no folder"),
+        ("--output none/new/in/here", "new is a file, so none/new/in/here cannot be a folder"),
     ],
 )
 def test_bad_input_is_one_line_and_nothing_is_written(tiny, tmp_path, monkeypatch, capsys, arguments, words):
@@ -369,7 +371,7 @@ def test_matplotlib_is_not_loaded_before_something_is_drawn():
     assert (done.returncode, done.stdout, done.stderr) == (0, "False\n", "")
 
 
-def test_the_gallery_of_the_project_is_whole_and_small():
+def test_the_gallery_of_the_project_is_complete_and_small():
     text = (COMMITTED / "README.md").read_text(encoding="utf-8")
     assert list(json.loads((COMMITTED / "figures.json").read_text(encoding="utf-8"))) == list(FIGURES)
     assert re.findall(r"\]\((.*?)\)", text) == [f"{name}.png" for name in FIGURES]

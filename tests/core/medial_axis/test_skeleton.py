@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 
 import cpm_core as cpm
-from cpm_core.formats.masks.branch_mask import paint
+from cpm_core.formats.masks.labels import paint_branches
 
 from .. import scenes
 
@@ -188,7 +188,7 @@ def test_more_pruning_only_removes_and_within_its_bound_and_keeps_connections(na
         assert farthest(vertices(less), densely(more)) < 1.0
         lost = everything & ~less.rebuilt()
         assert ndimage.distance_transform_edt(~less.rebuilt())[lost].max(initial=0.0) < pruning + 1.5
-        lines = paint(less) > 0
+        lines = paint_branches(less) > 0
         assert ndimage.label(lines, TOUCHING)[1] == 1
         assert (ndimage.label(~lines)[1] == 2) == (name == "ring")  # a round stays a round
 
@@ -256,7 +256,7 @@ def test_an_object_in_an_object_has_a_skeleton():
     away = np.hypot(*(vertices(skeleton) - 59.3).T)
     assert (away < 20.0).any()  # in the square
     assert (away > 25.0).any()  # around it
-    assert ndimage.label(paint(skeleton) > 0, TOUCHING)[1] == 2
+    assert ndimage.label(paint_branches(skeleton) > 0, TOUCHING)[1] == 2
 
 
 def test_an_object_continues_beyond_the_image_border():

@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
-from cpm_core.formats.animations.changes import changed
-from cpm_core.formats.animations.palette import indexed
+from cpm_core.formats.animations.frame_compression import changed, indexed
 
 COLOURS = np.array([(0xF0, 0xE4, 0x42), (0x2B, 0xD4, 0xA4), (0x56, 0xB4, 0xE9), (0xFF, 0x9D, 0x1E)], np.uint8)
 """Moving and resting particles, closed and open contours."""
@@ -194,17 +193,17 @@ def test_places_where_no_animation_can_be_are_told_beforehand(tmp_path, name, se
 
 
 class Ffmpeg:
-    """Stands in for the optional encoder: keeps what it is given, and writes it down as it is."""
+    """Replaces the optional encoder: keeps its frames, and writes them unchanged."""
 
     def __init__(self, monkeypatch, fail=False):
-        self.asked, self.frames, self.fail = {}, [], fail
+        self.given, self.frames, self.fail = {}, [], fail
         module = types.ModuleType("imageio_ffmpeg")
         module.__spec__ = importlib.machinery.ModuleSpec("imageio_ffmpeg", None)
         module.write_frames = self.write_frames
         monkeypatch.setitem(sys.modules, "imageio_ffmpeg", module)
 
     def write_frames(self, path, size, **options):
-        self.asked = {"size": size, **options}
+        self.given = {"size": size, **options}
         with Path(path).open("wb") as stream:
             try:
                 while True:
@@ -221,7 +220,11 @@ def test_films_have_even_sizes_with_the_last_row_and_column_repeated(tmp_path, m
     encoder = Ffmpeg(monkeypatch)
     steps = [scene(step) for step in range(3)]
     assert write_animation(steps, tmp_path / "a.mp4", 24)
-    assert (encoder.asked["size"], encoder.asked["fps"], encoder.asked["codec"]) == ((102, 76), 24, "libx264")
+    assert (encoder.given["size"], encoder.given["fps"], encoder.given["codec"]) == (
+        (102, 76),
+        24,
+        "libx264",
+    )
     for frame, step in zip(encoder.frames, steps, strict=True):
         assert frame.shape == (76, 102, 3)
         assert np.array_equal(frame[:75, :101], step)

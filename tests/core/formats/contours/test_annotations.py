@@ -102,7 +102,7 @@ def test_what_coco_masks_is_the_label_mask_of_a_shape_without_holes(tmp_path, co
 
 
 def test_coco_of_open_contours_alone_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="a COCO file tells only of closed ones"):
+    with pytest.raises(ValueError, match="a COCO file holds only closed ones"):
         export(replace(RESULT, contours=(FIBRE,)), tmp_path / "a.coco.json")
     assert list(tmp_path.iterdir()) == []
 

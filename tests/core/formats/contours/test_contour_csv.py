@@ -68,7 +68,7 @@ def test_the_table_can_be_the_start_of_another_run(tmp_path):
     assert np.allclose(load_points(tmp_path / "a.csv"), np.concatenate([LINE.points, SQUARE.points]), atol=1e-4)
 
 
-def test_contrast_stands_where_it_can_be_measured(tmp_path):
+def test_contrast_is_given_where_it_can_be_measured(tmp_path):
     values = np.where(np.arange(80) < 40, 0.0, 100.0) * np.ones((50, 1))
     points = np.stack([np.arange(15.0, 35.0), np.full(20, 39.5)], axis=1)
     edge = Contour(points, closed=False, sides=Sides(values, points, np.tile([0.0, 1.0], (20, 1)), 1.0))

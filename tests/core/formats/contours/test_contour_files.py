@@ -113,7 +113,7 @@ def test_rectangles_and_circles_of_labelme_are_closed_contours(tmp_path):
         ("a.json", {"images": [], "annotations": []}, "is a COCO file, which cannot be read"),
         ("a.geojson", {"type": "FeatureCollection", "features": []}, "holds no contours"),
         ("a.geojson", {"type": "LineString", "coordinates": [[1, "x"], [2, 3]]}, "is damaged"),
-        ("a.geojson", '{"type": "LineString", "coordinates": [[1, NaN], [2, 3]]}', "no finite numbers"),
+        ("a.geojson", '{"type": "LineString", "coordinates": [[1, NaN], [2, 3]]}', "not finite numbers"),
         ("a.csv", "row,col\n1,2\n", "has no column closed or contour"),
         ("a.csv", "", "has no column"),
         ("a.csv", "contour,closed,row,col\n1,TRUE,x,2\n", "is damaged"),

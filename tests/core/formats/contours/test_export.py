@@ -137,6 +137,6 @@ def test_what_is_made_without_a_file_is_the_content_of_the_file(tmp_path, suffix
 
 
 def test_text_for_the_clipboard_of_an_unknown_kind_is_refused_with_the_known_ones():
-    with pytest.raises(ValueError, match=re.escape('".stl" says no format')) as caught:
+    with pytest.raises(ValueError, match=re.escape('".stl" names no format')) as caught:
         encoded(CLOSED, ".stl")
     assert all(suffix in str(caught.value) for suffix in WRITABLE)

@@ -76,7 +76,7 @@ def test_page_has_true_size_where_it_can_be_seen_and_true_proportions_always(tmp
     assert (root.get("data-unit"), root.get("data-spacing")) == (unit, f"{spacing[0]} {spacing[1]}")
 
 
-def test_name_of_the_image_is_said_whatever_letters_it_has(tmp_path):
+def test_the_title_holds_the_name_of_the_image_in_any_characters(tmp_path):
     assert drawing(tmp_path / "a.svg").find(f"{SVG}title").text == "Contours of U & <me>.png"
 
 

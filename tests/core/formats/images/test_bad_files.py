@@ -1,4 +1,4 @@
-"""Bad files: whatever a file holds, it loads or is refused in one sentence; nothing else ever happens."""
+"""Bad files: any file either loads or is refused in one sentence."""
 
 import os
 import re
@@ -105,10 +105,10 @@ def test_a_file_without_read_permission():
         path = Path(folder) / "secret.png"
         SOUND["png"](path)
         path.chmod(0)
-        if owner == 0:  # the superuser may read everything, so be nobody for a moment
+        if owner == 0:  # the superuser may read everything, so another user is set for a moment
             os.seteuid(65534)
         try:
-            assert "must not be read by you" in failure_report(path)
+            assert "you have no permission" in failure_report(path)
         finally:
             os.seteuid(owner)
 
@@ -187,7 +187,7 @@ def test_a_tiff_too_large_for_memory_is_refused_before_it_is_unpacked(tmp_path):
 
 
 def test_a_reader_sees_the_path_and_the_marks_of_medical_formats(tmp_path, monkeypatch):
-    """DICOM says what it is at byte 128, NIfTI at 344; raw data only by the name of its file."""
+    """The signature of DICOM is at byte 128, that of NIfTI at 344; raw data only have the name of the file."""
     seen = []
 
     class Medical:

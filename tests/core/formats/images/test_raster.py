@@ -13,7 +13,7 @@ RAMP = np.arange(12 * 20).reshape(12, 20)
 
 
 def png(path, rows, colour, depth, extra=b""):
-    """Write a PNG by hand from rows of bytes, so that no library stands between the test and the file."""
+    """Write a PNG by hand from rows of bytes, without any library."""
     raw = b"".join(b"\0" + bytes(row) for row in rows)
     height = len(rows)
     samples = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}[colour]
@@ -68,7 +68,7 @@ def test_colour_becomes_luminance(tmp_path):
     image = load_image(tmp_path / "a.png")
     red, green, blue = np.moveaxis(colours.astype(float), 2, 0)
     assert np.allclose(image.values, 0.2125 * red + 0.7154 * green + 0.0721 * blue)
-    assert image.notes == ("Colour was turned into luminance.",)
+    assert image.notes == ("Color was turned into luminance.",)
 
 
 def test_grey_saved_as_colour_is_the_very_grey(tmp_path):
@@ -96,7 +96,7 @@ def test_an_opaque_alpha_channel_changes_nothing(tmp_path):
     assert image.notes == ()
 
 
-def test_palette_gives_the_colours_it_stands_for(tmp_path):
+def test_palette_gives_its_colors(tmp_path):
     picture = PIL.Image.fromarray((RAMP % 4).astype(np.uint8), mode=None).convert("P")
     picture.putpalette([0, 0, 0, 80, 80, 80, 160, 160, 160, 240, 240, 240] + [0] * 756)
     picture.save(tmp_path / "a.gif")
@@ -107,7 +107,7 @@ def test_palette_gives_the_colours_it_stands_for(tmp_path):
 
 
 @pytest.mark.parametrize("maximum", [100, 255, 1000, 4095, 65535])
-def test_portable_grey_map_keeps_its_values_whatever_maximum_it_declares(tmp_path, maximum):
+def test_portable_gray_map_keeps_its_values_for_any_declared_maximum(tmp_path, maximum):
     values = RAMP * maximum // RAMP.max()
     header = f"P5\n# made by hand\n20 12\n{maximum}\n".encode()
     (tmp_path / "raw.pgm").write_bytes(header + values.astype(np.uint8 if maximum < 256 else ">u2").tobytes())

@@ -56,7 +56,7 @@ def test_alpha_is_laid_on_white(tmp_path):
     assert np.all(image.values[5:] == 65535)
 
 
-def test_a_palette_gives_the_colours_it_stands_for(tmp_path):
+def test_a_palette_gives_its_colors(tmp_path):
     table = np.zeros((3, 256), dtype=np.uint16)
     table[:] = np.arange(256) ** 2 % 256 * 257
     tifffile.imwrite(tmp_path / "a.tif", RAMP.astype(np.uint8), photometric="palette", colormap=table)

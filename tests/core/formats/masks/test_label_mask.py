@@ -52,7 +52,7 @@ def test_labels_count_the_closed_contours_in_their_order(tmp_path):
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
-def test_a_contour_inside_another_shows_on_top_whatever_their_order(tmp_path, order):
+def test_a_contour_inside_another_is_on_top_in_any_order(tmp_path, order):
     nested = [polygon_of(30.2, 45.1, radius) for radius in (28.3, 18.3, 8.3)]
     points = [nested[index] for index in order]
     mask = mask_of(tmp_path, result_of(points))

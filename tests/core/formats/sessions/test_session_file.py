@@ -1,4 +1,4 @@
-"""Session files: what is saved comes back, and what is damaged is told in one sentence."""
+"""Session files: a saved session is read back unchanged, and a damaged file is refused in one sentence."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ ranges["strength"] = st.floats(-10.0, 10.0)
 
 
 def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
-    """Values of a field of a shape, whatever shapes there are."""
+    """Values of a field of any shape."""
     if name == "radii":
         return st.tuples(ranges["radius"], ranges["radius"])
     if name in ranges:
@@ -219,11 +219,11 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "words"),
     [
-        (b"", "no session file"),
-        (b"\xff\xfe\x00", "no session file"),
-        (b"[1, 2]", "does not say cpm-session"),
+        (b"", "not a session file"),
+        (b"\xff\xfe\x00", "not a session file"),
+        (b"[1, 2]", "no entry cpm-session"),
         (b'{"cpm-session": 2}', "version 2"),
         (b'{"cpm-session": true}', "version True"),
         (b'{"cpm-session": 1,', "line 1"),
@@ -257,22 +257,22 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
         (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "colour": "red"}]}', "#rrggbb"),
         (b'{"cpm-session": 1, "mode": 3}', "mode is 3"),
         (b'{"cpm-session": 1, "view": ' + 500 * b"[" + 500 * b"]" + b"}", "too deeply"),
-        (100_000 * b"[", "no session file"),
+        (100_000 * b"[", "not a session file"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_sentence(content: bytes, said: str) -> None:
+def test_an_error_is_reported_in_one_sentence(content: bytes, words: str) -> None:
     with pytest.raises(ValueError, match=r"^a\.cpm") as caught:
         decode(content, "a.cpm")
     sentence = str(caught.value)
-    assert said in sentence
+    assert words in sentence
     assert sentence.endswith(".")
     assert "\n" not in sentence
     assert len(sentence) < 300
 
 
 def test_files_that_are_none_are_told(tmp_path: Path) -> None:
-    for path, said in ((tmp_path / "no.cpm", "does not exist"), (tmp_path, "is a folder")):
-        with pytest.raises(ValueError, match=said):
+    for path, words in ((tmp_path / "no.cpm", "does not exist"), (tmp_path, "is a folder")):
+        with pytest.raises(ValueError, match=words):
             load_session(path)
 
 

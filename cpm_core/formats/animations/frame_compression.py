@@ -1,4 +1,4 @@
-"""Palette: the colors that a picture with at most 256 of them is given."""
+"""Compression of frames: the rectangle that has changed, and a palette of at most 256 colors."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ MOST = 256
 """Colors that a palette holds."""
 
 _KEPT = 64
-"""Vivid colors that are kept as they are, the most frequent of them: those that something is drawn in."""
+"""Most vivid colors that are kept exactly, the most frequent ones: those of overlays."""
 
 _VIVID = 40
-"""Least difference of the strongest and the weakest of red, green and blue in a vivid color."""
+"""Smallest difference of the largest and the smallest of red, green and blue in a vivid color."""
 
 _DROPPED_BITS = 2
 """Bits of each color that are left out where the others are counted."""
@@ -24,12 +24,27 @@ _DROPPED_BITS = 2
 _MOST_REPEATS = 64
 
 
-def indexed(frame: Pixels, most: int = MOST) -> tuple[Pixels, Pixels]:
-    """Turn a picture into indices of a palette of its own.
+def changed(last: Pixels | None, frame: Pixels) -> tuple[int, int, int, int]:
+    """Top, left, bottom and right (exclusive) of the rectangle in which a frame (H, W, 3) differs from the last.
 
-    Pictures of no more colors stay as they are. Of others the most frequent vivid colors do, for particles and
-    contours, drawn in a few pure ones, cover hardly any of the pixels and would otherwise be mixed with what they lie
-    on; the rest of the palette is shared out among all other colors, the rarer ones favoured, by median cut.
+    All of the first frame, for which `last` is None; a single pixel where nothing has changed, because a frame must not
+    be empty.
+    """
+    if last is None:
+        return 0, 0, frame.shape[0], frame.shape[1]
+    differs = (last != frame).any(axis=2)
+    rows, cols = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
+    if not len(rows):
+        return 0, 0, 1, 1
+    return int(rows[0]), int(cols[0]), int(rows[-1]) + 1, int(cols[-1]) + 1
+
+
+def indexed(frame: Pixels, most: int = MOST) -> tuple[Pixels, Pixels]:
+    """Convert a picture to indices of a palette of its own.
+
+    Pictures of at most `most` colors are unchanged. Of others the most frequent vivid colors are kept exactly:
+    particles and contours have a few pure colors but cover few pixels, so quantization would mix them with others.
+    The rest of the palette is distributed over all other colors by median cut, with more weight on rare ones.
 
     Parameters
     ----------
@@ -41,7 +56,7 @@ def indexed(frame: Pixels, most: int = MOST) -> tuple[Pixels, Pixels]:
     Returns
     -------
     indices : ndarray of uint8, shape (H, W)
-        Indices of the palette. Neighbors are not mixed to imitate colors, which would flicker from frame to frame.
+        Indices of the palette. There is no dithering, which would flicker from frame to frame.
     palette : ndarray of uint8, shape (P, 3)
         Colors.
     """
@@ -81,5 +96,5 @@ def _unpacked(colors: NDArray[np.int32]) -> Pixels:
 
 
 def _places(bins: NDArray[np.int32]) -> NDArray[np.intp]:
-    """Place of each number among those that occur."""
+    """Rank of each number among those that occur."""
     return np.asarray((np.cumsum(np.bincount(bins) > 0) - 1)[bins])
