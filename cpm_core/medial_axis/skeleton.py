@@ -14,7 +14,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -34,6 +34,7 @@ from cpm_core.medial_axis.medial_axis import Axis, medial_axis
 from cpm_core.medial_axis.pruning import prune
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.state import Particles
 
 PRUNING = 1.0
@@ -102,6 +103,8 @@ class SkeletonState:
         The edges, found by the first step.
     axis : Axis or None
         Their medial axis before it is pruned, found by the second step.
+    points : ndarray, shape (N, 2)
+        Points that the next step works on, as far as they lie in the image [px].
     contours, radii : tuple
         Branches and their radii, found by the third step; until then those of the previous parameters.
     stop_reason : str
@@ -114,6 +117,7 @@ class SkeletonState:
     steering: tuple[object, ...] = ()
     boundary: Boundary | None = None
     axis: Axis | None = None
+    points: Array = field(default_factory=lambda: np.zeros((0, 2)))
     contours: tuple[Contour, ...] = ()
     radii: tuple[Array, ...] = ()
     stop_reason: str = ""
@@ -132,8 +136,7 @@ class SkeletonState:
     @property
     def position(self) -> Array:
         """Points of the next step, shape (N, 2) [px]: of the boundary, then of the axis, none at the end."""
-        points = self.axis or self.boundary
-        return np.zeros((0, 2)) if self.stop_reason or points is None else points.points
+        return np.zeros((0, 2)) if self.stop_reason else self.points
 
     @property
     def particles(self) -> Particles:
@@ -225,9 +228,12 @@ class SkeletonMethod(ImageFields):
         steering, scale_field = self.steering(parameters), self.scale_field(parameters)
         state = replace(state, step=state.step + 1)
         if state.boundary is None or state.steering != steering:
-            return replace(state, steering=steering, boundary=find_boundary(scale_field, parameters), axis=None)
+            boundary = find_boundary(scale_field, parameters)
+            return replace(state, steering=steering, boundary=boundary, axis=None, points=boundary.points)
         if state.axis is None:
-            return replace(state, axis=self._axis(state.boundary, scale_field.smoothing))
+            axis = self._axis(state.boundary, scale_field.smoothing)
+            points = axis.points[np.unique(axis.edges)]
+            return replace(state, axis=axis, points=points[inside_image(points, self.image.shape)])
         low, high = np.full(2, -0.5), np.array(self.image.shape) - 0.5
         axis = prune(state.axis, self._pruning).within(low, high)
         branches = _branches(axis, state.boundary, scale_field.smoothing)

@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from app.views.canvas.tools.dragged import Dragged
 from PySide6.QtCore import Qt
 from skimage.measure import find_contours
 
@@ -22,6 +21,7 @@ from app.views.canvas import layers as canvas_layers
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.tools import START, TOOLS, ToolEntry
+from app.views.canvas.tools.drawn import DraggedTool
 from app.views.features.edit import draw
 from app.views.window import tool_palette
 from cpm_core.cli import main
@@ -122,10 +122,11 @@ def test_a_layer_is_a_class_and_a_place_in_the_list_of_layers(monkeypatch, opene
 # A tool: what it does with the pointer, and an entry in the table of tools.
 
 
-class DiameterTool(Dragged):
+class DiameterTool(DraggedTool):
     """Draws the circle around a dragged diameter."""
 
     name = "bin"  # also the name of its icon
+    tip = "Drag along a diameter."
     activity = "draw a circle by its diameter"
     slip = "Drag along a diameter."
 
@@ -135,9 +136,7 @@ class DiameterTool(Dragged):
 
 
 def test_a_tool_is_a_class_and_an_entry_in_the_table_of_tools(monkeypatch, opened, hand_on) -> None:
-    entry = ToolEntry(
-        "bin", "&Diameter tool", "N", "Drag along a diameter.", START, lambda session, *_: DiameterTool(session)
-    )
+    entry = ToolEntry(DiameterTool, "&Diameter tool", "N", START, DiameterTool.name, DiameterTool.tip)
     for module in (canvas_area, draw, tool_palette):
         monkeypatch.setattr(module, "TOOLS", (*TOOLS, entry))
     window = opened()

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 import cpm_core as cpm
 from cpm_core.formats.masks.labels import paint_branches
+from cpm_core.medial_axis.skeleton import SkeletonMethod
 
 from .. import scenes
 
@@ -320,3 +321,14 @@ def test_unusable_values_are_refused_in_one_sentence(values, sentence):
 def test_pruning_must_be_a_length(pruning):
     with pytest.raises(ValueError, match=r"pruning is .* 0 or more"):
         cpm.skeleton(np.eye(30), pruning=pruning)
+
+
+def test_the_points_of_a_step_lie_in_the_image():
+    """The Voronoi diagram of a boundary has vertices far beyond the image, which a canvas could not clear again."""
+    image, parameters = scenes.disk((64, 64), (30.0, 34.0), 18.0).values, cpm.PRESETS["noisy"]
+    method = SkeletonMethod(image, parameters, outside=True)
+    state = method.start()
+    while not state.stop_reason:
+        state = method.step(state, parameters)
+        assert np.all((state.position > -0.5) & (state.position < np.array(method.image.shape) - 0.5))
+    assert state.count == 0
