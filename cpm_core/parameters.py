@@ -143,7 +143,7 @@ _TABLE = (
         "", "contours", True,
     ),
     ParameterInfo(
-        "min_strength", "s_min", "grey/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Least strength",
+        "min_strength", "s_min", "gray/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Least strength",
         "Mean edge strength under which a contour, or a part of one with a loose end, is left out.",
         "More of it keeps only the contours of strong edges.",
         "", "contours", True,

@@ -50,7 +50,7 @@ def test_the_list_is_what_the_script_writes(redrawn):
 def test_the_images_are_what_the_script_draws(redrawn, file):
     kept, drawn = (np.asarray(PIL.Image.open(folder / file), dtype=int) for folder in (SAMPLES, redrawn))
     assert kept.shape == drawn.shape
-    # another processor may round a value that lies between two grey levels the other way
+    # another processor may round a value that lies between two gray levels the other way
     assert np.abs(kept - drawn).max() <= 1
     assert np.mean(kept != drawn) < 1e-3
 

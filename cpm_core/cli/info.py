@@ -34,7 +34,7 @@ def _info(arguments: argparse.Namespace) -> None:
         }
         print(json.dumps(facts))
         return
-    print(f"{image.source}: {image.shape[0]} rows x {image.shape[1]} columns, grey levels {low:g} to {high:g}")
+    print(f"{image.source}: {image.shape[0]} rows x {image.shape[1]} columns, gray levels {low:g} to {high:g}")
     if image.unit:
         print(f"Size of a pixel: {image.spacing[0]:g} x {image.spacing[1]:g} {image.unit} (row x column)")
     else:

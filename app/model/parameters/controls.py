@@ -97,7 +97,7 @@ class Control:
     @property
     def in_gray_levels(self) -> bool:
         """Whether its unit is gray levels, so that its values depend on the image."""
-        return PARAMETERS[self.name].unit.startswith("grey") if self.name in PARAMETERS else False
+        return PARAMETERS[self.name].unit.startswith("gray") if self.name in PARAMETERS else False
 
     @property
     def facts(self) -> str:

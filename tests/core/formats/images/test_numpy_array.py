@@ -1,4 +1,4 @@
-"""NumPy arrays: grey levels and colours as they were saved."""
+"""NumPy arrays: gray levels and colours as they were saved."""
 
 import re
 
