@@ -30,3 +30,19 @@ RESULT = Result(
     source="cells & more.png",
     bridges=(BRIDGE,),
 )
+
+LINE = Contour(np.array([[1.0, 2.0], [3.25, 4.0], [5.0, 60.0]]), closed=False, strength=3.0)
+SQUARE = Contour(np.array([[10.0, 20.0], [10.0, 40.5], [30.125, 40.5], [30.125, 20.0]]), closed=True, strength=12.5)
+LINE_AND_SQUARE = Result(
+    particles=np.zeros((0, 2)),
+    contours=(LINE, SQUARE),
+    surface=None,
+    steps=1,
+    converged=True,
+    stop_reason="at rest",
+    shape=(50, 80),
+    spacing=(1.0, 1.0),
+    unit=None,
+    source="a.png",
+)
+"""An open and a closed contour in an image without a unit."""

@@ -7,24 +7,12 @@ import numpy as np
 import pytest
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.result import Result
 from cpm_core.field.region_contrast import Sides
 from cpm_core.formats import export, load_points
 
-LINE = Contour(np.array([[1.0, 2.0], [3.25, 4.0], [5.0, 60.0]]), closed=False, strength=3.0)
-SQUARE = Contour(np.array([[10.0, 20.0], [10.0, 40.5], [30.125, 40.5], [30.125, 20.0]]), closed=True, strength=12.5)
-RESULT = Result(
-    particles=np.zeros((0, 2)),
-    contours=(LINE, SQUARE),
-    surface=None,
-    steps=1,
-    converged=True,
-    stop_reason="at rest",
-    shape=(50, 80),
-    spacing=(1.0, 1.0),
-    unit=None,
-    source="a.png",
-)
+from ..drawn import LINE, LINE_AND_SQUARE, SQUARE
+
+RESULT = LINE_AND_SQUARE
 
 
 def table(path, result=RESULT):
