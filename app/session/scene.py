@@ -52,23 +52,24 @@ class Item:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ReviewedContours:
-    """The contours of a reconstruction, longest first, with their marks; `tracked` is None while there is none."""
+    """The contours of a reconstruction, longest first, with their marks.
+
+    `tracked` is the reconstruction, None while there is none, and `result` the same with kept contours that it lacks,
+    and with rejected ones.
+    """
 
     items: tuple[Item, ...] = ()
     tracked: TrackedContours | None = None
+    result: Result | None = None
 
     @staticmethod
     def of(tracked: TrackedContours | None, marks: tuple[Mark, ...]) -> ReviewedContours:
         """Attach marks to the contours that they were made on."""
         if tracked is None:
             return NO_CONTOURS
-        each = zip(tracked.keys, reviewed(tracked.result.contours, marks), tracked.measures, strict=True)
-        return ReviewedContours(tuple(Item(*one) for one in each), tracked)
-
-    @property
-    def result(self) -> Result | None:
-        """The reconstruction, with rejected contours too."""
-        return self.tracked.result if self.tracked is not None else None
+        whole = tracked.keeping(marks)
+        each = zip(whole.keys, reviewed(whole.result.contours, marks), whole.measures, strict=True)
+        return ReviewedContours(tuple(Item(*one) for one in each), tracked, whole.result)
 
 
 NO_CONTOURS = ReviewedContours()

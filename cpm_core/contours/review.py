@@ -36,6 +36,21 @@ _ALONE = 3.0 * REACH
 
 
 @dataclass(frozen=True, slots=True)
+class Outline:
+    """Where a contour ran when it was kept; the attributes are those of `Contour`, the default is none."""
+
+    points: tuple[Position, ...] = ()
+    closed: bool = False
+    strength: float = 0.0
+    number: int = 0
+
+    def contour(self, name: str = "", color: str = "") -> Contour:
+        """The contour as it was."""
+        points = np.array(self.points, dtype=float).reshape(-1, 2)
+        return Contour(points, self.closed, self.strength, name=name, color=color, number=self.number)
+
+
+@dataclass(frozen=True, slots=True)
 class Mark:
     """Verdict, name and color of the contour at a position.
 
@@ -44,11 +59,13 @@ class Mark:
     anchor : tuple of float
         Position (row, col) [px].
     verdict : {"", "kept", "rejected"}
-        Rejected contours are not exported; empty where nothing is decided.
+        Rejected contours are not exported, kept ones stay (`cpm_core.contours.kept`); empty where nothing is decided.
     name : str
         Name, or empty.
     color : str
         Color, ``"#rrggbb"``; empty for the default color.
+    outline : Outline
+        Where a kept contour ran.
 
     Raises
     ------
@@ -60,6 +77,7 @@ class Mark:
     verdict: Verdict = ""
     name: str = ""
     color: str = ""
+    outline: Outline = Outline()
 
     def __post_init__(self) -> None:
         if len(self.anchor) != 2 or not all(math.isfinite(place) for place in self.anchor):

@@ -71,8 +71,10 @@ class Reconstruction:
     @classmethod
     def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
         """The contours of a run with their keys and measures."""
-        tracked = None if isinstance(result, Skeleton) else tracker.track(result, thorough)
-        return cls(generation, result, tracked)
+        if isinstance(result, Skeleton):
+            return cls(generation, result, None)
+        tracked = tracker.track(result, thorough)
+        return cls(generation, tracked.result, tracked)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -128,7 +128,8 @@ class ContourReview(QObject):
     def _target(self, item: Item) -> Target:
         assert self.result is not None
         mark = item.reviewed.mark
-        return Target(mark, mark.anchor if mark else anchor(self.result.contours, item.reviewed.index))
+        place = mark.anchor if mark else anchor(self.result.contours, item.reviewed.index)
+        return Target(mark, place, item.contour)
 
     def _follow(self) -> None:
         contours = self._session.scene.contours

@@ -27,6 +27,7 @@ from app.session.exchange.messages import (
 )
 from app.session.tasks.tasks import Task
 from app.session.worker.run import Run
+from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark, apply
 from cpm_core.formats import encoded
@@ -199,7 +200,9 @@ class Deliver(Command):
             found = context.run.reconstruction(self.shown, wanted) if wanted() else None
             if found is not None and wanted():
                 result = found.result
-                self.deliver(context, result if isinstance(result, Skeleton) else apply(result, self.marks))
+                if isinstance(result, Result):
+                    result = apply(with_kept(result, self.marks), self.marks)
+                self.deliver(context, result)
         finally:
             self.task.end()
 
