@@ -66,7 +66,7 @@ def test_numbers_are_their_own_or_the_next_free_ones(given_numbers) -> None:
     own = [number if number not in given_numbers[:index] else 0 for index, number in enumerate(given_numbers)]
     numbers = numbers_of([replace(ring(9, 9, 3.0), number=number) for number in own])
     assert len(set(numbers)) == len(numbers)
-    assert all(number == wanted or wanted == 0 for number, wanted in zip(numbers, own, strict=True))
+    assert all(wanted in (number, 0) for number, wanted in zip(numbers, own, strict=True))
     assert max(numbers, default=0) <= max([len(own), *own])
     if not any(own):
         assert list(numbers) == list(range(1, len(own) + 1))
