@@ -65,7 +65,7 @@ class ContourTracker:
         keys = tuple(known[index] if index in known else next(self._fresh) for index in range(len(contours)))
         self._seen = list(zip(keys, map(middle, contours), strict=True))
         measures = measure(contours, result.spacing, contrast=thorough)
-        return TrackedContours(replace(result, contours=contours), keys, measures)
+        return TrackedContours(replace(result, contours=contours) if contours else result, keys, measures)
 
 
 class ContourNumbers:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from app.model.display.display_image import DisplayImage
 from app.model.display.plots import RunMetrics
+from app.model.export.order import Account
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.timeline import Outline
 from cpm_core.contours.result import Result
@@ -154,9 +155,10 @@ class SeedsFound(Report):
 
 @dataclass(frozen=True, slots=True)
 class Exported(Report):
-    """A file has been written."""
+    """A file has been written; `counts` says how many contours it holds, if it is a file of contours."""
 
     path: Path
+    counts: Account | None = None
 
 
 @dataclass(frozen=True, slots=True)
