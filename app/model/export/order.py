@@ -24,11 +24,12 @@ Closing = Literal["", "edges", "straight"]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Given:
-    """What there is to export: the outcome of a run, the document, and the numbers of the selected contours."""
+    """What there is to export: the outcome of a run, document and image, and the numbers of the selected contours."""
 
     result: Result | None
     document: Document
     selected: frozenset[int] = frozenset()
+    image: Image | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +44,15 @@ class Source:
         What is written; None where there is nothing of the kind.
     needs_run : bool
         Whether it consists of contours of the run.
+    without_run : callable
+        Whether a document has something of the kind that needs no run.
     """
 
     name: str
     title: str
     of: Callable[[Given], Result | None]
     needs_run: bool = True
+    without_run: Callable[[Document], bool] = lambda _: False
 
 
 def _all(given: Given) -> Result | None:
@@ -120,7 +124,7 @@ class ExportOrder:
 
 def can_be_exported(document: Document) -> bool:
     """Whether a document has something to export that needs no run."""
-    return any(source.of(Given(None, document)) is not None for source in SOURCES if not source.needs_run)
+    return any(source.without_run(document) for source in SOURCES)
 
 
 def source_of(order: ExportOrder) -> Source:
@@ -128,12 +132,14 @@ def source_of(order: ExportOrder) -> Source:
     return next(source for source in SOURCES if source.name == order.source)
 
 
-def chosen(found: Result | Skeleton | None, document: Document, order: ExportOrder) -> Result | Skeleton:
+def chosen(
+    found: Result | Skeleton | None, document: Document, order: ExportOrder, image: Image | None = None
+) -> Result | Skeleton:
     """What is exported, before open contours are closed; ValueError where there is nothing of the kind."""
     if isinstance(found, Skeleton):
         result: Result | Skeleton | None = found
     else:
-        result = source_of(order).of(Given(found, document, order.selected))
+        result = source_of(order).of(Given(found, document, order.selected, image))
     if result is None:
         raise ValueError(tr("There is nothing to export yet: let the particles run first."))
     if order.spacing > 0.0:

@@ -140,7 +140,8 @@ class ExportDialog(QDialog):
 
     def _fill(self) -> None:
         """Offer what there is, with counts."""
-        given = Given(self._whole if isinstance(self._whole, Result) else None, self._session.document, self._selected)
+        result, session = self._whole if isinstance(self._whole, Result) else None, self._session
+        given = Given(result, session.document, self._selected, session.image)
         for source in SOURCES:
             found, button = source.of(given), self.sources[source.name]
             count = len(found.contours) if found is not None else 0
@@ -199,7 +200,7 @@ class ExportDialog(QDialog):
         )
 
     def _chosen(self, order: ExportOrder) -> Result | Skeleton:
-        return chosen(self._whole, self._session.document, order)
+        return chosen(self._whole, self._session.document, order, self._session.image)
 
     def _offer_closing(self, result: Result | Skeleton, order: ExportOrder) -> None:
         """Offer to close open contours, where there are any that can be closed."""

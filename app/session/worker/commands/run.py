@@ -199,7 +199,7 @@ class Deliver(Command):
         try:
             found = context.run.reconstruction(self.shown, wanted) if wanted() and self.needs_run else None
             if wanted() and not (self.needs_run and found is None):
-                self.deliver(context, self.chosen(None if found is None else found.result))
+                self.deliver(context, self.chosen(context, None if found is None else found.result))
         finally:
             self.task.end()
 
@@ -208,7 +208,7 @@ class Deliver(Command):
         """Whether contours of the run are written."""
         return True
 
-    def chosen(self, result: Result | Skeleton | None) -> Result | Skeleton:
+    def chosen(self, context: CommandContext, result: Result | Skeleton | None) -> Result | Skeleton:
         """What is written: all but the rejected contours."""
         return chosen(result, Document(marks=self.marks), ExportOrder())
 
@@ -230,9 +230,11 @@ class Export(Deliver):
         """Whether contours of the run are written."""
         return source_of(self.order).needs_run
 
-    def chosen(self, result: Result | Skeleton | None) -> Result | Skeleton:
+    def chosen(self, context: CommandContext, result: Result | Skeleton | None) -> Result | Skeleton:
         """What was ordered."""
-        return chosen(result, self.document or Document(marks=self.marks), self.order)
+        method = context.run.method
+        image = None if method is None else method.image
+        return chosen(result, self.document or Document(marks=self.marks), self.order, image)
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
         """Write the contours, and tell what the file holds and what not."""
