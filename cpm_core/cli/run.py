@@ -99,7 +99,7 @@ def _run(arguments: argparse.Namespace) -> None:
     finally:
         if progress is not None:
             progress.clear()
-    result = apply(found, session.marks)
+    result = apply(found, session.marks, learning=session.learning)
     seconds = time.perf_counter() - started
     export(result, *arguments.export)
     _report(result, seconds, arguments.export, as_json=arguments.json)
