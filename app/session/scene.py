@@ -6,8 +6,10 @@ that of an animation, draws another scene: ``dataclasses.replace(session.scene, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +27,10 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.measurements import Measures
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Mark, ReviewedContour, reviewed
+from cpm_core.contours.review import Mark, ReviewedContour, learned, reviewed
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Array
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds
 
 
@@ -52,18 +55,38 @@ class Item:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ReviewedContours:
-    """The contours of a reconstruction, longest first, with their marks; `tracked` is None while there is none."""
+    """The contours of a reconstruction, longest first, with their marks; `tracked` is None while there is none.
+
+    `features` describe the contours for learning, `chances` are the probabilities by key that they count, as learned
+    from verdicts, perhaps on an earlier reconstruction. Both are empty where nothing is learned.
+    """
 
     items: tuple[Item, ...] = ()
     tracked: TrackedContours | None = None
+    features: Array | None = None
+    chances: Mapping[int, float] = field(default_factory=dict)
 
     @staticmethod
-    def of(tracked: TrackedContours | None, marks: tuple[Mark, ...]) -> ReviewedContours:
-        """Attach marks to the contours that they were made on."""
+    def of(
+        tracked: TrackedContours | None,
+        marks: tuple[Mark, ...],
+        learning: bool = False,
+        features: Array | None = None,
+        known: Mapping[int, float] = MappingProxyType({}),
+    ) -> ReviewedContours:
+        """Attach marks to the contours that they were made on, and sort the others by what they teach when `learning`.
+
+        Without `features` the probabilities stay as they are `known`, by key.
+        """
         if tracked is None:
             return NO_CONTOURS
-        each = zip(tracked.keys, reviewed(tracked.result.contours, marks), tracked.measures, strict=True)
-        return ReviewedContours(tuple(Item(*one) for one in each), tracked)
+        contours, chances = tracked.result.contours, known if learning else {}
+        if learning and features is not None:
+            found = learned(marks, contours, features)
+            chances = {} if found is None else dict(zip(tracked.keys, found.tolist(), strict=True))
+        each = np.array([chances.get(key, math.nan) for key in tracked.keys])
+        items = zip(tracked.keys, reviewed(contours, marks, each), tracked.measures, strict=True)
+        return ReviewedContours(tuple(Item(*one) for one in items), tracked, features, chances)
 
     @property
     def result(self) -> Result | None:

@@ -55,12 +55,12 @@ class Session(RunControl):
         """Write the contours that are shown; the suffix gives the format."""
         path = Path(path)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
-        self.post(Export(task, self.scene.reconstruction, self.document.marks, path))
+        self.post(Export(task, self.scene.reconstruction, self.document.marks, self.document.learning, path))
 
     def copy_contours(self, suffix: str) -> None:
         """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""
         task = self.tasks.begin(tr("Copying contours…"))
-        self.post(Copy(task, self.scene.reconstruction, self.document.marks, suffix))
+        self.post(Copy(task, self.scene.reconstruction, self.document.marks, self.document.learning, suffix))
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""

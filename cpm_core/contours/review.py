@@ -156,7 +156,7 @@ def apply(result: Result, marks: Sequence[Mark], *, learning: bool = False) -> R
     """
     if not marks:
         return result
-    every = reviewed(result.contours, marks, probabilities_by(marks, result.contours) if learning else None)
+    every = reviewed(result.contours, marks, learned(marks, result.contours) if learning else None)
     named = replace(result, contours=tuple(one.contour for one in every))
     return remaining(named, [not one.rejected for one in every])
 
@@ -167,15 +167,16 @@ def examples_of(marks: Sequence[Mark]) -> Examples:
     return Examples.of([mark.features for mark in judged], [mark.verdict == "kept" for mark in judged])
 
 
-def probabilities_by(marks: Sequence[Mark], contours: Sequence[Contour], features: Array | None = None) -> Array | None:
+def learned(marks: Sequence[Mark], contours: Sequence[Contour], features: Array | None = None) -> Array | None:
     """Probability that each contour counts, as learned from marks, shape (N,); None if they teach nothing.
 
     The features of the contours are measured unless they are given.
     """
-    examples = examples_of(marks)
-    if not len(examples):
+    if not any(mark.verdict for mark in marks):
         return None
-    return probabilities(examples, contour_features(contours) if features is None else features)
+    features = contour_features(contours) if features is None else features
+    examples = examples_of(described(marks, contours, features))
+    return probabilities(examples, features) if len(examples) else None
 
 
 def described(marks: Sequence[Mark], contours: Sequence[Contour], features: Array) -> tuple[Mark, ...]:

@@ -12,10 +12,11 @@ from cpm_core.numerics.types import Position
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A contour to mark: its mark so far, and the place (row, col) [px] of its first mark."""
+    """A contour to mark: its mark so far, the place (row, col) [px] of its first mark, and its features if known."""
 
     mark: Mark | None
     anchor: Position
+    features: tuple[float, ...] = ()
 
 
 def judge(document: Document, targets: Iterable[Target], verdict: Verdict) -> Document:
@@ -38,6 +39,16 @@ def clear_marks(document: Document) -> Document:
     return replace(document, marks=())
 
 
+def learn(document: Document, marks: tuple[Mark, ...]) -> Document:
+    """The document that sorts contours by its verdicts; `marks` are its own with the features of their contours."""
+    return replace(document, marks=marks, learning=True)
+
+
+def stop_learning(document: Document) -> Document:
+    """The document that sorts contours no longer."""
+    return replace(document, learning=False)
+
+
 def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mark], Mark]) -> Document:
     """The document with some marks changed, new ones last, and without empty ones."""
     marks = list(document.marks)
@@ -45,5 +56,5 @@ def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mar
         if target.mark is not None and target.mark in marks:
             marks[marks.index(target.mark)] = amend(target.mark)
         else:
-            marks.append(amend(Mark(target.anchor)))
+            marks.append(amend(Mark(target.anchor, features=target.features)))
     return replace(document, marks=tuple(mark for mark in marks if not mark.says_nothing))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
@@ -127,8 +128,10 @@ class ContourReview(QObject):
 
     def _target(self, item: Item) -> Target:
         assert self.result is not None
-        mark = item.reviewed.mark
-        return Target(mark, mark.anchor if mark else anchor(self.result.contours, item.reviewed.index))
+        mark, features = item.reviewed.mark, self._session.scene.contours.features
+        row = () if features is None else tuple(features[item.reviewed.index].tolist())
+        place = mark.anchor if mark else anchor(self.result.contours, item.reviewed.index)
+        return Target(mark, place, row if all(map(math.isfinite, row)) else ())
 
     def _follow(self) -> None:
         contours = self._session.scene.contours

@@ -150,4 +150,4 @@ class _Runs:
             if self._task.cancelled:
                 return None
             state = engine.step(state, parameters, document.charges)
-        return apply(engine.result(state, parameters), document.marks)
+        return apply(engine.result(state, parameters), document.marks, learning=document.learning)

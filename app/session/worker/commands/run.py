@@ -179,7 +179,7 @@ class FindSeeds(Command):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Deliver(Command):
-    """Write the contours that are seen, without the rejected ones, to a file or to the clipboard.
+    """Write the contours that are seen, without those rejected or left out as learned, to a file or to the clipboard.
 
     During a run these are the contours `shown` in the window; of a paused run they are those of its last state, which
     the window shows as soon as they are made.
@@ -188,6 +188,7 @@ class Deliver(Command):
     task: Task
     shown: Reconstruction | None = None
     marks: tuple[Mark, ...] = ()
+    learning: bool = False
 
     def execute(self, context: CommandContext) -> None:
         """Write the contours, unless the task has been cancelled."""
@@ -199,7 +200,10 @@ class Deliver(Command):
             found = context.run.reconstruction(self.shown, wanted) if wanted() else None
             if found is not None and wanted():
                 result = found.result
-                self.deliver(context, result if isinstance(result, Skeleton) else apply(result, self.marks))
+                self.deliver(
+                    context,
+                    result if isinstance(result, Skeleton) else apply(result, self.marks, learning=self.learning),
+                )
         finally:
             self.task.end()
 
