@@ -7,8 +7,8 @@ Contours of the preset for starts everywhere are judged by the truth, as a perso
 if most of its length lies within the tolerance of the drawn boundary, 0.75 % of the diagonal, else rejected. The first
 three are the longest; each further one is that which is most doubtful. The others are sorted by what these teach. F is
 that of the boundary, the best over the annotators, each of whom judges; Canny is that of scikit-image with the best of
-four sigmas for the set. "judged only" drops what was rejected and sorts nothing; "others" is the mean over all
-annotators of F after to F before.
+four sigmas for the set. "judged only" drops what was rejected and sorts nothing; "mean gain" is over all
+annotators the mean F after over the mean F before.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def line(name: str, rows: np.ndarray) -> None:
     rival = max(*peers, 1e-12)
     sys.stdout.write(
         f"{name}: F {found:.3f}, judged only {only:.3f}, taught {after:.3f}; Canny {rival:.3f}; to Canny "
-        f"{found / rival:.2f}, {only / rival:.2f}, {after / rival:.2f}; others {gain:.3f}\n"
+        f"{found / rival:.2f}, {only / rival:.2f}, {after / rival:.2f}; mean gain {gain:.3f}\n"
     )
     sys.stdout.flush()
 

@@ -53,7 +53,9 @@ class ContourLearning(QObject):
     @property
     def idle(self) -> bool:
         """Whether the contours are sorted by all verdicts."""
-        return self._latest.idle and not self._starting
+        contours = self._session.scene.contours
+        measured = not self.on or contours.tracked is None or contours.features is not None
+        return measured and self._latest.idle and not self._starting
 
     @property
     def summary(self) -> str:

@@ -22,7 +22,7 @@ class LearningFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Learn, and the next contour to judge."""
         return (
-            ActionSpec(name="learn", menu="Contours", text=tr("Lear&n from kept and rejected contours"),
+            ActionSpec(name="learn", menu="Contours", text=tr("L&earn from kept and rejected contours"),
                        do=self._learning.switch, shortcuts=("Shift+L",),
                        tip=tr("Leave out contours that resemble rejected ones more than kept ones. Contours with a "
                               "verdict, a name or a color stay as they are."),

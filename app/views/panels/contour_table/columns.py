@@ -69,6 +69,8 @@ COLUMNS: tuple[Column, ...] = (
     Column("area", tr("Area [{unit}²]"), tr("Enclosed area, including the area of contours inside."),
            lambda i: _number(i.measures.area_in_units) if i.contour.closed else "–",
            lambda i: i.measures.area_in_units, "00,000,000"),
+    Column("likely", tr("Likely"), tr("Probability that it counts, as learned from kept and rejected contours."),
+           _likely, lambda i: -1.0 if i.reviewed.probability is None else i.reviewed.probability, "100%"),
     Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
            lambda i: _number(i.measures.strength), lambda i: i.measures.strength, "000.0"),
     Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
@@ -77,8 +79,6 @@ COLUMNS: tuple[Column, ...] = (
            lambda i: i.measures.junctions, "0"),
     Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
            _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
-    Column("likely", tr("Likely"), tr("Probability that it counts, as learned from kept and rejected contours."),
-           _likely, lambda i: -1.0 if i.reviewed.probability is None else i.reviewed.probability, "100%"),
 )  # fmt: skip
 """All columns in the order shown."""
 
