@@ -114,7 +114,7 @@ _TABLE = (
         "smoothing", "σ", "px", 0.0, 20.0, 0.5, 8.0, 0.1, "Smoothing",
         "Width of the Gaussian that smooths the image before its edges are taken.",
         "More of it quiets noise and texture, and rounds corners.",
-        "section 3.1", "field", True,
+        "section 3.1", "field", False,
     ),
     ParameterInfo(
         "scales", "S", "", 1, 8, 1, 5, 1, "Scales",
@@ -127,7 +127,7 @@ _TABLE = (
         "Fraction of the largest edge strength under which no fixed charge is placed; at 0 all are placed, and the "
         "background decides what is too weak for an edge.",
         "More of it leaves out weak edges and texture.",
-        "", "field", True,
+        "", "field", False,
     ),
     ParameterInfo(
         "max_border", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Widest border",
@@ -140,13 +140,13 @@ _TABLE = (
         "max_gap", "g_max", "px", 0.0, 1e4, 0.0, 60.0, 1.0, "Widest gap",
         "Distance up to which loose ends of contours are joined across a gap, along the edge map.",
         "More of it bridges wider gaps; at 0 real gaps stay open.",
-        "", "contours", True,
+        "", "contours", False,
     ),
     ParameterInfo(
         "min_strength", "s_min", "gray/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Least strength",
         "Mean edge strength under which a contour, or a part of one with a loose end, is left out.",
         "More of it keeps only the contours of strong edges.",
-        "", "contours", True,
+        "", "contours", False,
     ),
     ParameterInfo(
         "sure_edge", "f_sure", "", 0.0, 0.99, 0.0, 0.6, 0.01, "Sure edge",
@@ -165,7 +165,7 @@ _TABLE = (
         "min_length", "l_min", "px", 0.0, 1e9, 0.0, 200.0, 1.0, "Least length",
         "Length under which a contour is left out.",
         "More of it drops specks and fragments.",
-        "", "contours", True,
+        "", "contours", False,
     ),
 )  # fmt: skip
 

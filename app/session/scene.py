@@ -55,14 +55,17 @@ class Item:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ReviewedContours:
-    """The contours of a reconstruction, longest first, with their marks; `tracked` is None while there is none.
+    """The contours of a reconstruction, longest first, with their marks.
 
-    `features` describe the contours for learning, `chances` are the probabilities by key that they count, as learned
-    from verdicts, perhaps on an earlier reconstruction. Both are empty where nothing is learned.
+    `tracked` is the reconstruction, None while there is none, and `result` the same with kept contours that it lacks,
+    and with rejected ones. `features` describe the contours of the reconstruction for learning, `chances` are the
+    probabilities by key that they count, as learned from verdicts, perhaps on an earlier reconstruction; both are empty
+    where nothing is learned.
     """
 
     items: tuple[Item, ...] = ()
     tracked: TrackedContours | None = None
+    result: Result | None = None
     features: Array | None = None
     chances: Mapping[int, float] = field(default_factory=dict)
 
@@ -80,18 +83,21 @@ class ReviewedContours:
         """
         if tracked is None:
             return NO_CONTOURS
-        contours, chances = tracked.result.contours, known if learning else {}
+        chances = known if learning else {}
         if learning and features is not None:
-            found = learned(marks, contours, features)
+            found = learned(marks, tracked.result.contours, features)
             chances = {} if found is None else dict(zip(tracked.keys, found.tolist(), strict=True))
-        each = np.array([chances.get(key, math.nan) for key in tracked.keys])
-        items = zip(tracked.keys, reviewed(contours, marks, each), tracked.measures, strict=True)
-        return ReviewedContours(tuple(Item(*one) for one in items), tracked, features, chances)
+        whole = tracked.keeping(marks)
+        each = np.array([chances.get(key, math.nan) for key in whole.keys])
+        items = zip(whole.keys, reviewed(whole.result.contours, marks, each), whole.measures, strict=True)
+        return ReviewedContours(tuple(Item(*one) for one in items), tracked, whole.result, features, chances)
 
-    @property
-    def result(self) -> Result | None:
-        """The reconstruction, with rejected contours too."""
-        return self.tracked.result if self.tracked is not None else None
+    def features_of(self, key: int) -> tuple[float, ...]:
+        """Features of the contour of a key; empty where they are not known."""
+        if self.tracked is None or self.features is None or key not in self.tracked.keys:
+            return ()
+        row = tuple(self.features[self.tracked.keys.index(key)].tolist())
+        return row if all(map(math.isfinite, row)) else ()
 
 
 NO_CONTOURS = ReviewedContours()

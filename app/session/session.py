@@ -11,6 +11,7 @@ from app.model.document.document import Document, ImageReference, Mode
 from app.model.document.modes import starting
 from app.model.document.samples import sample_at
 from app.model.document.saving import restored
+from app.model.export.order import ExportOrder
 from app.model.state.status import RunStatus
 from app.model.text.language import tr
 from app.session.core_functions import Core
@@ -51,11 +52,14 @@ class Session(RunControl):
         """Open an image or a session; see `open`."""
         self._opener.open(wanted)
 
-    def export(self, path: str | Path) -> None:
-        """Write the contours that are shown; the suffix gives the format."""
+    def export(self, path: str | Path, order: ExportOrder | None = None) -> None:
+        """Write the contours that are shown, by default all but the rejected ones; the suffix gives the format."""
         path = Path(path)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
-        self.post(Export(task, self.scene.reconstruction, self.document.marks, self.document.learning, path))
+        scene, document = self.scene, self.document
+        order = order or ExportOrder()
+        learned = sum(item.reviewed.left_out for item in scene.contours.items) if order.source == "all" else 0
+        self.post(Export(task, scene.reconstruction, document.marks, document.learning, path, order, document, learned))
 
     def copy_contours(self, suffix: str) -> None:
         """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""

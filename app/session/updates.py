@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from app.model.export.order import in_words
 from app.model.state.status import Phase, RunStatus
 from app.model.text.language import tr
 from app.session.exchange.messages import (
@@ -137,8 +138,9 @@ class Progress:
                     self._session.say(sentence, True)
                 if generation == self._session.image_generation:
                     self._show(image_seeds=image_seeds)
-            case Exported(path):
-                self._session.say(tr("Written: {path}").format(path=path))
+            case Exported(path, counts):
+                written = tr("Written: {path}").format(path=path)
+                self._session.say(written if counts is None else f"{written} ({in_words(counts)})")
             case CommandFailed(sentence):
                 self._session.say(sentence, True)
             case WarmedUp():

@@ -57,6 +57,17 @@ def add_export(parser: argparse._ActionsContainer, what: str) -> None:
     )
 
 
+def add_close(parser: argparse._ActionsContainer) -> None:
+    """Add whether open contours are closed before they are written, as `close`: None, "edges" or "straight"."""
+    parser.add_argument(
+        "--close",
+        nargs="?",
+        choices=("edges", "straight"),
+        const="edges",
+        help="close open contours whose ends are near each other, along the edges of the image or straight",
+    )
+
+
 def add_json(parser: argparse._ActionsContainer) -> None:
     """Add a flag for JSON instead of sentences, as `json`."""
     parser.add_argument("--json", action="store_true", help="print one JSON object")

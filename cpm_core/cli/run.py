@@ -6,13 +6,14 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.cli.arguments import (
+    add_close,
     add_export,
     add_image,
     add_json,
@@ -25,16 +26,21 @@ from cpm_core.cli.arguments import (
 )
 from cpm_core.cli.jobs import facts_of
 from cpm_core.cli.terminal import Progress, counted
+from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
-from cpm_core.formats import export, load_image, load_points
+from cpm_core.field.edge_map import edge_map
+from cpm_core.formats import export, left_out, load_image, load_points, suffix_of
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.regions import Regions
 from cpm_core.parameters import PRESETS
 from cpm_core.particles.initialization import circle, stroke
+from cpm_core.reconstruction.curve.closing import close_contours
 from cpm_core.segmentation.segment import segment
 from cpm_core.shapes import KINDS, Barrier, Everywhere, Region
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
+
+_CURE = "Add --close to close those whose ends are near each other, or write SVG, GeoJSON or CSV."
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -64,6 +70,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     outcome = parser.add_argument_group("outcome")
     outcome.add_argument("--max-steps", metavar="N", type=as_number, help="stop after so many steps at most")
     add_export(outcome, "contours")
+    add_close(outcome)
     add_json(outcome)
 
 
@@ -99,10 +106,19 @@ def _run(arguments: argparse.Namespace) -> None:
     finally:
         if progress is not None:
             progress.clear()
-    result = apply(found, session.marks, learning=session.learning)
+    own = arguments.image is None  # kept contours belong to the image of the session
+    whole = with_kept(found, session.marks) if own else found
+    result = apply(whole, session.marks, learning=session.learning, found=found.contours)
+    if arguments.close is not None:
+        edges = edge_map(image.values, parameters.smoothing) if arguments.close == "edges" else None
+        result = close_contours(result, edges)
     seconds = time.perf_counter() - started
-    export(result, *arguments.export)
-    _report(result, seconds, arguments.export, as_json=arguments.json)
+    export(result, *arguments.export, image=path)
+    missing = {file: left_out(result, suffix_of(file)) for file in arguments.export}
+    for file, count in missing.items():
+        if count:
+            print(f"cpm: {file} holds no open contours: {count} left out. {_CURE}", file=sys.stderr)
+    _report(result, seconds, missing, as_json=arguments.json)
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, tuple[str, ...]]:
@@ -166,10 +182,10 @@ def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
     return points
 
 
-def _report(result: Result, seconds: float, written: Sequence[str], *, as_json: bool) -> None:
+def _report(result: Result, seconds: float, written: Mapping[str, int], *, as_json: bool) -> None:
     facts = facts_of(result, seconds)
     if as_json:
-        print(json.dumps({**facts, "bridges": len(result.bridges)}))
+        print(json.dumps({**facts, "bridges": len(result.bridges), "left_out": written}))
         return
     print(f"{result.source}: {counted(len(result.contours), 'contour')} ({facts['closed']} closed)")
     for number, contour in enumerate(result.contours[:10], start=1):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -53,6 +54,8 @@ class Contour:
         Name given by the user, or empty.
     color : str
         Color given by the user, ``"#rrggbb"``; empty for the default color.
+    number : int
+        Number that it keeps through filters and runs, from 1; 0 for its place among the contours (`numbers_of`).
 
     Raises
     ------
@@ -67,6 +70,7 @@ class Contour:
     sides: HasContrast | None = field(default=None, repr=False)
     name: str = ""
     color: str = ""
+    number: int = 0
 
     def __post_init__(self) -> None:
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
@@ -122,6 +126,13 @@ class Bridge:
     points: Array
     length: float
     strength: float
+
+
+def numbers_of(contours: Sequence[Contour]) -> tuple[int, ...]:
+    """The numbers of contours, no two of them equal: their own, and for those without one the next free ones."""
+    taken = {contour.number for contour in contours}
+    free = (number for number in itertools.count(1) if number not in taken)
+    return tuple(contour.number or next(free) for contour in contours)
 
 
 def sampled(contours: Sequence[Contour]) -> Array:

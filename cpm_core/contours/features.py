@@ -7,6 +7,7 @@ depend neither on the exposure nor, but for how contours relate to one another, 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 import scipy
@@ -70,6 +71,12 @@ def contour_features(contours: Sequence[Contour]) -> Array:
         A row for each: (feature - median) / (1.4826 x median deviation), clipped to ±3. NaN for a contour that was not
         found in an image.
     """
+    return _features(tuple(contours))
+
+
+@lru_cache(maxsize=1)
+def _features(contours: tuple[Contour, ...]) -> Array:
+    """The same, kept for the contours that were asked for last: they are shown, counted and written."""
     out = np.full((len(contours), len(FEATURES)), np.nan)
     groups: dict[tuple[int, float], list[tuple[int, Contour, Sides]]] = {}
     for index, contour in enumerate(contours):
@@ -82,6 +89,7 @@ def contour_features(contours: Sequence[Contour]) -> Array:
     found = usable(out)
     out[found] = robustly_scaled(out[found])
     out[~found] = np.nan
+    out.flags.writeable = False
     return out
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.numerics.polyline import inside, middles
 
 _PROBES = 16
@@ -24,7 +24,7 @@ class Measures:
     Attributes
     ----------
     number : int
-        Number of the contour, from 1.
+        Number of the contour, from 1; it may have a number of its own.
     label : int
         Label in the label mask, counted over the closed contours from 1; 0 when open.
     name, color : str
@@ -84,7 +84,8 @@ def measure(
     around = containment(contours)
     rows: list[Measures] = []
     label = 0
-    for number, (contour, outer) in enumerate(zip(contours, around, strict=True), start=1):
+    numbers = numbers_of(contours)
+    for number, contour, outer in zip(numbers, contours, around, strict=True):
         label += contour.closed
         rows.append(
             Measures(
@@ -98,7 +99,7 @@ def measure(
                 area=contour.area,
                 strength=contour.strength,
                 contrast=contour.contrast if contrast and contour.sides else None,
-                inside=0 if outer is None else outer + 1,
+                inside=0 if outer is None else numbers[outer],
                 length_in_units=float(np.linalg.norm(np.diff(contour.path, axis=0) * spacing, axis=1).sum()),
                 area_in_units=contour.area * spacing[0] * spacing[1],
             )

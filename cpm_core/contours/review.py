@@ -38,6 +38,21 @@ _ALONE = 3.0 * REACH
 
 
 @dataclass(frozen=True, slots=True)
+class Outline:
+    """Where a contour ran when it was kept; the attributes are those of `Contour`, the default is none."""
+
+    points: tuple[Position, ...] = ()
+    closed: bool = False
+    strength: float = 0.0
+    number: int = 0
+
+    def contour(self, name: str = "", color: str = "") -> Contour:
+        """The contour as it was."""
+        points = np.array(self.points, dtype=float).reshape(-1, 2)
+        return Contour(points, self.closed, self.strength, name=name, color=color, number=self.number)
+
+
+@dataclass(frozen=True, slots=True)
 class Mark:
     """Verdict, name and color of the contour at a position.
 
@@ -46,7 +61,7 @@ class Mark:
     anchor : tuple of float
         Position (row, col) [px].
     verdict : {"", "kept", "rejected"}
-        Rejected contours are not exported; empty where nothing is decided.
+        Rejected contours are not exported, kept ones stay (`cpm_core.contours.kept`); empty where nothing is decided.
     name : str
         Name, or empty.
     color : str
@@ -54,6 +69,8 @@ class Mark:
     features : tuple of float
         Features of the contour when it was judged, from which others are learned, see `contour_features`; empty where
         they are not known.
+    outline : Outline
+        Where a kept contour ran.
 
     Raises
     ------
@@ -66,6 +83,7 @@ class Mark:
     name: str = ""
     color: str = ""
     features: tuple[float, ...] = ()
+    outline: Outline = Outline()
 
     def __post_init__(self) -> None:
         if len(self.anchor) != 2 or not all(math.isfinite(place) for place in self.anchor):
@@ -137,7 +155,9 @@ def reviewed(
     )
 
 
-def apply(result: Result, marks: Sequence[Mark], *, learning: bool = False) -> Result:
+def apply(
+    result: Result, marks: Sequence[Mark], *, learning: bool = False, found: Sequence[Contour] | None = None
+) -> Result:
     """The result without rejected contours, and with names and colors.
 
     Parameters
@@ -148,6 +168,8 @@ def apply(result: Result, marks: Sequence[Mark], *, learning: bool = False) -> R
         Marks of its contours.
     learning : bool
         Whether contours without a mark are left out as well if they resemble rejected ones more than kept ones.
+    found : sequence of Contour, optional
+        The contours of the run, whose features are compared, where the result holds kept ones in place of some.
 
     Returns
     -------
@@ -156,7 +178,13 @@ def apply(result: Result, marks: Sequence[Mark], *, learning: bool = False) -> R
     """
     if not marks:
         return result
-    every = reviewed(result.contours, marks, learned(marks, result.contours) if learning else None)
+    probability = None
+    if learning:
+        among = result.contours if found is None else found
+        chances = learned(marks, among)
+        known = {} if chances is None else dict(zip(among, chances.tolist(), strict=True))
+        probability = np.array([known.get(contour, math.nan) for contour in result.contours])
+    every = reviewed(result.contours, marks, probability)
     named = replace(result, contours=tuple(one.contour for one in every))
     return remaining(named, [not one.rejected for one in every])
 

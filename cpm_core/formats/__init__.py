@@ -3,15 +3,17 @@
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, load_contours
 from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.readers import READABLE, load_image
-from cpm_core.formats.writers import WRITABLE, check_export, encoded, export, suffix_of
+from cpm_core.formats.writers import OUTLINABLE, WRITABLE, check_export, encoded, export, left_out, suffix_of
 
 __all__ = [
     "CONTOURS_READABLE",
+    "OUTLINABLE",
     "READABLE",
     "WRITABLE",
     "check_export",
     "encoded",
     "export",
+    "left_out",
     "load_contours",
     "load_image",
     "load_points",

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
@@ -19,6 +20,7 @@ from cpm_core.medial_axis.skeleton import Skeleton
 Encode = Callable[[Result | Skeleton], bytes]
 """Makes the bytes of a file; ValueError when the result holds nothing that such a file could show."""
 
+_LABELME = ".labelme.json"
 _LABELS = "insides of closed contours as a label mask"
 _SIZED_LABELS = f"{_LABELS} of 16 or 32 bits, with the size of a pixel"
 _WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
@@ -30,7 +32,7 @@ _WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
         ".geojson": ("contours as annotations for QuPath", geojson.encode),
         ".zip": ("contours as a set of selections of ImageJ and Fiji", imagej.encode_set),
         ".roi": ("the only contour as a selection of ImageJ and Fiji", imagej.encode),
-        ".labelme.json": ("contours as shapes for labelme", labelme.encode),
+        _LABELME: ("contours as shapes for labelme", labelme.encode),
         ".coco.json": ("closed contours as COCO instances", coco.encode),
         ".tif": (_SIZED_LABELS, label_tiff.encode),
         ".tiff": (_SIZED_LABELS, label_tiff.encode),
@@ -42,11 +44,33 @@ _WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
 )
 """Suffix -> what is written, and the function that encodes it."""
 
+_OUTLINES: Mapping[str, Encode] = MappingProxyType(
+    {
+        ".png": partial(labels.encode_png, outlines=True),
+        ".tif": partial(label_tiff.encode, outlines=True),
+        ".tiff": partial(label_tiff.encode, outlines=True),
+        ".nii": partial(nifti.encode, outlines=True),
+        ".nii.gz": partial(nifti.encode_packed, outlines=True),
+    }
+)
+"""Suffix of a mask -> the function that encodes it with lines in place of filled contours."""
+
+OUTLINABLE: frozenset[str] = frozenset(_OUTLINES)
+"""Suffixes of masks, which hold the insides of closed contours, or lines."""
+
+_CLOSED_ONLY = OUTLINABLE | {".coco.json"}
+"""Suffixes of files that hold no open contours."""
+
 WRITABLE: dict[str, str] = {suffix: text for suffix, (text, _) in _WRITERS.items()}
 """Suffixes that a result can be exported to, some of two parts -> what is written."""
 
 
-def export(result: Result | Skeleton, *paths: str | os.PathLike[str]) -> None:
+def export(
+    result: Result | Skeleton,
+    *paths: str | os.PathLike[str],
+    outlines: bool = False,
+    image: str | os.PathLike[str] | None = None,
+) -> None:
     """Write the contours of a result, or a skeleton, in the format that each suffix names.
 
     Everything is encoded before anything is written, and each file is replaced atomically, so that no incomplete file
@@ -58,6 +82,10 @@ def export(result: Result | Skeleton, *paths: str | os.PathLike[str]) -> None:
         Outcome of a run, or of `skeleton`.
     *paths : path-like
         Files to write; see `WRITABLE` for the suffixes. Files that exist are replaced.
+    outlines : bool
+        Whether masks hold contours as lines, open ones too, in place of the insides of closed ones.
+    image : path-like, optional
+        File of the image, for files that refer to it (labelme); by default its name.
 
     Raises
     ------
@@ -67,10 +95,23 @@ def export(result: Result | Skeleton, *paths: str | os.PathLike[str]) -> None:
     files = [Path(path) for path in paths]
     for file in files:
         check_export(file)
-    write_together([(file, encoded(result, suffix_of(file))) for file in files])
+    contents = []
+    for file in files:
+        suffix = suffix_of(file)
+        located = suffix == _LABELME and image is not None
+        shown = labelme.located(result, file, Path(image)) if located and image is not None else result
+        contents.append((file, encoded(shown, suffix, outlines=outlines)))
+    write_together(contents)
 
 
-def encoded(result: Result | Skeleton, suffix: str) -> bytes:
+def left_out(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -> int:
+    """Number of contours that a file with this suffix does not hold, because they are open; see `export`."""
+    if isinstance(result, Skeleton) or suffix not in _CLOSED_ONLY or (outlines and suffix in OUTLINABLE):
+        return 0
+    return sum(not contour.closed for contour in result.contours)
+
+
+def encoded(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -> bytes:
     """Encode what `export` would write, for the clipboard and other places without a file.
 
     Parameters
@@ -79,6 +120,8 @@ def encoded(result: Result | Skeleton, suffix: str) -> bytes:
         Outcome of a run, or of `skeleton`.
     suffix : str
         One of `WRITABLE`. Text is encoded as UTF-8.
+    outlines : bool
+        Whether masks hold contours as lines.
 
     Returns
     -------
@@ -92,7 +135,8 @@ def encoded(result: Result | Skeleton, suffix: str) -> bytes:
     """
     if suffix not in _WRITERS:
         raise ValueError(f'"{suffix}" names no format that can be written: choose one of {_known()}.')
-    return _WRITERS[suffix][1](result)
+    encode = _OUTLINES[suffix] if outlines and suffix in _OUTLINES else _WRITERS[suffix][1]
+    return encode(result)
 
 
 def suffix_of(path: str | os.PathLike[str]) -> str:
@@ -122,5 +166,5 @@ def check_export(path: str | os.PathLike[str]) -> None:
 
 
 def _known() -> str:
-    """All formats that can be written, in words."""
-    return ", ".join(f"{suffix} ({text})" for suffix, text in WRITABLE.items())
+    """Suffixes of all formats that can be written."""
+    return ", ".join(WRITABLE)

@@ -9,10 +9,10 @@ import pytest
 from PIL import Image as Picture
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
-from PySide6.QtWidgets import QFileDialog
 
 from app.model.document.samples import samples
 from app.views.application import make_application, open_window
+from app.views.features.file.export import ExportFeature
 from app.views.main_window import MainWindow
 
 PATIENCE = 60_000
@@ -42,8 +42,12 @@ def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbo
     assert window.canvas_area.canvas.layers.contours.counts == (1, 0)
     for suffix in (".svg", ".csv", ".png"):
         path = tmp_path / f"u{suffix}"
-        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=path: (str(path), ""))
         qtbot.keyClick(window.canvas_area.canvas, Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier)
+        dialog = window.feature(ExportFeature).dialog
+        for field, text in ((dialog.file.folder, str(tmp_path)), (dialog.file.name, path.name)):
+            field.selectAll()
+            qtbot.keyClicks(field, text)
+        qtbot.keyClick(field, Qt.Key.Key_Return)
         qtbot.waitUntil(path.exists, timeout=PATIENCE)
         qtbot.waitUntil(lambda path=path: str(path) in window.canvas_area.messages.text, timeout=PATIENCE)
     mask = np.asarray(Picture.open(tmp_path / "u.png"))

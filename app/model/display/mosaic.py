@@ -16,6 +16,9 @@ FEWEST, MOST = 2, 6
 COUNTS = (3, 4, 5)
 """Numbers of values that are proposed."""
 
+FIRST_AXES = ("smoothing", "min_strength")
+"""Parameters that are proposed: they decide which edges count."""
+
 _SPREAD = 0.5
 """Fraction of the slider's range that the proposed values span."""
 
@@ -50,7 +53,7 @@ class Plan:
     def caption(self, tile: Tile) -> str:
         """The values of a tile as text."""
         down, across = self.down.control.symbol, self.across.control.symbol
-        return f"{down} = {tile.down:.4g}, {across} = {tile.across:.4g}"
+        return f"{down} = {tile.down:.3g}, {across} = {tile.across:.3g}"
 
 
 def plan(parameters: Parameters, down: Axis, across: Axis) -> Plan:
@@ -117,8 +120,8 @@ def read_values(control: Control, text: str) -> tuple[float, ...]:
 
 
 def in_text(values: tuple[float, ...]) -> str:
-    """Values as text that `read_values` reads."""
-    return ", ".join(f"{value:g}" for value in values)
+    """Values as text that `read_values` reads, with three digits."""
+    return ", ".join(f"{value:.3g}" for value in values)
 
 
 def _with(parameters: Parameters, first: Control, one: float, second: Control, other: float) -> Parameters:

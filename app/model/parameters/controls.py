@@ -42,6 +42,8 @@ class Control:
         Whether the program can choose it (``"auto"``).
     whole : bool
         Whether it takes only whole numbers.
+    moves : bool
+        Whether it only changes how particles move.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Control:
     acts: str
     automatic: bool = False
     whole: bool = False
+    moves: bool = False
 
     @property
     def intuitive(self) -> str:
@@ -114,10 +117,10 @@ _ACTS = {
 
 
 def controls() -> tuple[Control, ...]:
-    """All controls in the order shown, the three main ones first."""
+    """All controls in the order shown: those that decide which contours there are, of the motion, advanced ones."""
     made = [_from_core(name) for name in PARAMETERS if name != "w1"]
     made.insert(1, _ratio())
-    return tuple(sorted(made, key=lambda control: control.advanced))
+    return tuple(sorted(made, key=lambda control: (control.advanced, control.moves)))
 
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:
@@ -173,6 +176,7 @@ def _from_core(name: str) -> Control:
         acts=_ACTS[info.invalidates],
         automatic=name == "smoothing",
         whole=name == "scales",
+        moves=info.invalidates == "nothing",
     )
 
 
@@ -195,4 +199,5 @@ def _ratio() -> Control:
         equation=tr(coulomb.equation),
         advanced=False,
         acts=_ACTS[coulomb.invalidates],
+        moves=True,
     )

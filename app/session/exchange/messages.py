@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from app.model.display.display_image import DisplayImage
 from app.model.display.plots import RunMetrics
+from app.model.export.order import Account
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.timeline import Outline
 from cpm_core.contours.result import Result
@@ -71,8 +72,10 @@ class Reconstruction:
     @classmethod
     def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
         """The contours of a run with their keys and measures."""
-        tracked = None if isinstance(result, Skeleton) else tracker.track(result, thorough)
-        return cls(generation, result, tracked)
+        if isinstance(result, Skeleton):
+            return cls(generation, result, None)
+        tracked = tracker.track(result, thorough)
+        return cls(generation, tracked.result, tracked)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -152,9 +155,10 @@ class SeedsFound(Report):
 
 @dataclass(frozen=True, slots=True)
 class Exported(Report):
-    """A file has been written."""
+    """A file has been written; `counts` says how many contours it holds, if it is a file of contours."""
 
     path: Path
+    counts: Account | None = None
 
 
 @dataclass(frozen=True, slots=True)

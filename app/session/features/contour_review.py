@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
+import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document import marking
@@ -16,7 +16,11 @@ from app.session.scene import NO_CONTOURS, Item, ReviewedContours
 from app.session.session import Session
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import Neighborhood, Verdict, anchor
-from cpm_core.numerics.types import Position
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Position
+
+_PLACES = 24
+"""Number of places along a contour that are compared with an outline."""
 
 _Edit = Callable[[Document, list[Target]], Document]
 
@@ -38,6 +42,7 @@ class ContourReview(QObject):
         self._contours: ReviewedContours = NO_CONTOURS
         self._by_key: dict[int, Item] = {}
         self._around: Neighborhood | None = None
+        self._places: dict[int, Array] | None = None
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(lambda: self.select(()))
 
@@ -80,6 +85,17 @@ class ContourReview(QObject):
             self._around = Neighborhood([item.contour for item in self.items])
         near = (self.items[index] for index, _ in self._around.passing(place, reach))
         return next((item.key for item in near if self.rejected_seen or not item.reviewed.rejected), None)
+
+    def within(self, outline: Sequence[Position]) -> frozenset[int]:
+        """Keys of the shown contours that lie inside a closed outline of places (row, col) for half of their length."""
+        shown = [item for item in self.items if self.rejected_seen or not item.reviewed.rejected]
+        if not shown:
+            return frozenset()
+        if self._places is None:
+            self._places = {item.key: polyline.middles(item.contour.path, _PLACES) for item in self.items}
+        places = np.concatenate([self._places[item.key] for item in shown])
+        share = polyline.inside(outline, places).reshape(len(shown), _PLACES).mean(axis=1)
+        return frozenset(item.key for item, part in zip(shown, share.tolist(), strict=True) if part >= 0.5)
 
     # Selecting
 
@@ -128,17 +144,16 @@ class ContourReview(QObject):
 
     def _target(self, item: Item) -> Target:
         assert self.result is not None
-        mark, features = item.reviewed.mark, self._session.scene.contours.features
-        row = () if features is None else tuple(features[item.reviewed.index].tolist())
+        mark, contours = item.reviewed.mark, self._session.scene.contours
         place = mark.anchor if mark else anchor(self.result.contours, item.reviewed.index)
-        return Target(mark, place, row if all(map(math.isfinite, row)) else ())
+        return Target(mark, place, item.contour, contours.features_of(item.key))
 
     def _follow(self) -> None:
         contours = self._session.scene.contours
         if contours is self._contours:
             return
         self._contours = contours
-        self._around = None
+        self._around = self._places = None
         self._by_key = {item.key: item for item in contours.items}
         self.changed.emit()
         self.select(self.selected & self._by_key.keys())

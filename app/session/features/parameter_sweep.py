@@ -18,6 +18,7 @@ from app.session.features.truth_comparison import GroundTruth
 from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.image.image import Image
@@ -150,4 +151,6 @@ class _Runs:
             if self._task.cancelled:
                 return None
             state = engine.step(state, parameters, document.charges)
-        return apply(engine.result(state, parameters), document.marks, learning=document.learning)
+        found = engine.result(state, parameters)
+        whole = with_kept(found, document.marks)
+        return apply(whole, document.marks, learning=document.learning, found=found.contours)

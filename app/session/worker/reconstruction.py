@@ -13,6 +13,7 @@ from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction
 from cpm_core.contours.result import Result
+from cpm_core.image.image import Image
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import Method, MethodState
 
@@ -40,6 +41,7 @@ class Reconstructor:
         self.results: Mailbox[Reconstruction] = Mailbox()
         self._changed = threading.Condition()
         self._tracker = ContourTracker()
+        self._image: Image | None = None
         self._requests: Mailbox[Request] = Mailbox()
         self._latest: Reconstruction | None = None
         self._working = False
@@ -115,6 +117,9 @@ class Reconstructor:
             result = request.method.result(request.state, request.parameters)
             if request.state.step == 0 and isinstance(result, Result):  # back at the initialization
                 result = replace(result, contours=(), bridges=())
+            if request.method.image is not self._image:
+                self._image = request.method.image
+                self._tracker.begin()
             found = Reconstruction.of(request.generation, result, self._tracker, thorough=request.last)
         except Exception as error:  # no error may end the thread
             sentence(error, "reconstructing contours")

@@ -21,7 +21,18 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.display.display_image import DisplayImage
-from app.model.display.mosaic import COUNTS, Axis, Plan, Tile, in_text, pick, plan, read_values, sensible_values
+from app.model.display.mosaic import (
+    COUNTS,
+    FIRST_AXES,
+    Axis,
+    Plan,
+    Tile,
+    in_text,
+    pick,
+    plan,
+    read_values,
+    sensible_values,
+)
 from app.model.document.document import NOTHING_TO_START_FROM
 from app.model.parameters.controls import Control, controls
 from app.model.state.time_left import in_words
@@ -48,8 +59,8 @@ class MosaicDialog(QDialog):
         self._picture = Picture(display, crop)
         self._plan: Plan | None = None
         offered = controls()
-        self.down = AxisRow(tr("Rows"), offered, "beta")
-        self.across = AxisRow(tr("Columns"), offered, "ratio")
+        self.down = AxisRow(tr("Rows"), offered, FIRST_AXES[0])
+        self.across = AxisRow(tr("Columns"), offered, FIRST_AXES[1])
         self.count = QComboBox()
         self.start_button = QPushButton(tr("Run"))
         self.cancel_button = QPushButton(tr("Cancel"))
@@ -228,6 +239,7 @@ class AxisRow(QObject):
         self.choice.addItems([f"{control.title}  {control.symbol}" for control in controls])
         self.choice.setCurrentIndex(next(i for i, control in enumerate(controls) if control.name == first))
         self.choice.setAccessibleName(title)
+        self._suggested: tuple[float, ...] = ()
         self.values = QLineEdit()
         self.values.setAccessibleName(tr("Values"))
         self.values.setToolTip(tr("Values of the parameter, separated by commas."))
@@ -246,8 +258,11 @@ class AxisRow(QObject):
 
     def suggest(self, parameters: Parameters, contrast: float, count: int) -> None:
         """Suggest values around the present one."""
-        self.values.setText(in_text(sensible_values(self.control, parameters, contrast, count)))
+        self._suggested = sensible_values(self.control, parameters, contrast, count)
+        self.values.setText(in_text(self._suggested))
 
     def axis(self) -> Axis:
         """The chosen parameter and values; raises `ValueError` if the values are not valid."""
+        if len(self._suggested) > 1 and self.values.text() == in_text(self._suggested):  # the text has fewer digits
+            return Axis(self.control, self._suggested)
         return Axis(self.control, read_values(self.control, self.values.text()))

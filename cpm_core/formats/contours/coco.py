@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from cpm_core.contours.contour import numbers_of
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb
 from cpm_core.formats.json_text import pairs, rounded, text
@@ -28,7 +29,7 @@ def encode(result: Result | Skeleton) -> bytes:
         )
     categories = sorted({contour.name or _CATEGORY for contour in closed})
     instances = []
-    for number, contour in enumerate(closed, start=1):
+    for number, contour in zip(numbers_of(closed), closed, strict=True):
         corners = np.array(pairs(contour.points))
         low, size = corners.min(axis=0), np.ptp(corners, axis=0)
         instances.append(

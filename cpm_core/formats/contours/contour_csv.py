@@ -6,6 +6,7 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 
+from cpm_core.contours.contour import numbers_of
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.rasterize import numbers
 from cpm_core.contours.result import Result
@@ -17,7 +18,7 @@ _ASCII_UNIT = {"µm": "um"}  # spreadsheets often take a header with other lette
 def encode(result: Result | Skeleton) -> bytes:
     """Tabulate the vertices of all contours, one a row.
 
-    Columns: ``contour`` (from 1), ``closed`` (TRUE or FALSE; the first vertex is not repeated), ``label`` (the one in
+    Columns: ``contour`` (the number), ``closed`` (TRUE or FALSE; the first vertex is not repeated), ``label`` (that in
     the label mask, 0 when open), ``strength`` (mean edge strength [gray levels / px]), ``vertex`` (from 1), ``row`` and
     ``col`` [px, pixel centers at integers], where the size of a pixel is known, ``x_...`` and ``y_...`` in its unit,
     from the center of the first pixel along columns and rows, ``contrast`` (mean contrast of both sides, empty where
@@ -36,7 +37,8 @@ def encode(result: Result | Skeleton) -> bytes:
         header.append("radius")
     lines: list[list[object]] = []
     labels = range(1, len(result.contours) + 1) if branched else numbers(result.contours)
-    for number, (contour, label) in enumerate(zip(result.contours, labels, strict=True), start=1):
+    each = zip(numbers_of(result.contours), result.contours, labels, strict=True)
+    for index, (number, contour, label) in enumerate(each):
         fixed = [number, str(contour.closed).upper(), label, f"{contour.strength:.6g}"]
         contrast = f"{contour.contrast:.4f}" if contour.sides else ""
         for vertex, (row, col) in enumerate(contour.points, start=1):
@@ -48,7 +50,7 @@ def encode(result: Result | Skeleton) -> bytes:
             if named:
                 line += [contour.name, contour.color]
             if isinstance(result, Skeleton):
-                line.append(f"{result.radii[number - 1][vertex - 1]:.4f}")
+                line.append(f"{result.radii[index][vertex - 1]:.4f}")
             lines.append(line)
     return _table(header, lines)
 
@@ -56,7 +58,7 @@ def encode(result: Result | Skeleton) -> bytes:
 def encode_measures(result: Result | Skeleton) -> bytes:
     """Tabulate the measures of the contours, one contour a row.
 
-    Columns: ``contour`` (from 1), ``label`` (the one in the label mask, 0 when open), ``name``, ``color``, ``closed``
+    Columns: ``contour`` (the number), ``label`` (that in the label mask, 0 when open), ``name``, ``color``, ``closed``
     (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
     none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
     it in), ``length_px``, ``area_px2`` (0 when open), and the same in the unit of the image where it is known.

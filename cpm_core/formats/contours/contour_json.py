@@ -42,7 +42,8 @@ def encode(result: Result | Skeleton) -> bytes:
 
 def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
     entries: list[dict[str, Any]] = []
-    for contour, row in zip(result.contours, measure(result.contours, result.spacing), strict=True):
+    rows = measure(result.contours, result.spacing)
+    for index, (contour, row) in enumerate(zip(result.contours, rows, strict=True)):
         entry: dict[str, Any] = {
             "number": row.number,
             "label": row.label,
@@ -59,6 +60,6 @@ def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
         if result.unit:
             entry |= {"length_in_units": row.length_in_units, "area_in_units": row.area_in_units}
         if isinstance(result, Skeleton):
-            entry["radii"] = rounded(result.radii[row.number - 1])
+            entry["radii"] = rounded(result.radii[index])
         entries.append(entry | {"points": rounded(contour.points)})
     return entries

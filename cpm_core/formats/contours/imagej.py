@@ -9,7 +9,7 @@ import zipfile
 import numpy as np
 from roifile import ROI_OPTIONS, ROI_TYPE, ImagejRoi
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb, title
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -28,7 +28,7 @@ def encode(result: Result | Skeleton) -> bytes:
             f"{result.source} has {len(result.contours) or 'no'} contours, but a .roi file holds exactly one: "
             + ("export to .zip, which holds them all." if result.contours else "let it run on.")
         )
-    return _selection(result.contours[0], 1)
+    return _selection(result.contours[0], *numbers_of(result.contours))
 
 
 def encode_set(result: Result | Skeleton) -> bytes:
@@ -42,7 +42,8 @@ def encode_set(result: Result | Skeleton) -> bytes:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for number, (contour, name) in enumerate(zip(result.contours, _names(result), strict=True), start=1):
+        each = zip(numbers_of(result.contours), result.contours, _names(result), strict=True)
+        for number, contour, name in each:
             entry = zipfile.ZipInfo(f"{name}.roi")  # without a date, because the result has none
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
@@ -84,7 +85,7 @@ def _selection(contour: Contour, number: int) -> bytes:
 def _names(result: Result | Skeleton) -> list[str]:
     """Name of each contour in characters that file names may have, none twice."""
     found: dict[str, str] = {}  # keys in lower case, because some file systems ignore case
-    for number, contour in enumerate(result.contours, start=1):
+    for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
         plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
         name = plain if plain.lower() not in found else f"{plain}-{number}"
         while name.lower() in found:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from cpm_core.contours.contour import Contour
@@ -13,17 +16,30 @@ _VERSION = "5.5.0"
 """Version of labelme whose format this is; later versions read it."""
 
 
+_LABEL = "contour"
+"""Class of a contour without a name."""
+
+
+def located(result: Result | Skeleton, file: Path, image: Path) -> Result | Skeleton:
+    """The result with the path of its image as seen from the folder of a file, so that labelme finds the image."""
+    try:
+        path = Path(os.path.relpath(image.resolve(), file.resolve().parent))
+    except ValueError:  # on another drive
+        path = image.resolve()
+    return replace(result, source=path.as_posix())
+
+
 def encode(result: Result | Skeleton) -> bytes:
     """Write a polygon for each closed contour and a strip of lines for each open one.
 
-    The label of a shape, its class, is the name of the contour, or "closed" or "open". Coordinates are (x, y) in px
-    from the corner of the image. The image is referenced by its name, so the file belongs beside it. A hole is a
-    polygon of its own. Colors are left out, because labelme chooses them by label.
+    The label of a shape, its class, is the name of the contour, or "contour". Coordinates are (x, y) in px from the
+    corner of the image. The image is referenced by the source of the result (see `located`). A hole is a polygon of its
+    own. Colors are left out, because labelme chooses them by label.
     """
     rows, cols = result.shape
     shapes: list[dict[str, Any]] = [
         {
-            "label": contour.name or ("closed" if contour.closed else "open"),
+            "label": contour.name or _LABEL,
             "points": pairs(contour.points),
             "group_id": None,
             "description": "",

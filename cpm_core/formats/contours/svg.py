@@ -55,6 +55,7 @@ def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None
     points = " L".join(f"{col:.3f} {row:.3f}" for row, col in vertices)
     known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '
     known += "" if contour.sides is None else f'data-contrast="{contour.contrast:.4f}" '
+    known += f'data-number="{contour.number}" ' if contour.number else ""
     known += f'stroke="{contour.color}" ' if contour.color else ""
     end = f"><title>{escape(contour.name, quote=False)}</title></path>" if contour.name else "/>"
     return (

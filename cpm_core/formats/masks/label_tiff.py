@@ -15,13 +15,13 @@ from cpm_core.medial_axis.skeleton import Skeleton
 _PER_CENTIMETER = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     """Make an uncompressed gray TIFF of 16 bits with the entries of ImageJ, which then shows lengths in the unit.
 
     It has 32 bits where there are more than 65535 labels; ImageJ would interpret them as real numbers, so its entries
     are left out. ValueError when there is nothing to paint.
     """
-    mask = labels_of(result)
+    mask = labels_of(result, outlines=outlines)
     entries: dict[str, Any] = {}
     if result.unit:
         entries["resolution"] = (1.0 / result.spacing[1], 1.0 / result.spacing[0])

@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
+import colorsys
 import io
+import itertools
+from collections.abc import Sequence
 
 import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 from skimage.draw import line
 
+from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.rasterize import MOST_LABELS, label_type, numbers, paint
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
 
+_GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
+"""Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""
 
-def labels_of(result: Result | Skeleton) -> NDArray[np.unsignedinteger]:
-    """Paint the closed contours of a result, or the branches of a skeleton.
+
+def labels_of(result: Result | Skeleton, *, outlines: bool = False) -> NDArray[np.unsignedinteger]:
+    """Paint the insides of the closed contours of a result, or the branches of a skeleton.
+
+    Parameters
+    ----------
+    result : Result or Skeleton
+        What is painted.
+    outlines : bool
+        Whether contours, open ones too, are painted as lines one pixel wide that carry their numbers.
 
     Returns
     -------
@@ -27,8 +41,12 @@ def labels_of(result: Result | Skeleton) -> NDArray[np.unsignedinteger]:
     ValueError
         When there is nothing to paint.
     """
-    _count(result)
-    return paint_branches(result) if isinstance(result, Skeleton) else paint(result.contours, result.shape)
+    _count(result, outlines)
+    if isinstance(result, Skeleton):
+        return paint_branches(result)
+    if outlines:
+        return paint_lines(result.contours, numbers_of(result.contours), result.shape)
+    return paint(result.contours, result.shape)
 
 
 def paint_branches(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:
@@ -41,10 +59,17 @@ def paint_branches(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:
     ndarray of uint16 or uint32, shape `skeleton.shape`
         Labels, 0 off the skeleton; 32 bits where there are more than 65535.
     """
-    mask = np.zeros(skeleton.shape, dtype=label_type(len(skeleton.contours)))
-    last = np.array(skeleton.shape) - 1
-    for label in range(len(skeleton.contours), 0, -1):
-        pixels = np.clip(np.floor(skeleton.contours[label - 1].path + 0.5).astype(int), 0, last)
+    return paint_lines(skeleton.contours, range(1, len(skeleton.contours) + 1), skeleton.shape)
+
+
+def paint_lines(
+    contours: Sequence[Contour], labels: Sequence[int], shape: tuple[int, ...]
+) -> NDArray[np.unsignedinteger]:
+    """Draw each contour as a line one pixel wide with its label; where they meet, the first one is on top."""
+    mask = np.zeros(shape, dtype=label_type(max(labels, default=0)))
+    last = np.array(shape) - 1
+    for contour, label in reversed(list(zip(contours, labels, strict=True))):
+        pixels = np.clip(np.floor(contour.path + 0.5).astype(int), 0, last)
         pixels = pixels[np.r_[True, (np.diff(pixels, axis=0) != 0).any(axis=1)]]
         mask[pixels[0, 0], pixels[0, 1]] = label
         for a, b in zip(pixels[:-1].tolist(), pixels[1:].tolist(), strict=True):
@@ -52,12 +77,13 @@ def paint_branches(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:
     return mask
 
 
-def encode_png(result: Result | Skeleton) -> bytes:
-    """Make a gray PNG file of the labels, of 8 bits up to 255 labels and of 16 bits above.
+def encode_png(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
+    """Make a PNG file of the labels: of 8 bits and in colors up to label 255, and of 16 bits and gray above.
 
-    ValueError when there is nothing to paint, or more than 65535 labels.
+    Each label is the index of its color, so that every viewer shows the labels apart, and a program that reads the
+    indices, as Pillow does, has the labels. ValueError when there is nothing to paint, or more than 65535 labels.
     """
-    count = _count(result)
+    count = _count(result, outlines)
     if count > MOST_LABELS:
         what, cure = (
             (f"The skeleton of {result.source} has {count} branches, but a PNG mask", "raise pruning")
@@ -69,16 +95,40 @@ def encode_png(result: Result | Skeleton) -> bytes:
         )
         raise ValueError(f"{what} can hold at most {MOST_LABELS}: {cure}, or export to TIFF.")
     stream = io.BytesIO()
-    pixels = labels_of(result).astype(np.uint8 if count <= 255 else np.uint16)
-    PIL.Image.fromarray(pixels).save(stream, format="PNG")
+    pixels = labels_of(result, outlines=outlines).astype(np.uint8 if count <= 255 else np.uint16)
+    picture = PIL.Image.fromarray(pixels)
+    if count <= 255:
+        picture.putpalette(palette(count).tobytes())
+    picture.save(stream, format="PNG")
     return stream.getvalue()
 
 
-def _count(result: Result | Skeleton) -> int:
-    """Number of labels; ValueError when there are none."""
+def palette(count: int) -> NDArray[np.uint8]:
+    """Colors of the labels up to `count`, shape (count + 1, 3): black for 0, then bright ones, neighbors far apart.
+
+    No two have the same luminance, so that labels stay apart in programs that turn colors into gray.
+    """
+    colors, taken = [(0, 0, 0)], {0.0}
+    for index in itertools.count():
+        if len(colors) > count:
+            return np.array(colors, np.uint8)
+        saturation, value = 0.45 + 0.5 * (index * _PLASTIC % 1.0), 0.75 + 0.25 * (index * _SILVER % 1.0)
+        red, green, blue = (round(255 * part) for part in colorsys.hsv_to_rgb(index * _GOLDEN % 1.0, saturation, value))
+        luminance = round(0.299 * red + 0.587 * green + 0.114 * blue, 3)
+        if luminance not in taken:
+            colors.append((red, green, blue))
+            taken.add(luminance)
+    raise AssertionError("there are endlessly many indices")
+
+
+def _count(result: Result | Skeleton, outlines: bool = False) -> int:
+    """Largest label; ValueError when there are none."""
     if isinstance(result, Skeleton):
         count = len(result.contours)
         nothing = f"{result.source} has no skeleton, so its picture would be empty: take less smoothing"
+    elif outlines:
+        count = max(numbers_of(result.contours), default=0)
+        nothing = f"{result.source} has no contours, so a picture of them would be empty: let it run on"
     else:
         count = max(numbers(result.contours), default=0)
         nothing = f"No contour of {result.source} is closed, so a label mask would be empty: let it run on"

@@ -24,14 +24,14 @@ _UNITS = {
 _SCANNER = 1
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     """Make a NIfTI-1 file of one slice, columns first, from the label mask of a result or a skeleton.
 
     Columns run to the patient's left and rows to the back, as in a picture that is opened without a position, so that
     mask and picture coincide. Micrometers, millimeters and meters are kept, other units converted to the nearest of
     them. ValueError when there is nothing to paint.
     """
-    mask = labels_of(result)
+    mask = labels_of(result, outlines=outlines)
     rows, cols = mask.shape
     code, bits = _DATATYPES[mask.dtype]
     unit, factor = _UNITS.get(result.unit or "", (_UNKNOWN, 1.0))
@@ -54,6 +54,6 @@ def encode(result: Result | Skeleton) -> bytes:
     return header + bytes(_OFFSET - _HEADER) + mask.astype(mask.dtype.newbyteorder("<")).tobytes()
 
 
-def encode_packed(result: Result | Skeleton) -> bytes:
+def encode_packed(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     """Compress what `encode` makes; the same result always gives the same bytes."""
-    return gzip.compress(encode(result), mtime=0)
+    return gzip.compress(encode(result, outlines=outlines), mtime=0)

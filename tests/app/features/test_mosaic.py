@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.display.mosaic import Axis, in_text, pick, plan, read_values, sensible_values
+from app.model.display.mosaic import FIRST_AXES, Axis, in_text, pick, plan, read_values, sensible_values
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.parameters.controls import controls, slider_range, value_of
@@ -35,6 +35,9 @@ def dialog(ready: MainWindow, hand: Hand) -> MosaicDialog:
     made = ready.feature(MosaicFeature).dialog
     assert made is not None
     hand.qtbot.waitExposed(made)
+    assert (made.down.control.name, made.across.control.name) == FIRST_AXES
+    for row, name in ((made.down, "beta"), (made.across, "ratio")):
+        row.choice.setCurrentIndex([control.name for control in controls()].index(name))
     made.down.values.setText("0.6, 0.9")
     made.across.values.setText("0.7; 0.9")
     return made
@@ -209,7 +212,16 @@ def test_suggested_values_are_in_range_ascending_and_include_the_present_one(nam
     if isinstance(now, float | int) and low <= now <= high:
         assert min(abs(value - now) for value in values) < 1e-9
     if len(values) >= 2:
-        assert read_values(control, in_text(values)) == pytest.approx(values, rel=1e-4, abs=1e-6)
+        assert read_values(control, in_text(values)) == pytest.approx(values, rel=6e-3, abs=1e-6)
+
+
+def test_suggested_values_are_shown_with_three_digits_and_used_with_all(ready, dialog) -> None:
+    parameters = Parameters(w1=1.5, scales=ready.session.document.parameters.scales)
+    dialog.across.suggest(parameters, 255.0, 3)
+    words = dialog.across.values.text().split(", ")
+    assert "0.857" in words
+    assert all(len(word.replace(".", "").lstrip("0")) <= 3 for word in words)
+    assert 1.5 / 1.75 in dialog.across.axis().values
 
 
 def test_a_plan_has_a_tile_for_each_pair_and_picking_changes_these_two_alone() -> None:

@@ -163,6 +163,47 @@ def test_a_contour_rejected_on_the_canvas_is_marked_in_its_row_and_missing_in_th
     assert len(exported(hand, found, tmp_path)) == 4
 
 
+def test_the_table_can_be_limited_to_a_verdict_and_keeps_the_selection(found, table, hand) -> None:
+    shown = found.panels["contours"].shown
+    click_row(hand, table, 1)
+    hand.key(KEY.Key_K)
+    click_row(hand, table, 2)
+    hand.key(KEY.Key_X)
+    for choice, numbers in ((1, ["2"]), (2, ["3"]), (3, ["1", "4"]), (0, ["1", "2", "3", "4"])):
+        shown.setFocus()
+        while shown.currentIndex() != choice:
+            hand.qtbot.keyClick(shown, KEY.Key_Down if choice > shown.currentIndex() else KEY.Key_Up)
+        assert table.column("number") == numbers
+        assert [item.measures.number for item in found.workspace.review.chosen] == [3]
+    assert [index.row() for index in table.selectionModel().selectedRows()] == [2]
+
+
+def test_a_kept_contour_stays_with_its_number_when_a_slider_or_a_later_run_drops_it(
+    found, table, hand, tmp_path
+) -> None:
+    review, session = found.workspace.review, found.session
+    weak = min(review.items, key=lambda item: item.measures.strength)
+    review.select([weak.key])
+    hand.key(KEY.Key_K)
+    limit = weak.measures.strength + 1.0
+    session.edit("raise", lambda document: edits.set_parameter(document, "min_strength", limit))
+    hand.wait(lambda: session.idle)
+    numbers = {item.measures.number for item in review.items}
+    assert weak.measures.number in numbers
+    assert [one["number"] for one in exported(hand, found, tmp_path)].count(weak.measures.number) == 1
+    session.reset()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    (kept,) = [item for item in review.items if item.reviewed.verdict == "kept"]
+    assert kept.measures.number == weak.measures.number
+    np.testing.assert_allclose(kept.contour.points, weak.contour.points, atol=1e-3)
+    session.edit("lower", lambda document: edits.set_parameter(document, "min_strength", 0.0))
+    hand.wait(lambda: session.idle and len(review.items) == 4)
+    assert sorted(item.measures.number for item in review.items) == [1, 2, 3, 4]
+
+
 def test_the_same_key_again_removes_a_verdict(found, table, hand) -> None:
     click_row(hand, table, 0)
     hand.key(KEY.Key_K)

@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMe
 
 from app.model.document import edits
 from app.model.parameters.presets import Preset
+from app.views.features.file.export import ExportFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.run.parameters import ParametersFeature
 from app.views.main_window import MainWindow
@@ -316,18 +317,23 @@ def found(window: MainWindow, hand) -> None:
     hand.wait(lambda: window.session.idle)
 
 
-def test_there_is_nothing_to_export_or_copy_before_contours_are_found(ready, hand, tmp_path, monkeypatch) -> None:
+def test_there_is_nothing_to_export_or_copy_before_contours_are_found(ready, hand, tmp_path) -> None:
     names = ("export", "export_again", "copy_svg", "copy_csv", "copy_geojson")
     assert not any(ready.actions_by_name[name].isEnabled() for name in names)
     found(ready, hand)
     assert [name for name in names if not ready.actions_by_name[name].isEnabled()] == ["export_again"]
     path = tmp_path / "found.csv"
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
     hand.key(KEY.Key_E, CTRL)
+    name = ready.feature(ExportFeature).dialog.file.name
+    name.selectAll()
+    hand.qtbot.keyClicks(name, path.name)
+    hand.qtbot.keyClick(name, KEY.Key_Return)
     hand.wait(path.exists)
     hand.wait(ready.actions_by_name["export_again"].isEnabled)
     assert "found.csv" in ready.actions_by_name["export_again"].text()
     path.unlink()
+    ready.activateWindow()
+    hand.wait(ready.isActiveWindow)
     hand.key(KEY.Key_E, CTRL | SHIFT)
     hand.wait(path.exists)
 

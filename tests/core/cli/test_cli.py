@@ -14,7 +14,6 @@ import tifffile
 
 from cpm_core import cli
 from cpm_core.cli import run as run_command
-from cpm_core.formats import load_image
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 
 ROOT = Path(__file__).parents[3]
@@ -49,7 +48,8 @@ def test_run_finds_the_disk_and_tells_it_as_json(disk, command):
     status, out, err = command("run", disk, *START, "--json")
     facts = json.loads(out)
     assert (status, err) == (0, "")
-    assert list(facts) == ["particles", "contours", "closed", "steps", "converged", "stop_reason", "seconds", "bridges"]
+    known = ["particles", "contours", "closed", "steps", "converged", "stop_reason", "seconds", "bridges", "left_out"]
+    assert list(facts) == known
     assert (facts["contours"], facts["closed"], facts["converged"]) == (1, 1, True)
     assert facts["particles"] > 20
     assert facts["steps"] > 0
@@ -67,10 +67,49 @@ def test_run_exports_what_it_found_in_every_format(disk, command, tmp_path):
     paths = [tmp_path / name for name in ("a.svg", "a.csv", "a.png")]
     status, _, _ = command("run", disk, *START, "--export", *paths[:2], "--export", paths[2])
     assert status == 0
-    mask = load_image(paths[2]).values
+    with PIL.Image.open(paths[2]) as picture:
+        mask = np.asarray(picture)
     assert mask.shape == (80, 100)
     assert mask.sum() == pytest.approx(np.pi * RADIUS**2, rel=0.02)
     assert all(path.stat().st_size > 100 for path in paths)
+
+
+@pytest.fixture
+def cut(tmp_path):
+    """Path of an image of a bright disk that the upper border cuts."""
+    row, col = np.mgrid[:60, :100]
+    inside = np.hypot(row - 12, col - 50) < RADIUS
+    PIL.Image.fromarray((220 * inside).astype(np.uint8)).save(tmp_path / "cut.png")
+    return tmp_path / "cut.png", inside
+
+
+def test_open_contours_that_a_mask_leaves_out_are_told_and_can_be_closed(cut, command, tmp_path):
+    image, inside = cut
+    start, mask, drawing = ("--circle", "14,50,10"), tmp_path / "m.tif", tmp_path / "m.svg"
+    status, _, err = command("run", image, *start, "--export", mask)
+    assert status == 2  # no contour is closed
+    assert "No contour of cut.png is closed" in err
+    status, out, err = command("run", image, *start, "--export", drawing, "--json")
+    assert (status, err, json.loads(out)["left_out"]) == (0, "", {str(drawing): 0})
+    for close in (("--close",), ("--close", "straight")):
+        status, out, err = command("run", image, *start, "--export", mask, "--json", *close)
+        facts = json.loads(out)
+        assert (status, err, facts["closed"], facts["left_out"]) == (0, "", 1, {str(mask): 0})
+        assert facts["bridges"] == 1
+        found = tifffile.imread(mask) > 0
+        assert 2 * (found & inside).sum() / (found.sum() + inside.sum()) > 0.97
+
+
+def test_a_mask_with_some_contours_tells_how_many_open_ones_it_lacks(tmp_path, command):
+    row, col = np.mgrid[:60, :140]
+    values = (np.hypot(row - 12, col - 40) < RADIUS) | (np.hypot(row - 30, col - 100) < RADIUS)
+    PIL.Image.fromarray((220 * values).astype(np.uint8)).save(tmp_path / "two.png")
+    starts = ("--circle", "14,40,10", "--circle", "30,100,10")
+    status, out, err = command("run", tmp_path / "two.png", *starts, "--export", tmp_path / "m.png", "--json")
+    facts = json.loads(out)
+    assert (status, facts["closed"], facts["left_out"]) == (0, 1, {str(tmp_path / "m.png"): facts["contours"] - 1})
+    assert f"{facts['contours'] - 1} left out" in err
+    assert err.count("\n") == 1
 
 
 def test_the_size_of_a_pixel_goes_from_the_image_into_the_table(tmp_path, command):

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar, Concatenate, ParamSpec
+from typing import Any, ClassVar, Concatenate, ParamSpec
 
 from app.model.document.document import Document
+from app.model.export.order import ExportOrder, account, chosen, closed, source_of
 from app.session.core_functions import Core
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import (
@@ -28,8 +29,8 @@ from app.session.exchange.messages import (
 from app.session.tasks.tasks import Task
 from app.session.worker.run import Run
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Mark, apply
-from cpm_core.formats import encoded
+from cpm_core.contours.review import Mark
+from cpm_core.formats import encoded, suffix_of
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.shapes.image_starts import NO_SEEDS
 
@@ -197,15 +198,20 @@ class Deliver(Command):
             return not (self.task.over or context.closing())
 
         try:
-            found = context.run.reconstruction(self.shown, wanted) if wanted() else None
-            if found is not None and wanted():
-                result = found.result
-                self.deliver(
-                    context,
-                    result if isinstance(result, Skeleton) else apply(result, self.marks, learning=self.learning),
-                )
+            found = context.run.reconstruction(self.shown, wanted) if wanted() and self.needs_run else None
+            if wanted() and not (self.needs_run and found is None):
+                self.deliver(context, self.chosen(None if found is None else found.result))
         finally:
             self.task.end()
+
+    @property
+    def needs_run(self) -> bool:
+        """Whether contours of the run are written."""
+        return True
+
+    def chosen(self, result: Result | Skeleton | None) -> Result | Skeleton:
+        """What is written: all but the rejected contours."""
+        return chosen(result, Document(marks=self.marks, learning=self.learning), ExportOrder())
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
         """Write the contours."""
@@ -217,11 +223,31 @@ class Export(Deliver):
     """Write the contours to a file; the suffix gives the format."""
 
     path: Path = Path()
+    order: ExportOrder = field(default_factory=ExportOrder)
+    document: Document | None = None
+    learned: int = 0
+    """Number of contours that are left out as learned."""
+
+    @property
+    def needs_run(self) -> bool:
+        """Whether contours of the run are written."""
+        return source_of(self.order).needs_run
+
+    def chosen(self, result: Result | Skeleton | None) -> Result | Skeleton:
+        """What was ordered."""
+        return chosen(result, self.document or Document(marks=self.marks, learning=self.learning), self.order)
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
-        """Write the contours."""
-        context.core.export(result, self.path)
-        context.report(Exported(self.path))
+        """Write the contours, and tell what the file holds and what not."""
+        method = context.run.method
+        whole = result
+        if method is not None:
+            whole = closed(result, self.order, method.image, context.run.parameters)
+        settings: dict[str, Any] = {"outlines": True} if self.order.outlines else {}
+        if self.document is not None and self.document.image is not None:
+            settings["image"] = self.document.image.path
+        context.core.export(whole, self.path, **settings)
+        context.report(Exported(self.path, account(result, whole, suffix_of(self.path), self.order, self.learned)))
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has been written."""

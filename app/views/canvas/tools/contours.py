@@ -2,44 +2,95 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QGuiApplication
 
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
+from app.views.theme import theme
 from cpm_core.numerics.types import Position
+
+_ADDING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
+_REMOVING = Qt.KeyboardModifier.AltModifier
+_MOST_STEPS = 200
+"""Most places along one move of the pointer at which contours are looked for."""
 
 
 class ContourTool(Tool):
-    """Selects the contour under the pointer; with Shift or Ctrl it adds the contour to the selection or removes it."""
+    """Selects contours by a click, by a frame that is dragged from an empty place, or by a drag from one across others.
+
+    With Shift or Ctrl they are added to the selection, with Alt removed from it; a
+    click with Shift or Ctrl removes a contour that is selected.
+    """
 
     name = "contours"
-    tip = tr("Click a contour to select it; X rejects, K keeps, Enter names it.")
+    tip = tr("Click contours, drag a frame around them, or drag across them to select; X rejects, K keeps.")
     clicks = True
     by_keys = tr("Enter selects the contour under it.")
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
+        self._context = context
         self._review = context.review
+        self._held = Qt.KeyboardModifier.NoModifier
+        self._reach = 0.0
+        self._corner: Position | None = None
+        """Where a frame begins."""
+        self._last: Position | None = None
+        """Where the pointer was last on its way across contours."""
+        self._before: frozenset[int] = frozenset()
+        self._found: frozenset[int] = frozenset()
+        self._removes = False
 
     @property
     def advice(self) -> str:
         """What can be done with contours."""
+        if self._corner is not None or self._last is not None:
+            return tr("Shift adds to the selection, Alt removes from it; Esc gives up.")
         if self._review.selected:
-            return tr("X rejects, K keeps, Enter names; Shift-click selects more.")
-        return tr("Click a contour to select it.") if self._review.items else ""
+            return tr("X rejects, K keeps, Enter names; Shift adds to the selection, Alt removes from it.")
+        return tr("Click a contour to select it, or drag a frame around several.") if self._review.items else ""
 
     def press(self, at: Position, reach: float) -> None:
-        """Select the contour under the pointer, or none."""
+        """Select the contour under the pointer, or begin a frame."""
         key = self._review.under(at, reach)
-        more = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
-        if not QGuiApplication.keyboardModifiers() & more:
-            self._review.select(() if key is None else (key,))
-        elif key is not None:
-            self._review.select(self._review.selected ^ {key})
+        self._before, self._reach, self._removes = self._review.selected, reach, bool(self._held & _REMOVING)
+        if key is None:
+            self._corner, self._found = at, frozenset()
+            return
+        self._last, self._found = at, frozenset((key,))
+        self._removes = self._removes or (bool(self._held & _ADDING) and key in self._before)
+        self._show()
+
+    def drag(self, at: Position) -> None:
+        """Select what lies in the frame, or what the pointer crosses."""
+        if self._corner is not None:
+            self._drag_frame(self._corner, at)
+        elif self._last is not None:
+            steps = math.dist(self._last, at) / max(0.5 * self._reach, 1e-9)
+            way = np.linspace(self._last, at, 2 + min(int(steps), _MOST_STEPS))
+            keys = (self._review.under((float(row), float(col)), 0.5 * self._reach) for row, col in way)
+            self._found |= {key for key in keys if key is not None}
+            self._last = at
+            self._show()
+
+    def release(self) -> None:
+        """Keep the selection; a click beside all contours removes it."""
+        if self._corner is not None and not self._found and not self._held & (_ADDING | _REMOVING):
+            self._review.select(())
+        self._end()
+
+    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+        """With Shift or Ctrl contours are added to the selection, with Alt removed."""
+        self._held = modifiers
 
     def cancel(self) -> None:
-        """Highlight no contour."""
+        """Select what was selected before, and highlight no contour."""
+        if self._corner is not None or self._last is not None:
+            self._review.select(key for key in self._before if key in self._review)
+            self._end()
         self._review.hover(None)
 
     def cursor(self, at: Position, reach: float) -> Cursor:
@@ -47,3 +98,24 @@ class ContourTool(Tool):
         key = self._review.under(at, reach)
         self._review.hover(key)
         return Cursor.ArrowCursor if key is None else Cursor.PointingHandCursor
+
+    def _drag_frame(self, corner: Position, at: Position) -> None:
+        frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
+        self._removes = bool(self._held & _REMOVING)
+        self._found = self._review.within(frame)
+        self._context.drawing.show_draft((), (*frame, corner), theme.CHOSEN, False)
+        self._show()
+
+    def _show(self) -> None:
+        """Select what has been found, as the modifier keys tell."""
+        if self._removes:
+            self._review.select(self._before - self._found)
+        else:
+            self._review.select(self._found | self._before if self._held & _ADDING else self._found)
+        self._context.advised()
+
+    def _end(self) -> None:
+        self._corner = self._last = None
+        self._found = frozenset()
+        self._context.drawing.show_draft((), (), theme.CHOSEN, False)
+        self._context.advised()

@@ -53,9 +53,12 @@ class ContoursFeature(Feature):
             ActionSpec(name="all_contours", menu="Contours", text=tr("Select &all contours"),
                        do=lambda: self._review.select(item.key for item in self._review.items), shortcuts=("Ctrl+A",),
                        tip=tr("Select all contours."), when=self._any),
+            ActionSpec(name="other_contours", menu="Contours", text=tr("&Invert the selection"), do=self._invert,
+                       shortcuts=("Ctrl+I",), tip=tr("Select all contours that are not selected."),
+                       when=self._any),
             ActionSpec(name="keep", menu="Contours", text=tr("&Keep"), do=lambda: self._review.judge("kept"),
-                       shortcuts=("K",), tip=tr("Mark the selected contours as correct; press again to undo."),
-                       gap=True, when=self._chosen),
+                       shortcuts=("K",), gap=True, when=self._chosen,
+                       tip=tr("Keep the selected contours through all sliders and runs; press again to undo.")),
             ActionSpec(name="reject", menu="Contours", text=tr("&Reject"), do=lambda: self._review.judge("rejected"),
                        shortcuts=("X",), tip=tr("Exclude the selected contours from exports; press again to undo."),
                        when=self._chosen),
@@ -117,6 +120,9 @@ class ContoursFeature(Feature):
         at = max((keys.index(key) for key in self._review.selected if key in keys), default=-1)
         if keys:
             self._review.select((keys[(at + 1) % len(keys)],))
+
+    def _invert(self) -> None:
+        self._review.select({item.key for item in self._review.items} - self._review.selected)
 
     def _fill_colors(self, menu: QMenu) -> None:
         fill_colors(menu, self.context.window, self._review.paint)

@@ -10,6 +10,7 @@ from app.model.document.document import Mode
 from app.model.document.modes import MODES, use_mode
 from app.model.state.situation import Condition, Situation, has_contours
 from app.model.text.language import tr
+from app.session.storage.output_folder import output_folder
 from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.dialogs import ask_for_export
 from app.views.window.feature import Feature
@@ -45,7 +46,8 @@ class ModesFeature(Feature):
     def _export(self) -> None:
         image = self.context.session.document.image
         stem = Path(image.name).stem if image else "image"
-        chosen = ask_for_export(self.context.window, f"{stem}_skeleton.svg")
+        folder = output_folder(self.context.preferences, self.context.session.document)
+        chosen = ask_for_export(self.context.window, str(folder / f"{stem}_skeleton.svg"))
         if chosen:
             self.context.session.export(chosen)
 

@@ -9,16 +9,19 @@ from pathlib import Path
 from PySide6.QtCore import QMimeData
 from PySide6.QtWidgets import QApplication
 
-from app.model.state.situation import has_contours, has_image
+from app.model.export.order import ExportOrder, can_be_exported
+from app.model.state.situation import Situation, has_contours, has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Opened
+from app.session.storage.output_folder import output_folder, remember_output_folder
 from app.session.worker.commands.run import Copied
+from app.views.export.dialog import ExportDialog
 from app.views.widgets.action_spec import ActionSpec
-from app.views.window.dialogs import ask_for_export
 from app.views.window.feature import Feature, FeatureContext
+from cpm_core.formats import suffix_of
 
-_FOLDER = "files/exports"
-"""Preference: folder of the last export."""
+_SUFFIX = "files/export_suffix"
+"""Preference: suffix of the last export."""
 
 
 class ExportFeature(Feature):
@@ -27,6 +30,8 @@ class ExportFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self._exported: Path | None = None
+        self._order = ExportOrder()
+        self.dialog: ExportDialog | None = None
         context.session.listen(Opened, self._forget)
         context.session.listen(Exported, self._remember)
 
@@ -35,10 +40,10 @@ class ExportFeature(Feature):
         return (
             ActionSpec(name="export", menu="File", text=tr("&Export contours…"), short=tr("Export"), do=self._export,
                        shortcuts=("Ctrl+E",), tip=tr("Export the contours to a file."), icon="export", gap=True,
-                       when=has_contours),
+                       when=_can_export),
             ActionSpec(name="export_again", menu="File", text=tr("Export a&gain"), do=self._export_again,
                        shortcuts=("Ctrl+Shift+E",), tip=tr("Export the contours to the last file again."),
-                       when=lambda situation: has_contours(situation) and self._exported is not None,
+                       when=lambda situation: _can_export(situation) and self._exported is not None,
                        worded=lambda situation: self._again_text()),
         )  # fmt: skip
 
@@ -48,25 +53,46 @@ class ExportFeature(Feature):
         return tr("Export a&gain to {name}").format(name=self._exported.name.replace("&", "&&"))
 
     def _export(self) -> None:
-        image, last = self.context.session.document.image, self._exported
-        suffix = "".join(last.suffixes[-1:]) if last else ".svg"
-        stem = Path(image.name).stem if image else "contours"
-        folder = Path(self.context.preferences.get(_FOLDER, ""))
-        chosen = ask_for_export(self.context.window, str(folder / f"{stem}_contours{suffix}"))
-        if chosen:
-            self.context.session.export(chosen)
+        session, review = self.context.session, self.context.workspace.review
+        image, preferences = session.document.image, self.context.preferences
+        if image is None or self.dialog is not None:
+            return
+        suffix = suffix_of(self._exported) if self._exported else preferences.get(_SUFFIX, ".svg")
+        place = output_folder(preferences, session.document) / f"{Path(image.name).stem}_contours"
+        selected = frozenset(item.measures.number for item in review.chosen)
+        dialog = self.dialog = ExportDialog(self.context.window, session, selected, place, suffix)
+        dialog.ordered.connect(self._write)
+        dialog.finished.connect(self._end)
+        dialog.open()
+
+    def _write(self, path: Path, order: ExportOrder) -> None:
+        self._order = order
+        self.context.session.export(path, order)
+
+    def _end(self) -> None:
+        self.dialog = None
 
     def _export_again(self) -> None:
         if self._exported is not None:
-            self.context.session.export(self._exported)
+            self.context.session.export(self._exported, self._order)
 
     def _forget(self, _: Opened) -> None:
-        self._exported = None
+        self._exported, self._order = None, ExportOrder()
+        if self.dialog is not None:
+            self.dialog.reject()
 
     def _remember(self, exported: Exported) -> None:
+        preferences = self.context.preferences
+        remember_output_folder(preferences, self.context.session.document, exported.path)
+        if exported.counts is None:  # an animation, or a strip
+            return
         self._exported = exported.path
-        self.context.preferences.put(_FOLDER, str(exported.path.absolute().parent))
+        preferences.put(_SUFFIX, suffix_of(exported.path))
         self.context.refresh()
+
+
+def _can_export(situation: Situation) -> bool:
+    return has_contours(situation) or can_be_exported(situation.document)
 
 
 _KINDS = (

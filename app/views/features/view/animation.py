@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QFileDialog
 from app.model.state.situation import has_particles
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
+from app.session.storage.output_folder import output_folder
 from app.session.tasks.tasks import Task
 from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.film.filming import Filming
@@ -46,7 +47,6 @@ class AnimationFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self._navigation = context.workspace.navigation
-        self._folder = ""
         self._filming: list[Filming] = []
         self._strip_task: Task | None = None
         self._strip_dialog: StripDialog | None = None
@@ -137,7 +137,6 @@ class AnimationFeature(Feature):
         if chosen:
             path = Path(chosen)
             path = path if path.suffix else path.with_suffix(plan.suffix)
-            self._folder = str(path.parent)
             self.write(branch, plan, path)
 
     # Strip
@@ -192,7 +191,6 @@ class AnimationFeature(Feature):
         if chosen:
             path = Path(chosen)
             path = path if path.suffix else path.with_suffix(".png")
-            self._folder = str(path.parent)
             self.save_strip(pixels, path)
 
     def save_strip(self, pixels: Pixels, path: Path) -> Task:
@@ -214,7 +212,8 @@ class AnimationFeature(Feature):
     def _suggestion(self, what: str, suffix: str) -> str:
         image = self.context.session.document.image
         stem = Path(image.name).stem if image is not None else "cpm"
-        return str(Path(self._folder) / f"{stem}_{what}{suffix}")
+        folder = output_folder(self.context.preferences, self.context.session.document)
+        return str(folder / f"{stem}_{what}{suffix}")
 
 
 def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:

@@ -105,6 +105,10 @@ class ContourModel(QAbstractTableModel):
                 return font
         return None
 
+    def verdict(self, row: int) -> str:
+        """Verdict on the contour in a row."""
+        return self._items[row].reviewed.verdict
+
     def setData(self, index: Index, value: Any, role: int = Role.EditRole) -> bool:
         """Name a contour."""
         if role != Role.EditRole or index.column() != NAME:
@@ -145,13 +149,24 @@ class ContourModel(QAbstractTableModel):
 
 
 class Sorted(QSortFilterProxyModel):
-    """The same rows in the order of a column; equal ones by their number."""
+    """The same rows in the order of a column, equal ones by their number; only those of a verdict, if one is chosen."""
 
     def __init__(self, model: ContourModel, parent: QObject) -> None:
         super().__init__(parent)
         self.setSourceModel(model)
         self.setSortRole(VALUE)
         self.setDynamicSortFilter(True)
+        self._contours = model
+        self._verdict: str | None = None
+
+    def show_only(self, verdict: str | None) -> None:
+        """Show the contours with a verdict (empty for the undecided ones), or all for None."""
+        self._verdict = verdict
+        self.invalidate()
+
+    def filterAcceptsRow(self, row: int, parent: Index) -> bool:
+        """Whether a row is shown."""
+        return self._verdict is None or self._contours.verdict(row) == self._verdict
 
     def lessThan(self, left: Index, right: Index) -> bool:
         """Whether one row comes before another."""

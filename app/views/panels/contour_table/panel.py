@@ -7,7 +7,7 @@ from functools import partial
 
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QBoxLayout, QComboBox, QHBoxLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
 
 from app.model.document import edits
 from app.model.document.document import Document
@@ -22,6 +22,14 @@ _NARROW = 640
 """Width below which thresholds and buttons are placed above the table instead of beside it [px]."""
 
 _BESIDE = 236
+
+_SHOWN: tuple[tuple[str, str | None], ...] = (
+    (tr("All contours"), None),
+    (tr("Kept"), "kept"),
+    (tr("Rejected"), "rejected"),
+    (tr("Undecided"), ""),
+)
+"""What the table can be limited to: texts and verdicts."""
 
 
 class ContourPanel(QWidget):
@@ -38,6 +46,12 @@ class ContourPanel(QWidget):
         self.thresholds = {
             control.name: Threshold(control) for control in controls() if control.name in ("min_strength", "min_length")
         }
+        self.shown = QComboBox()
+        self.shown.setAccessibleName(tr("Contours in the table"))
+        self.shown.setToolTip(tr("Which contours the table shows."))
+        for text, verdict in _SHOWN:
+            self.shown.addItem(text, verdict)
+        self.shown.currentIndexChanged.connect(lambda _: self.table.show_only(self.shown.currentData()))
         self.buttons: dict[str, QToolButton] = {}
         self._colors = QMenu(self)
         self._colors.aboutToShow.connect(self._colors.clear)
@@ -77,6 +91,7 @@ class ContourPanel(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(6)
         column.addWidget(self.summary)
+        column.addWidget(self.shown)
         sliders, rows = self._boxes
         for threshold in self.thresholds.values():
             sliders.addWidget(threshold)

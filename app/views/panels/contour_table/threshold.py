@@ -10,6 +10,7 @@ from PySide6.QtCore import QRectF, QSize, Signal
 from PySide6.QtGui import QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
+from app.model.display.filter_counts import Distribution
 from app.model.parameters.controls import Control
 from app.views.widgets.marked_slider import MarkedSlider
 
@@ -71,7 +72,7 @@ class Threshold(QWidget):
         self.title, self._unit = control.title, control.unit
         self._top = _LEAST
         self._value = 0.0
-        self._known: tuple[object, float, np.ndarray] = (None, 0.0, np.empty(0))
+        self._distribution = Distribution()
         self.histogram = Histogram()
         self.slider = MarkedSlider(0.0, 1.0, _STEP, None)
         self.slider.setAccessibleName(self.title)
@@ -96,15 +97,7 @@ class Threshold(QWidget):
         `moment` identifies the state that the contours were reconstructed from. While it stays the same, values that
         the threshold has excluded are remembered, so that the user sees the whole distribution.
         """
-        known, below, before = self._known
-        now = np.asarray(values, dtype=float)
-        if moment is not None and moment == known and below < self._value:
-            # Values below the newest threshold may still be present: the contours follow a moment later.
-            left_out = (before < self._value) & ~np.isin(before, now)
-            now = np.concatenate([now, before[left_out]])
-            self._known = (moment, below, np.sort(now))
-        else:
-            self._known = (moment, self._value, np.sort(now))
+        self._distribution.update(moment, self._value, values)
         self._show()
 
     def show_value(self, value: float) -> None:
@@ -117,7 +110,7 @@ class Threshold(QWidget):
         self.moved_to.emit(float(f"{value:.3g}"))
 
     def _show(self) -> None:
-        values = self._known[2]
+        values = self._distribution.values
         self._top = _nice(max([_LEAST, self._value, *values[-1:].tolist()]))
         share = math.sqrt(self._value / self._top)
         if not self.slider.isSliderDown():

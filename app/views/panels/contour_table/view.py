@@ -61,6 +61,13 @@ class ContourTable(QTableView):
         number = next(index for index, column in enumerate(COLUMNS) if column.name == name)
         return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
 
+    def show_only(self, verdict: str | None) -> None:
+        """Show the contours with a verdict (empty for the undecided ones), or all for None."""
+        self._showing = True
+        self._sorted.show_only(verdict)
+        self._showing = False
+        self._show_selection()
+
     def name_selected(self) -> None:
         """Edit the name in the selected row."""
         rows = self.selectionModel().selectedRows()
@@ -147,7 +154,8 @@ class ContourTable(QTableView):
         last = len(COLUMNS) - 1
         for row in rows:
             first = self._sorted.mapFromSource(self._rows.index(row, 0))
-            selection.select(first, first.siblingAtColumn(last))
+            if first.isValid():  # else the row is not shown
+                selection.select(first, first.siblingAtColumn(last))
         self._showing = True
         self.selectionModel().select(selection, QItemSelectionModel.SelectionFlag.ClearAndSelect)
         if rows and self.state() != QAbstractItemView.State.EditingState:

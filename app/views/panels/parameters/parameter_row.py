@@ -49,6 +49,7 @@ class ParameterRow(QWidget):
         self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step, numeric)
         self._automatic = QCheckBox(tr("auto")) if control.automatic else None
         self._restore = QToolButton()
+        self.effect = QLabel()
         self._set_up()
         self._lay_out()
         self._connect()
@@ -72,6 +73,11 @@ class ParameterRow(QWidget):
         default = self.control.default
         same = value == default if isinstance(value, str) or isinstance(default, str) else abs(value - default) < _SAME
         self._restore.setEnabled(not same)
+
+    def show_effect(self, words: str) -> None:
+        """Show what the present value changes, below the slider."""
+        self.effect.setText(words)
+        self.effect.setVisible(bool(words))
 
     def use_wording(self, wording: Wording) -> None:
         """Label it in plain words, or by symbol and name."""
@@ -106,6 +112,8 @@ class ParameterRow(QWidget):
         self.number.setSuffix(f" {control.unit}" if control.unit else "")
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.number.setFixedWidth(112)
+        self.effect.setObjectName("dim")
+        self.effect.hide()
         self._restore.setObjectName("restore")
         self._restore.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._restore.setAccessibleName(tr("{parameter}: restore the default").format(parameter=control.title))
@@ -143,6 +151,7 @@ class ParameterRow(QWidget):
         grid.addWidget(self.slider, 1, 1, 1, 2)
         grid.addWidget(high, 1, 3)
         grid.addWidget(self._restore, 1, 4, Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(self.effect, 2, 1, 1, 3)
         grid.setColumnStretch(1, 1)
 
     def _connect(self) -> None:

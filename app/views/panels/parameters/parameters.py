@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
+from app.model.display.filter_counts import FILTERS, GAP, FilterCounts
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.parameters.controls import Control, controls, value_of
 from app.model.text.language import tr
 from app.model.text.wording import Wording
+from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.session import Session
 from app.views.panels.parameters.explanation import Explanation
 from app.views.panels.parameters.parameter_row import ParameterRow
@@ -28,6 +32,10 @@ class ParametersPanel(QWidget):
     def __init__(self, session: Session, gallery: PresetGallery) -> None:
         super().__init__()
         self._session = session
+        self._counts = FilterCounts()
+        self._contours: ReviewedContours = NO_CONTOURS
+        self._before: dict[str, int] = {}
+        """Number of contours before a slider that is held was moved, by parameter."""
         self.rows = {control.name: ParameterRow(control) for control in controls()}
         self.gallery = gallery
         self.explanation = Explanation()
@@ -36,6 +44,9 @@ class ParametersPanel(QWidget):
             row.changed.connect(self._change)
             row.released.connect(session.seal)
             row.explained.connect(self._explain)
+            row.slider.sliderPressed.connect(partial(self._hold, row.control.name))
+            row.slider.sliderReleased.connect(partial(self._let_go, row.control.name))
+        session.scene_changed.connect(self._follow)
         session.document_changed.connect(self.show_document)
         self._explain(next(iter(self.rows.values())).control)
         self.show_document(session.document)
@@ -45,6 +56,7 @@ class ParametersPanel(QWidget):
         contrast = document.image.contrast if document.image else 0.0
         for name, row in self.rows.items():
             row.show_value(value_of(document.parameters, name), contrast)
+        self._show_effects()
         if self.explanation.control is not None:
             self._explain(self.explanation.control)
 
@@ -119,6 +131,31 @@ class ParametersPanel(QWidget):
         # A rejected value must not stay visible; an accepted one is shown through the signal.
         if self._session.document is before:
             self.show_document(before)
+
+    def _follow(self) -> None:
+        """Count the contours of the scene when they are others."""
+        contours, document = self._session.scene.contours, self._session.document
+        if contours is self._contours:
+            return
+        self._contours = contours
+        result = contours.result
+        moment = (self._session.generation, result.steps) if result is not None else None
+        thresholds = {name: float(getattr(document.parameters, name)) for name in FILTERS}
+        items = contours.items
+        self._counts.update(moment, thresholds, [item.contour for item in items], [item.measures for item in items])
+        self._show_effects()
+
+    def _show_effects(self) -> None:
+        for name in (*FILTERS, GAP):
+            value = float(getattr(self._session.document.parameters, name))
+            self.rows[name].show_effect(self._counts.words(name, value, self._before.get(name)))
+
+    def _hold(self, name: str) -> None:
+        self._before[name] = self._counts.present
+
+    def _let_go(self, name: str) -> None:
+        self._before.pop(name, None)
+        self._show_effects()
 
     def _explain(self, control: Control) -> None:
         document = self._session.document

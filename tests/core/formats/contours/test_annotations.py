@@ -29,12 +29,24 @@ def test_labelme_has_a_polygon_or_a_line_of_each_contour():
     assert content["imageData"] is None
     shapes = content["shapes"]
     assert [shape["shape_type"] for shape in shapes] == ["polygon", "linestrip", "polygon", "polygon", "point"]
-    assert [shape["label"] for shape in shapes] == ["cell", "fibre", "closed", "Kern β", "open"]
+    assert [shape["label"] for shape in shapes] == ["cell", "fibre", "contour", "Kern β", "contour"]
     for shape, contour in zip(shapes, RESULT.contours, strict=True):
         np.testing.assert_allclose(shape["points"], contour.points[:, ::-1] + 0.5, atol=1e-4)
     # what labelme asks of a shape, and of a file
     assert all({"label", "points", "group_id", "shape_type", "flags"} <= set(shape) for shape in shapes)
     assert {"version", "flags", "shapes", "imagePath", "imageData", "imageHeight", "imageWidth"} == set(content)
+
+
+def test_labelme_finds_the_image_from_the_folder_of_the_file(tmp_path):
+    image = tmp_path / "images" / "a b.png"
+    (tmp_path / "found" / "here").mkdir(parents=True)
+    for folder, wanted in (("images", "a b.png"), ("found/here", "../../images/a b.png"), (".", "images/a b.png")):
+        (tmp_path / folder).mkdir(exist_ok=True)
+        file = tmp_path / folder / "a.labelme.json"
+        export(RESULT, file, image=image)
+        path = json.loads(file.read_text(encoding="utf-8"))["imagePath"]
+        assert path == wanted
+        assert (file.parent / path).resolve() == image
 
 
 _LOAD = """
@@ -55,7 +67,7 @@ def test_labelme_itself_loads_its_file_beside_the_image(tmp_path):
     loaded = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
     kinds = ["polygon", "linestrip", "polygon", "polygon", "point"]
     assert [kind for _, kind, _ in loaded] == kinds
-    assert [label for label, *_ in loaded] == ["cell", "fibre", "closed", "Kern β", "open"]
+    assert [label for label, *_ in loaded] == ["cell", "fibre", "contour", "Kern β", "contour"]
     for (*_, points), contour in zip(loaded, RESULT.contours, strict=True):
         np.testing.assert_allclose(points, contour.points[:, ::-1] + 0.5, atol=1e-4)
 

@@ -12,6 +12,7 @@ from scipy import ndimage
 
 from cpm_core import Contour, Skeleton
 from cpm_core.formats import WRITABLE, export, load_image, suffix_of
+from tests.core.formats.masks.test_label_mask import indices
 
 SVG = "{http://www.w3.org/2000/svg}"
 STEM = Contour(np.array([[5.0, 10.2], [20.0, 10.4], [33.4, 10.0]]), False, 12.0, junctions=(False, True))
@@ -60,7 +61,7 @@ def test_a_vertex_by_itself_is_drawn_as_a_dot(tmp_path):
 
 def test_each_branch_is_a_line_of_its_label_one_pixel_wide(tmp_path):
     export(SKELETON, tmp_path / "a.png")
-    mask = load_image(tmp_path / "a.png").values
+    mask = indices(tmp_path / "a.png")
     assert mask.shape == (50, 80)
     assert np.unique(mask).tolist() == [0, 1, 2, 3, 4]
     row, col = np.nonzero(mask == 1)
@@ -84,7 +85,7 @@ def test_more_branches_than_a_byte_can_tell_apart_take_sixteen_bits(tmp_path):
 def test_a_branch_that_ends_on_the_border_stays_in_the_picture(tmp_path):
     line = Contour(np.array([[-0.5, 10.0], [49.5, 10.0]]), False)
     export(Skeleton((line,), (np.ones(2),), (50, 80), (1.0, 1.0), None, "a.png"), tmp_path / "a.png")
-    assert load_image(tmp_path / "a.png").values.sum() == 50
+    assert indices(tmp_path / "a.png").sum() == 50
 
 
 def test_a_picture_without_a_skeleton_is_refused_and_the_others_are_empty(tmp_path):
@@ -108,7 +109,7 @@ def test_a_picture_without_a_skeleton_is_refused_and_the_others_are_empty(tmp_pa
 
 def test_every_format_of_contours_takes_branches_as_well(tmp_path):
     export(SKELETON, *(tmp_path / f"a{suffix}" for suffix in WRITABLE if suffix != ".roi"))
-    masks = [load_image(tmp_path / name).values for name in ("a.png", "a.tif")]
+    masks = [indices(tmp_path / "a.png"), load_image(tmp_path / "a.tif").values]
     assert np.array_equal(masks[0], masks[1])
     content = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert "run" not in content

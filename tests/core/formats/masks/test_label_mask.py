@@ -1,12 +1,14 @@
 """Label mask: the inside of each closed contour carries its own label."""
 
-import imageio.v3 as iio
 import numpy as np
+import PIL.Image
 import pytest
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
-from cpm_core.formats import export
+from cpm_core.formats import OUTLINABLE, encoded, export, left_out
+from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.formats.masks.labels import labels_of, palette
 
 
 def polygon_of(row, col, radius, count=40, rough=0.0, seed=0):
@@ -23,7 +25,12 @@ def result_of(points, shape=(60, 90), closed=True):
 
 def mask_of(tmp_path, result):
     export(result, tmp_path / "m.png")
-    return iio.imread(tmp_path / "m.png")
+    return indices(tmp_path / "m.png")
+
+
+def indices(path):
+    with PIL.Image.open(path) as picture:
+        return np.asarray(picture)
 
 
 def inside(points, shape):
@@ -99,3 +106,42 @@ def test_without_a_closed_contour_nothing_is_written(tmp_path, points):
     with pytest.raises(ValueError, match=r"No contour of a\.png is closed"):
         export(result_of(points, closed=False), tmp_path / "m.png")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_labels_are_shown_in_bright_colors_far_apart_and_no_two_with_the_same_luminance():
+    colors = palette(255).astype(float)
+    assert colors[0].tolist() == [0, 0, 0]
+    luminance = colors @ (0.299, 0.587, 0.114)
+    assert luminance[1:].min() > 40.0
+    assert len(np.unique(np.round(luminance, 3))) == 256
+    apart = np.linalg.norm(colors[:30, None] - colors[None, :30], axis=-1)[~np.eye(30, dtype=bool)]
+    assert apart.min() > 15.0
+
+
+def test_a_mask_in_colors_is_read_as_truth_with_all_its_objects(tmp_path):
+    centers = [(8 + 16 * (k // 9), 8 + 16 * (k % 9)) for k in range(72)]
+    result = result_of([polygon_of(r, c, 6.2) for r, c in centers], shape=(140, 150))
+    export(result, tmp_path / "m.png")
+    truth = load_truth(tmp_path / "m.png", (140, 150))
+    mask = indices(tmp_path / "m.png")
+    assert np.array_equal(truth.labels > 0, mask > 0)
+    assert len(np.unique(truth.labels)) == 73
+    assert len(np.unique(truth.labels * 100 + mask)) == 73
+
+
+@pytest.mark.parametrize("suffix", sorted(OUTLINABLE))
+def test_outlines_hold_open_contours_too_as_lines_with_their_numbers(tmp_path, suffix):
+    ring, arc = polygon_of(30, 30, 14.0), polygon_of(30, 62, 14.0)[:20]
+    contours = (Contour(ring, True, number=4), Contour(arc, False, number=9))
+    result = Result(np.zeros((0, 2)), contours, None, 1, True, "", (60, 90), (1.0, 1.0), None, "a.png")
+    assert left_out(result, suffix) == 1
+    assert left_out(result, suffix, outlines=True) == 0
+    mask = labels_of(result, outlines=True)
+    assert np.unique(mask).tolist() == [0, 4, 9]
+    assert mask[30, 30] == 0
+    rows, cols = np.nonzero(mask == 4)
+    assert np.abs(np.hypot(rows - 30, cols - 30) - 14.0).max() <= 1.0
+    for points, number in ((ring, 4), (arc, 9)):
+        near = np.floor(points + 0.5).astype(int)
+        assert (mask[near[:, 0], near[:, 1]] == number).all()
+    assert encoded(result, suffix, outlines=True) != encoded(result, suffix)

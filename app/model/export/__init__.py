@@ -1,0 +1,1 @@
+"""Export: what is written to a file, and what a format leaves out."""

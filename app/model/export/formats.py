@@ -1,0 +1,58 @@
+"""The formats in the export dialog: short names in groups, images first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.model.text.language import tr
+from cpm_core.formats import WRITABLE
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A format by the suffix of its files, with its name and its group."""
+
+    suffix: str
+    name: str
+    group: str
+
+
+_IMAGES, _DRAWINGS, _ANNOTATIONS, _TABLES, _OTHERS = (
+    tr("Images"),
+    tr("Drawings"),
+    tr("Annotations"),
+    tr("Tables and data"),
+    tr("Others"),
+)
+
+_KNOWN = (
+    Format(".png", tr("PNG mask"), _IMAGES),
+    Format(".tif", tr("TIFF mask"), _IMAGES),
+    Format(".nii.gz", tr("NIfTI mask, compressed"), _IMAGES),
+    Format(".nii", tr("NIfTI mask"), _IMAGES),
+    Format(".svg", tr("SVG drawing"), _DRAWINGS),
+    Format(".dxf", tr("DXF for CAD"), _DRAWINGS),
+    Format(".geojson", tr("GeoJSON for QuPath"), _ANNOTATIONS),
+    Format(".labelme.json", tr("labelme"), _ANNOTATIONS),
+    Format(".coco.json", tr("COCO"), _ANNOTATIONS),
+    Format(".zip", tr("ImageJ, all selections"), _ANNOTATIONS),
+    Format(".roi", tr("ImageJ, one selection"), _ANNOTATIONS),
+    Format(".measures.csv", tr("CSV, one row a contour"), _TABLES),
+    Format(".csv", tr("CSV, one row a vertex"), _TABLES),
+    Format(".json", tr("JSON with everything"), _TABLES),
+)
+
+_SAME = {".tiff": ".tif"}
+"""Suffixes of the same format."""
+
+
+def formats() -> tuple[Format, ...]:
+    """All formats that can be written, those of one group next to each other; new ones are last."""
+    known = {one.suffix for one in _KNOWN} | _SAME.keys()
+    others = (Format(suffix, tr(text), _OTHERS) for suffix, text in WRITABLE.items() if suffix not in known)
+    return (*(one for one in _KNOWN if one.suffix in WRITABLE), *others)
+
+
+def listed(suffix: str) -> str:
+    """The suffix under which the format of a suffix is listed."""
+    return _SAME.get(suffix, suffix)

@@ -1,0 +1,217 @@
+"""The export dialog: what is written, what is left out and told, and where the file goes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+import tifffile
+from PySide6.QtCore import QPoint, Qt
+
+from app.model.document import edits
+from app.model.export.formats import formats, listed
+from app.session.storage.output_folder import output_folder
+from app.views.export.dialog import ExportDialog
+from app.views.features.file.export import ExportFeature
+from app.views.main_window import MainWindow
+from cpm_core.formats import WRITABLE
+from cpm_core.shapes import Circle
+from tests.app.conftest import Hand
+
+KEY, CTRL = Qt.Key, Qt.KeyboardModifier.ControlModifier
+LEFT = Qt.MouseButton.LeftButton
+DISCS = ((12, 36, 18), (48, 96, 16), (60, 30, 12))
+"""Row, column and radius; the border cuts the first one."""
+
+
+def inside(disc: tuple[int, int, int]) -> np.ndarray:
+    row, col = np.indices((80, 128))
+    return np.hypot(row - disc[0], col - disc[1]) < disc[2]
+
+
+@pytest.fixture
+def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
+    """A window in which two closed contours and an open one have been found."""
+    (tmp_path / "images").mkdir()
+    path = tmp_path / "images" / "discs.npy"
+    np.save(path, 20.0 + 150.0 * sum(inside(disc) for disc in DISCS))
+    session = window.session
+    session.open(path)
+    hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
+    for row, col, radius in DISCS:
+        circle = Circle((float(max(row, 16)), float(col)), 0.6 * radius)
+        session.edit("draw", lambda document, circle=circle: edits.add_shape(document, circle))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    assert sorted(item.contour.closed for item in window.workspace.review.items) == [False, True, True]
+    return window
+
+
+@pytest.fixture
+def dialog(found: MainWindow, hand: Hand) -> ExportDialog:
+    return asked(hand, found)
+
+
+def asked(hand: Hand, window: MainWindow) -> ExportDialog:
+    """The dialog, opened by its key."""
+    window.activateWindow()
+    hand.wait(window.isActiveWindow)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_E, CTRL)
+    opened = window.feature(ExportFeature).dialog
+    assert opened is not None
+    hand.qtbot.waitExposed(opened)
+    return opened
+
+
+def type_into(hand: Hand, field, text: str) -> None:
+    field.setFocus()
+    field.selectAll()
+    hand.qtbot.keyClicks(field, text)
+
+
+def click(hand: Hand, button) -> None:
+    hand.qtbot.mouseClick(button, LEFT, pos=QPoint(8, button.height() // 2))
+
+
+def choose(hand: Hand, combo, data: str) -> None:
+    """Choose an entry by arrow keys."""
+    combo.setFocus()
+    down = combo.findData(data) > combo.currentIndex()
+    for _ in range(combo.count()):
+        if combo.currentData() == data:
+            return
+        hand.qtbot.keyClick(combo, KEY.Key_Down if down else KEY.Key_Up)
+    raise AssertionError(data)
+
+
+def write(hand: Hand, window: MainWindow, dialog: ExportDialog) -> Path:
+    path = dialog.file.path
+    hand.qtbot.mouseClick(dialog.export_button, LEFT)
+    hand.wait(path.exists)
+    hand.wait(lambda: window.session.idle)
+    return path
+
+
+def test_open_contours_are_counted_before_and_after_a_mask_is_written(found, hand, dialog) -> None:
+    type_into(hand, dialog.file.name, "found.png")
+    assert dialog.format.suffix == ".png"
+    assert "2 contours, 1 open ones left out" in dialog.counts.text()
+    path = write(hand, found, dialog)
+    assert path.parent.name == "images"  # beside the image
+    with PIL.Image.open(path) as picture:
+        labels = np.asarray(picture)
+    assert set(np.unique(labels)) == {0, 1, 2}
+    assert labels[8, 36] == 0
+    said = found.canvas_area.messages.text
+    assert str(path) in said
+    assert "2 contours, 1 open ones left out" in said
+
+
+@pytest.mark.parametrize("closing", ["edges", "straight"])
+def test_open_contours_are_closed_on_request(found, hand, dialog, closing) -> None:
+    choose(hand, dialog.format, ".tif")
+    assert dialog.file.name.text() == "discs_contours.tif"
+    choose(hand, dialog.closing, closing)
+    hand.wait(lambda: "closed for the export" in dialog.counts.text())
+    assert dialog.counts.text().startswith("Writes 3 contours, 1 of them closed for the export.")
+    labels = tifffile.imread(write(hand, found, dialog))
+    for disc in DISCS:
+        label = labels[max(disc[0], 6), disc[1]]
+        assert label > 0
+        truth = inside(disc)
+        assert 2 * ((labels == label) & truth).sum() / ((labels == label).sum() + truth.sum()) > 0.95
+    assert "1 of them closed for the export" in found.canvas_area.messages.text
+
+
+def test_kept_ones_only_and_the_selection_are_written_with_the_numbers_of_the_table(found, hand, tmp_path) -> None:
+    review = found.workspace.review
+    numbers = {item.measures.number: item.key for item in review.items}
+    review.select([numbers[2]])
+    hand.key(KEY.Key_K)
+    review.select([numbers[1], numbers[3]])
+    for source, wanted in (("kept", [2]), ("selected", [1, 3]), ("all", [1, 2, 3])):
+        dialog = asked(hand, found)
+        click(hand, dialog.sources[source])
+        assert f"({len(wanted)})" in dialog.sources[source].text()
+        type_into(hand, dialog.file.name, f"{source}.json")
+        path = write(hand, found, dialog)
+        assert [one["number"] for one in json.loads(path.read_text(encoding="utf-8"))["contours"]] == wanted
+
+
+def test_outlines_hold_open_contours_too(found, hand, dialog) -> None:
+    type_into(hand, dialog.file.name, "lines.png")
+    click(hand, dialog.drawn["outlines"])
+    assert dialog.drawn["outlines"].isChecked()
+    assert "3 contours" in dialog.counts.text()
+    assert "left out" not in dialog.counts.text()
+    with PIL.Image.open(write(hand, found, dialog)) as picture:
+        labels = np.asarray(picture)
+    assert set(np.unique(labels)) == {0, 1, 2, 3}
+    assert labels[60, 30] == 0
+
+
+def test_a_typed_size_of_a_pixel_goes_into_the_file(found, hand, dialog) -> None:
+    type_into(hand, dialog.file.name, "found.json")
+    type_into(hand, dialog.pixel_size.number, "0.25")
+    hand.qtbot.keyClick(dialog.pixel_size.number, KEY.Key_Tab)
+    image = json.loads(write(hand, found, dialog).read_text(encoding="utf-8"))["image"]
+    assert (image["spacing"], image["unit"]) == ([0.25, 0.25], "µm")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("mask.bmp", "mask.bmp ends in “.bmp”, which is not a format: choose one from the list above."),
+        ("mask", "mask has no suffix: choose a format from the list above."),
+        ("", "The file has no name: type one."),
+    ],
+)
+def test_a_name_that_cannot_be_used_is_told_in_one_line(found, hand, dialog, name, words) -> None:
+    type_into(hand, dialog.file.name, "a")
+    hand.qtbot.keyClick(dialog.file.name, KEY.Key_Backspace)
+    hand.qtbot.keyClicks(dialog.file.name, name)
+    assert dialog.note.text() == words
+    assert not dialog.export_button.isEnabled()
+    choose(hand, dialog.format, ".dxf")
+    assert dialog.file.name.text().endswith(".dxf")
+
+
+def test_a_folder_that_is_not_there_and_the_image_itself_are_refused(found, hand, dialog, tmp_path) -> None:
+    type_into(hand, dialog.file.folder, str(tmp_path / "nowhere"))
+    assert "there is no folder" in dialog.note.text()
+    assert not dialog.export_button.isEnabled()
+    type_into(hand, dialog.file.folder, str(tmp_path))
+    assert dialog.export_button.isEnabled()
+    dialog.file._image = tmp_path / "scan.png"
+    type_into(hand, dialog.file.name, "scan.png")
+    assert "is the image itself" in dialog.note.text()
+    assert not dialog.export_button.isEnabled()
+
+
+def test_a_folder_that_was_chosen_is_that_of_the_next_dialog_for_this_image_only(found, hand, dialog, tmp_path) -> None:
+    (tmp_path / "out").mkdir()
+    type_into(hand, dialog.file.folder, str(tmp_path / "out"))
+    write(hand, found, dialog)
+    again = asked(hand, found)
+    assert again.file.path.parent == tmp_path / "out"
+    assert again.note.text().endswith("is there already and will be replaced.")
+    hand.qtbot.keyClick(again, KEY.Key_Escape)
+    other = tmp_path / "images" / "other.npy"
+    np.save(other, np.indices((64, 64))[0].astype(float))
+    found.session.open(other)
+    hand.wait(lambda: found.session.document.image.name == "other.npy")
+    assert output_folder(found.preferences, found.session.document) == tmp_path / "images"
+
+
+def test_every_format_is_offered_once_with_images_first() -> None:
+    offered = [one.suffix for one in formats()]
+    assert len(set(offered)) == len(offered)
+    assert {listed(suffix) for suffix in WRITABLE} == set(offered)
+    assert [one.group for one in formats()][:4] == [formats()[0].group] * 4
+    assert offered[0] == ".png"

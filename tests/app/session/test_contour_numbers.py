@@ -1,0 +1,72 @@
+"""Numbers of contours: a number stays with its contour through filters, steps and runs, and none is given twice."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from app.session.exchange.contour_tracking import ContourNumbers, ContourTracker
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.kept import outline_of
+from cpm_core.contours.review import Mark, anchor
+from tests.core.contours.test_review import line, result_of, ring
+
+RINGS = [ring(30 + 40 * (i // 3), 30 + 40 * (i % 3), 6.0 + i) for i in range(9)]
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.sets(st.integers(0, 8)), max_size=6), st.floats(-0.7, 0.7))
+def test_a_number_belongs_to_one_place_whatever_comes_and_goes(shown, off) -> None:
+    numbers = ContourNumbers()
+    known: dict[int, int] = {}
+    for count, present in enumerate(shown):
+        contours = [moved(RINGS[index], off if count % 2 else -off) for index in present]
+        for index, number in zip(present, numbers.of(contours, settled=True), strict=True):
+            assert known.setdefault(index, number) == number
+    assert len(set(known.values())) == len(known)
+    assert sorted(known.values()) == list(range(1, len(known) + 1))
+
+
+def moved(contour: Contour, by: float) -> Contour:
+    return replace(contour, points=contour.points + by)
+
+
+def test_a_contour_that_a_filter_cuts_apart_has_its_number_again_when_it_is_whole_again() -> None:
+    numbers = ContourNumbers()
+    whole, left, right = line((10, 10), (10, 110)), line((10, 10), (10, 50)), line((10, 58), (10, 110))
+    assert numbers.of([whole], settled=True) == (1,)
+    assert 2 in numbers.of([left, right], settled=True)
+    assert numbers.of([whole], settled=True) == (1,)
+
+
+def test_contours_that_pass_while_particles_move_take_no_numbers() -> None:
+    numbers = ContourNumbers()
+    for radius in range(5, 40):
+        assert numbers.of([ring(50, 50, float(radius))], settled=False) == (1,)
+    assert numbers.of([RINGS[3], RINGS[8]], settled=True) == (1, 2)
+    assert numbers.of([RINGS[8], RINGS[0]], settled=False) == (2, 3)
+    assert numbers.of([RINGS[1], RINGS[0]], settled=True) == (3, 4)
+
+
+def test_another_image_is_numbered_from_one() -> None:
+    tracker = ContourTracker()
+    first = tracker.track(result_of(*RINGS[:4]), thorough=True)
+    tracker.begin()
+    second = tracker.track(result_of(*RINGS[4:6]), thorough=True)
+    assert [row.number for row in first.measures] == [1, 2, 3, 4]
+    assert [row.number for row in second.measures] == [1, 2]
+    assert not set(first.keys) & set(second.keys)
+
+
+def test_a_kept_contour_that_a_run_lacks_is_shown_with_its_number_and_a_key_of_its_own() -> None:
+    tracker = ContourTracker()
+    first = tracker.track(result_of(*RINGS[:3]), thorough=True)
+    contours = first.result.contours
+    marks = [Mark(anchor(contours, 1), "kept", outline=outline_of(contours[1]))]
+    again = tracker.track(result_of(RINGS[2], RINGS[0]), thorough=True).keeping(marks)
+    assert [row.number for row in again.measures] == [3, 1, 2]
+    assert len(set(again.keys)) == 3
+    whole = tracker.track(result_of(*RINGS[:3]), thorough=True)
+    assert whole.keeping(marks) is whole
