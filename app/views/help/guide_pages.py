@@ -44,7 +44,8 @@ _FIRST = Page(
                 "open contours are orange.")),
         Step(tr("<b>Steer</b>: every slider acts at the next step. The illustration below the sliders shows its "
                 "effect.")),
-        Step(tr("<b>Export</b> the contours: {export}. The file extension determines the format.")),
+        Step(tr("<b>Export</b> the contours: {export}. A preview shows what the chosen format holds and what it leaves "
+                "out.")),
     ),
     (tr("Three examples, step by step: <a href='page:artery'>an artery</a>, <a href='page:nuclei'>nuclei</a>, "
         "<a href='page:hand'>a hand</a>."),),
@@ -82,9 +83,10 @@ _NUCLEI = Page(
              "nuclei_end.jpg"),
         Step(tr("Nuclei that touch share one contour, because there is no edge between them. Draw a barrier across, "
                 "and run again: each nucleus gets its own contour, which may be open at the barrier.")),
-        Step(tr("Raise {=min_length} under Advanced: the smallest nuclei disappear at once, without another run. "
-                "Lower it, and they are back.")),
-        Step(tr("{export}, as a label mask (PNG): each nucleus has its own number, ready for measurements.")),
+        Step(tr("Raise {=min_length}: the smallest nuclei disappear at once, without another run; below the slider "
+                "their number is counted. Lower it, and they are back.")),
+        Step(tr("{export}, as a PNG mask: each nucleus has its own number, ready for measurements. Nuclei at the border "
+                "are open; the dialog counts them and can close them.")),
     ),
     (tr("For your own image: choose {mode_automatic} and run. If texture inside the nuclei is found, raise "
         "{=smoothing} or {=edge_floor}."),),
@@ -144,7 +146,8 @@ _FURTHER = Page(
            "a branch. All branches are kept and can be compared; {preferences} set the memory for them."),
         tr("<b>Understand.</b> The panel Layers shows the edge map, the potential, the field and more; {layer_forces} "
            "shows the forces on a particle."),
-        tr("<b>Review.</b> {contour_table} lists the contours; {reject} excludes contours from exports. {load_truth} "
+        tr("<b>Review.</b> {contour_table} lists the contours; {reject} excludes contours from exports, {keep} keeps them "
+           "through all sliders and runs. The contour tool selects several by a frame or a stroke. {load_truth} "
            "measures the agreement with a reference, and shows the differences."),
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
         tr("<b>Save.</b> {save} stores everything except the particles in one file. It also runs without a window: "
