@@ -85,8 +85,8 @@ _NUCLEI = Page(
                 "and run again: each nucleus gets its own contour, which may be open at the barrier.")),
         Step(tr("Raise {=min_length}: the smallest nuclei disappear at once, without another run; below the slider "
                 "their number is counted. Lower it, and they are back.")),
-        Step(tr("{export}, as a PNG mask: each nucleus has its own number, ready for measurements. Nuclei at the border "
-                "are open; the dialog counts them and can close them.")),
+        Step(tr("{export}, as a PNG mask: each nucleus has its own number, ready for measurements. Nuclei at the "
+                "border are open; the dialog counts them and can close them.")),
     ),
     (tr("For your own image: choose {mode_automatic} and run. If texture inside the nuclei is found, raise "
         "{=smoothing} or {=edge_floor}."),),
@@ -146,9 +146,9 @@ _FURTHER = Page(
            "a branch. All branches are kept and can be compared; {preferences} set the memory for them."),
         tr("<b>Understand.</b> The panel Layers shows the edge map, the potential, the field and more; {layer_forces} "
            "shows the forces on a particle."),
-        tr("<b>Review.</b> {contour_table} lists the contours; {reject} excludes contours from exports, {keep} keeps them "
-           "through all sliders and runs. The contour tool selects several by a frame or a stroke. {load_truth} "
-           "measures the agreement with a reference, and shows the differences."),
+        tr("<b>Review.</b> {contour_table} lists the contours; {reject} excludes contours from exports, {keep} keeps "
+           "them through all sliders and runs, {learn} sorts the others like them. The contour tool selects several by a "
+           "frame or a stroke. {load_truth} measures the agreement with a reference, and shows the differences."),
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
         tr("<b>Save.</b> {save} stores everything except the particles in one file. It also runs without a window: "
            "<code>cpm run --session FILE</code> for one image, <code>cpm batch</code> for many."),

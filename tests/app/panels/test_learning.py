@@ -101,6 +101,14 @@ def test_verdicts_sort_the_other_contours_everywhere(found, hand, learning, tmp_
     assert set(discs).isdisjoint(out)
 
 
+def test_the_message_after_an_export_tells_what_is_left_out_as_learned(found, hand, tmp_path) -> None:
+    taught(found, hand)
+    said = []
+    found.session.said.connect(lambda sentence, trouble: said.append(sentence))
+    exported(hand, found, tmp_path / "out.json")
+    hand.wait(lambda: any(f"{len(left_out(found))} left out as learned" in sentence for sentence in said))
+
+
 def test_a_verdict_on_a_contour_left_out_takes_effect_at_once(found, hand, learning) -> None:
     taught(found, hand)
     chosen = left_out(found)[0]
