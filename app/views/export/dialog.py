@@ -120,9 +120,8 @@ class ExportDialog(QDialog):
         self.closing.setAccessibleName(tr("Open contours"))
         for label in (self.counts, self.note):
             label.setWordWrap(True)
-            label.setMinimumWidth(_WIDTH)
-        self.note.setMinimumHeight(3 * self.fontMetrics().lineSpacing())
-        self.note.setAlignment(Qt.AlignmentFlag.AlignTop)
+            label.setMinimumSize(_WIDTH, 3 * self.fontMetrics().lineSpacing())
+            label.setAlignment(Qt.AlignmentFlag.AlignTop)
         self._form.addRow(tr("What"), what)
         self._form.addRow(tr("Format"), self.format)
         self._form.addRow(tr("Regions"), drawn)
@@ -233,19 +232,8 @@ class ExportDialog(QDialog):
         bridges = [one.points for one in after.bridges] if isinstance(after, Result) else []
         filled = self.format.suffix in OUTLINABLE and not order.outlines and isinstance(after, Result)
         self.preview.show_export(written, left, bridges, filled)
-        self.counts.setText(self._words(after, counts))
+        self.counts.setText(_words(after, counts, order))
         self._enable(tr("There is nothing to write in this format.") if not counts.written else "")
-
-    def _words(self, result: Result | Skeleton, counts: Account) -> str:
-        words = tr("Writes {what}.").format(what=in_words(counts))
-        far = sum(not contour.closed for contour in result.contours) if isinstance(result, Result) else 0
-        if counts.left_out and self.closing.currentData():
-            words += " " + tr("Those have ends too far apart to close them.")
-        elif counts.left_out:
-            words += " " + tr("This format holds closed contours only.")
-        elif far:
-            words += " " + tr("{count} are open.").format(count=far)
-        return words
 
     def _enable(self, trouble: str) -> None:
         trouble = self.file.trouble or trouble
@@ -253,3 +241,16 @@ class ExportDialog(QDialog):
         if not trouble and self.file.path.exists():
             trouble = tr("{name} is there already and will be replaced.").format(name=self.file.path.name)
         self.note.setText(trouble)
+
+
+def _words(result: Result | Skeleton, counts: Account, order: ExportOrder) -> str:
+    """What is written, and why not everything is."""
+    words = tr("Writes {what}.").format(what=in_words(counts))
+    opened = sum(not contour.closed for contour in result.contours) if isinstance(result, Result) else 0
+    if counts.left_out and order.closing:
+        words += " " + tr("Those have ends too far apart to close them.")
+    elif counts.left_out:
+        words += " " + tr("This format holds closed contours only.")
+    elif opened:
+        words += " " + tr("{count} are open.").format(count=opened)
+    return words
