@@ -63,6 +63,7 @@ found; a `ScaleField` holds the fields of one scale.
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.learning import teach
 from cpm_core.contours.measurements import containment, measure
 from cpm_core.contours.result import Result
 from cpm_core.dynamics.energies import Energies
@@ -125,6 +126,7 @@ __all__ = [
     "skeleton",
     "strip",
     "stroke",
+    "teach",
     "uniform_grid",
     "write_animation",
 ]

@@ -87,7 +87,8 @@ class Progress:
                 bridges=len(bridges),
                 longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
             )
-            reviewed = ReviewedContours.of(contours.tracked, self._session.scene.document.marks)
+            document, before = self._session.scene.document, self._session.scene.contours
+            reviewed = ReviewedContours.of(contours.tracked, document.marks, document.learning, known=before.chances)
             self._show(reconstruction=contours, contours=reviewed)
             self._session.show_status()
         overlays = self._worker_thread.overlays.take()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.session.core_functions import Core
+from app.session.features.contour_learning import ContourLearning
 from app.session.features.contour_review import ContourReview
 from app.session.features.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
@@ -17,6 +18,7 @@ class Workspace:
     def __init__(self, core: Core | None = None) -> None:
         self.session = Session(core)
         self.review = ContourReview(self.session)
+        self.learning = ContourLearning(self.session, self.review)
         self.truth = GroundTruth(self.session, self.review)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
@@ -24,5 +26,6 @@ class Workspace:
 
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""
+        self.learning.close()
         self.truth.close()
         self.session.close()

@@ -50,7 +50,7 @@ def do(job: Job) -> Done:
             regions=regions_of(shapes),
             charges=charges_of(shapes),
         )
-        result = apply(found, job.session.marks)
+        result = apply(found, job.session.marks, learning=job.session.learning)
         facts = facts_of(result, time.perf_counter() - began)
         return Done(job.number, facts, {suffix: encoded(result, suffix) for suffix in job.suffixes})
     except ValueError as error:

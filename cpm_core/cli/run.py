@@ -107,7 +107,8 @@ def _run(arguments: argparse.Namespace) -> None:
         if progress is not None:
             progress.clear()
     own = arguments.image is None  # kept contours belong to the image of the session
-    result = apply(with_kept(found, session.marks) if own else found, session.marks)
+    whole = with_kept(found, session.marks) if own else found
+    result = apply(whole, session.marks, learning=session.learning, found=found.contours)
     if arguments.close is not None:
         edges = edge_map(image.values, parameters.smoothing) if arguments.close == "edges" else None
         result = close_contours(result, edges)

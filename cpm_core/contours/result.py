@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,3 +55,21 @@ class Result:
     unit: str | None
     source: str
     bridges: tuple[Bridge, ...] = ()
+
+
+def remaining(result: Result, stays: Sequence[bool]) -> Result:
+    """The result with some of its contours, and the bridges on them; `stays` tells which, one value each."""
+    if all(stays):
+        return result
+    kept = tuple(contour for contour, stay in zip(result.contours, stays, strict=True) if stay)
+    dropped = [contour for contour, stay in zip(result.contours, stays, strict=True) if not stay]
+    lost = _on(dropped, [bridge.points for bridge in result.bridges])
+    found = _on(kept, [bridge.points for bridge in result.bridges])
+    bridges = tuple(b for b, off, on in zip(result.bridges, lost, found, strict=True) if on <= off)
+    return replace(result, contours=kept, bridges=bridges)
+
+
+def _on(contours: Sequence[Contour], paths: Sequence[Array]) -> list[float]:
+    """Distance of the middle of each path from the nearest of some contours [px]."""
+    places = [path[len(path) // 2] for path in paths]
+    return [min((float(polyline.distances(c.path, p[None])[0]) for c in contours), default=math.inf) for p in places]

@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.result import Result
+from cpm_core.contours.features import contour_features, usable
+from cpm_core.contours.learning import Examples, left_out, probabilities
+from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import distances_to_segments
 from cpm_core.numerics.types import Array, Position
@@ -64,6 +66,9 @@ class Mark:
         Name, or empty.
     color : str
         Color, ``"#rrggbb"``; empty for the default color.
+    features : tuple of float
+        Features of the contour when it was judged, from which others are learned, see `contour_features`; empty where
+        they are not known.
     outline : Outline
         Where a kept contour ran.
 
@@ -77,6 +82,7 @@ class Mark:
     verdict: Verdict = ""
     name: str = ""
     color: str = ""
+    features: tuple[float, ...] = ()
     outline: Outline = Outline()
 
     def __post_init__(self) -> None:
@@ -108,11 +114,14 @@ class ReviewedContour:
         None without a mark.
     index : int
         Index among the contours of the reconstruction.
+    probability : float or None
+        Probability that it counts, as learned from verdicts on other contours; None where nothing is learned.
     """
 
     contour: Contour
     mark: Mark | None
     index: int
+    probability: float | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -120,19 +129,35 @@ class ReviewedContour:
         return self.mark.verdict if self.mark else ""
 
     @property
+    def left_out(self) -> bool:
+        """Whether it is left out because it resembles rejected ones; never a contour with a mark."""
+        return self.mark is None and self.probability is not None and bool(left_out(np.array(self.probability)))
+
+    @property
     def rejected(self) -> bool:
-        """Whether it is left out of exports."""
-        return self.verdict == "rejected"
+        """Whether it is left out of exports, by its verdict or because it resembles rejected ones."""
+        return self.verdict == "rejected" or self.left_out
 
 
-def reviewed(contours: Sequence[Contour], marks: Sequence[Mark]) -> tuple[ReviewedContour, ...]:
-    """Each contour with its mark, in order; the marks may be from an earlier reconstruction."""
+def reviewed(
+    contours: Sequence[Contour], marks: Sequence[Mark], probability: Array | None = None
+) -> tuple[ReviewedContour, ...]:
+    """Each contour with its mark, in order; the marks may be from an earlier reconstruction.
+
+    `probability` has for each contour the one that it counts, as learned from verdicts, NaN where there is none.
+    """
     owner = attached(contours, [mark.anchor for mark in marks])
     by_contour = {contour: mark for contour, mark in zip(owner, marks, strict=True) if contour is not None}
-    return tuple(_reviewed(contour, by_contour.get(index), index) for index, contour in enumerate(contours))
+    chances = [None] * len(contours) if probability is None else probability.tolist()
+    return tuple(
+        _reviewed(contour, by_contour.get(index), index, chance)
+        for index, (contour, chance) in enumerate(zip(contours, chances, strict=True))
+    )
 
 
-def apply(result: Result, marks: Sequence[Mark]) -> Result:
+def apply(
+    result: Result, marks: Sequence[Mark], *, learning: bool = False, found: Sequence[Contour] | None = None
+) -> Result:
     """The result without rejected contours, and with names and colors.
 
     Parameters
@@ -141,6 +166,10 @@ def apply(result: Result, marks: Sequence[Mark]) -> Result:
         Outcome of a run.
     marks : sequence of Mark
         Marks of its contours.
+    learning : bool
+        Whether contours without a mark are left out as well if they resemble rejected ones more than kept ones.
+    found : sequence of Contour, optional
+        The contours of the run, whose features are compared, where the result holds kept ones in place of some.
 
     Returns
     -------
@@ -149,15 +178,45 @@ def apply(result: Result, marks: Sequence[Mark]) -> Result:
     """
     if not marks:
         return result
-    every = reviewed(result.contours, marks)
-    kept = tuple(one.contour for one in every if not one.rejected)
-    dropped = [one.contour for one in every if one.rejected]
-    bridges = result.bridges
-    if dropped:  # a bridge belongs to a contour
-        lost = _on(dropped, [bridge.points for bridge in bridges])
-        stays = _on(kept, [bridge.points for bridge in bridges])
-        bridges = tuple(b for b, off, on in zip(bridges, lost, stays, strict=True) if on <= off)
-    return replace(result, contours=kept, bridges=bridges)
+    probability = None
+    if learning:
+        among = result.contours if found is None else found
+        chances = learned(marks, among)
+        known = {} if chances is None else dict(zip(among, chances.tolist(), strict=True))
+        probability = np.array([known.get(contour, math.nan) for contour in result.contours])
+    every = reviewed(result.contours, marks, probability)
+    named = replace(result, contours=tuple(one.contour for one in every))
+    return remaining(named, [not one.rejected for one in every])
+
+
+def examples_of(marks: Sequence[Mark]) -> Examples:
+    """The contours that were kept or rejected, as far as their features are known."""
+    judged = [mark for mark in marks if mark.verdict]
+    return Examples.of([mark.features for mark in judged], [mark.verdict == "kept" for mark in judged])
+
+
+def learned(marks: Sequence[Mark], contours: Sequence[Contour], features: Array | None = None) -> Array | None:
+    """Probability that each contour counts, as learned from marks, shape (N,); None if they teach nothing.
+
+    The features of the contours are measured unless they are given.
+    """
+    if not any(mark.verdict for mark in marks):
+        return None
+    features = contour_features(contours) if features is None else features
+    examples = examples_of(described(marks, contours, features))
+    return probabilities(examples, features) if len(examples) else None
+
+
+def described(marks: Sequence[Mark], contours: Sequence[Contour], features: Array) -> tuple[Mark, ...]:
+    """Marks with the features of their contours, where they have a verdict and no features yet."""
+    owner = attached(contours, [mark.anchor for mark in marks])
+    known = usable(features)
+    return tuple(
+        replace(mark, features=tuple(features[index].tolist()))
+        if index is not None and known[index] and mark.verdict and not mark.features
+        else mark
+        for mark, index in zip(marks, owner, strict=True)
+    )
 
 
 def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: float = REACH) -> list[int | None]:
@@ -249,13 +308,7 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
     return row, col
 
 
-def _reviewed(contour: Contour, mark: Mark | None, index: int) -> ReviewedContour:
+def _reviewed(contour: Contour, mark: Mark | None, index: int, chance: float | None) -> ReviewedContour:
     if mark is not None and (mark.name, mark.color) != (contour.name, contour.color):
         contour = replace(contour, name=mark.name or contour.name, color=mark.color or contour.color)
-    return ReviewedContour(contour, mark, index)
-
-
-def _on(contours: Sequence[Contour], paths: Sequence[Array]) -> list[float]:
-    """Distance of the middle of each path from the nearest of some contours [px]."""
-    places = [path[len(path) // 2] for path in paths]
-    return [min((float(polyline.distances(c.path, p[None])[0]) for c in contours), default=math.inf) for p in places]
+    return ReviewedContour(contour, mark, index, chance if chance is not None and math.isfinite(chance) else None)

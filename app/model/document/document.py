@@ -55,6 +55,8 @@ class Document:
         Parameters of the model.
     marks : tuple of Mark
         Review of contours.
+    learning : bool
+        Whether contours that resemble rejected ones more than kept ones are left out.
     mode : {"shape", "automatic", "skeleton"}
         Purpose of the run.
     """
@@ -63,6 +65,7 @@ class Document:
     shapes: tuple[Shape, ...] = ()
     parameters: Parameters = field(default_factory=Parameters)
     marks: tuple[Mark, ...] = ()
+    learning: bool = False
     mode: Mode = "shape"
 
     @property

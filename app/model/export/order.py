@@ -56,8 +56,10 @@ class Source:
 
 
 def _all(given: Given) -> Result | None:
-    marks = given.document.marks
-    return None if given.result is None else apply(with_kept(given.result, marks), marks)
+    if given.result is None:
+        return None
+    marks, found = given.document.marks, given.result.contours
+    return apply(with_kept(given.result, marks), marks, learning=given.document.learning, found=found)
 
 
 def _kept(given: Given) -> Result | None:
@@ -156,18 +158,24 @@ def closed(result: Result | Skeleton, order: ExportOrder, image: Image, paramete
 
 @dataclass(frozen=True, slots=True)
 class Account:
-    """How many contours are written and left out, and how many of those written were open and have been closed."""
+    """How many contours are written and left out, and how many of those written were open and have been closed.
+
+    `learned` is the number of those that are left out because they resemble rejected ones.
+    """
 
     written: int
     left_out: int
     bridged: int
+    learned: int = 0
 
 
-def account(before: Result | Skeleton, after: Result | Skeleton, suffix: str, order: ExportOrder) -> Account:
+def account(
+    before: Result | Skeleton, after: Result | Skeleton, suffix: str, order: ExportOrder, learned: int = 0
+) -> Account:
     """What a file with a suffix holds of a result `before` and `after` open contours were closed."""
     missing = left_out(after, suffix, outlines=order.outlines)
     bridged = sum(one.closed for one in after.contours) - sum(one.closed for one in before.contours)
-    return Account(len(after.contours) - missing, missing, bridged)
+    return Account(len(after.contours) - missing, missing, bridged, learned)
 
 
 def in_words(counts: Account) -> str:
@@ -177,4 +185,6 @@ def in_words(counts: Account) -> str:
         parts.append(tr("{count} of them closed for the export").format(count=counts.bridged))
     if counts.left_out:
         parts.append(tr("{count} open ones left out").format(count=counts.left_out))
+    if counts.learned:
+        parts.append(tr("{count} left out as learned").format(count=counts.learned))
     return ", ".join(parts)

@@ -151,4 +151,6 @@ class _Runs:
             if self._task.cancelled:
                 return None
             state = engine.step(state, parameters, document.charges)
-        return apply(with_kept(engine.result(state, parameters), document.marks), document.marks)
+        found = engine.result(state, parameters)
+        whole = with_kept(found, document.marks)
+        return apply(whole, document.marks, learning=document.learning, found=found.contours)

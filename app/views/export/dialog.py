@@ -224,7 +224,9 @@ class ExportDialog(QDialog):
             self._show(self._chosen(report.order), report.result, report.order)
 
     def _show(self, before: Result | Skeleton, after: Result | Skeleton, order: ExportOrder) -> None:
-        counts = account(before, after, self.format.suffix, order)
+        items = self._session.scene.contours.items if order.source == "all" else ()
+        learned = sum(item.reviewed.left_out for item in items)
+        counts = account(before, after, self.format.suffix, order, learned)
         masked = counts.left_out > 0
         written = [one for one in after.contours if one.closed or not masked]
         left = [one for one in after.contours if not one.closed and masked]

@@ -147,8 +147,8 @@ _FURTHER = Page(
         tr("<b>Understand.</b> The panel Layers shows the edge map, the potential, the field and more; {layer_forces} "
            "shows the forces on a particle."),
         tr("<b>Review.</b> {contour_table} lists the contours; {reject} excludes contours from exports, {keep} keeps "
-           "them through all sliders and runs. The contour tool selects several by a frame or a stroke. {load_truth} "
-           "measures the agreement with a reference, and shows the differences."),
+           "them through all sliders and runs, {learn} sorts the others like them. The contour tool selects several by "
+           "a frame or a stroke. {load_truth} measures the agreement with a reference, and shows the differences."),
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
         tr("<b>Save.</b> {save} stores everything except the particles in one file. It also runs without a window: "
            "<code>cpm run --session FILE</code> for one image, <code>cpm batch</code> for many."),

@@ -32,7 +32,7 @@ from cpm_core.shapes import Shape
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
-_KNOWN = (MARK, "image", "shapes", "parameters", "marks", "mode", "view")
+_KNOWN = (MARK, "image", "shapes", "parameters", "marks", "learning", "mode", "view")
 _LARGEST = 64 * 2**20
 _LARGEST_SIDE = 10**6
 
@@ -73,6 +73,8 @@ class SessionFile:
         Parameters of the run.
     marks : tuple of Mark
         Review of the contours.
+    learning : bool
+        Whether contours that resemble rejected ones are left out.
     mode : str
         Mode of the window; empty for the default.
     view : mapping
@@ -87,6 +89,7 @@ class SessionFile:
     shapes: tuple[Shape, ...] = ()
     parameters: Parameters = field(default_factory=Parameters)
     marks: tuple[Mark, ...] = ()
+    learning: bool = False
     mode: str = ""
     view: Plain = field(default_factory=dict)
     extra: Plain = field(default_factory=dict)
@@ -130,7 +133,9 @@ def encode(session: SessionFile, folder: Path) -> bytes:
         plain["image"] = _image_to_plain(session.image, folder)
     plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]
     plain["parameters"] = to_plain(session.parameters)
-    plain["marks"] = [to_plain(mark) for mark in session.marks]
+    plain["marks"] = [_mark_to_plain(mark) for mark in session.marks]
+    if session.learning:
+        plain["learning"] = True
     plain["mode"] = session.mode
     plain["view"] = dict(session.view)
     plain.update(session.extra)
@@ -180,6 +185,7 @@ def decode(content: bytes, name: str) -> SessionFile:
             shapes=tuple(shape_from_plain(shape, f"shape {index}") for index, shape in _listed(plain, "shapes")),
             parameters=parameters,
             marks=tuple(_mark(mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
+            learning=_truth_of(plain.get("learning", False), "learning"),
             mode=_text_of(plain.get("mode", ""), "mode"),
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
@@ -191,6 +197,14 @@ def decode(content: bytes, name: str) -> SessionFile:
 
 def _mark(plain: object, where: str) -> Mark:
     return from_plain(Mark, present_names(mapping(plain, where)), where)
+
+
+def _mark_to_plain(mark: Mark) -> dict[str, Any]:
+    """A mark as plain JSON, which earlier versions can read unless it teaches others."""
+    plain: dict[str, Any] = to_plain(mark)
+    if not mark.features:
+        del plain["features"]
+    return plain
 
 
 def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
@@ -266,6 +280,12 @@ def _listed(plain: Plain, name: str) -> list[tuple[int, object]]:
 def _text_of(value: object, where: str) -> str:
     if not isinstance(value, str):
         raise ValueError(f"{where} is {shown(value)} but must be text.")
+    return value
+
+
+def _truth_of(value: object, where: str) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"{where} is {shown(value)} but must be true or false.")
     return value
 
 

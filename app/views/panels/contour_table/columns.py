@@ -9,7 +9,9 @@ from app.model.text.language import tr
 from app.session.scene import Item
 
 VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
-_ORDER = {"kept": 0, "": 1, "rejected": 2}
+_ORDER = {"kept": 0, "": 1, "rejected": 3}
+LEFT_OUT = tr("✗ as learned")
+"""Verdict that is shown for a contour that resembles rejected ones."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +28,15 @@ class Column:
     value: Callable[[Item], float | str]
     sample: str
     numeric: bool = True
+
+
+def _verdict(item: Item) -> str:
+    return LEFT_OUT if item.reviewed.left_out else VERDICTS[item.reviewed.verdict]
+
+
+def _likely(item: Item) -> str:
+    chance = item.reviewed.probability
+    return "–" if chance is None else f"{chance:.0%}"
 
 
 def _number(value: float) -> str:
@@ -48,8 +59,9 @@ COLUMNS: tuple[Column, ...] = (
     Column("name", tr("Name"), tr("Name and color; double-click or press F2 to rename."), lambda i: i.contour.name,
            lambda i: i.contour.name.casefold() or "\uffff", "left ventricle", False),
     Column("verdict", tr("Verdict"),
-           tr("K keeps, X rejects. Kept contours stay through sliders and runs; rejected ones are not exported."),
-           lambda i: VERDICTS[i.reviewed.verdict], lambda i: _ORDER[i.reviewed.verdict], "✗ rejected ", False),
+           tr("K keeps, X rejects. Kept contours stay through sliders and runs; those rejected or left out as learned "
+              "are not exported."),
+           _verdict, lambda i: 2 if i.reviewed.left_out else _ORDER[i.reviewed.verdict], "✗ as learned", False),
     Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
            lambda i: tr("closed") if i.contour.closed else tr("open"), lambda i: float(not i.contour.closed), "closed",
            False),
@@ -58,6 +70,8 @@ COLUMNS: tuple[Column, ...] = (
     Column("area", tr("Area [{unit}²]"), tr("Enclosed area, including the area of contours inside."),
            lambda i: _number(i.measures.area_in_units) if i.contour.closed else "–",
            lambda i: i.measures.area_in_units, "00,000,000"),
+    Column("likely", tr("Likely"), tr("Probability that it counts, as learned from kept and rejected contours."),
+           _likely, lambda i: -1.0 if i.reviewed.probability is None else i.reviewed.probability, "100%"),
     Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
            lambda i: _number(i.measures.strength), lambda i: i.measures.strength, "000.0"),
     Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
