@@ -53,6 +53,8 @@ class Contour:
         Name given by the user, or empty.
     color : str
         Color given by the user, ``"#rrggbb"``; empty for the default color.
+    by_hand : tuple of ndarray, each of shape (K, 2)
+        Stretches that were drawn by hand (`cpm_core.contours.hand_edits`): vertices of the contour, in order.
 
     Raises
     ------
@@ -67,6 +69,7 @@ class Contour:
     sides: HasContrast | None = field(default=None, repr=False)
     name: str = ""
     color: str = ""
+    by_hand: tuple[Array, ...] = ()
 
     def __post_init__(self) -> None:
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
@@ -92,6 +95,11 @@ class Contour:
     def length(self) -> float:
         """Length along the curve [px]."""
         return polyline.length(self.path)
+
+    @property
+    def length_by_hand(self) -> float:
+        """Length of what was drawn by hand [px]."""
+        return sum(polyline.length(stretch) for stretch in self.by_hand)
 
     @cached_property
     def box(self) -> Array:

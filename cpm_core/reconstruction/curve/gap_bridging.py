@@ -183,7 +183,7 @@ def _between_ends(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest
         off = scipy.spatial.cKDTree(guide).query(places)[0]
         search = MCP_Geometric(costs + _LEAVING * off + grid.obstacles(places, joined))
         total, path = _cheapest(search, low, joined[0], joined[1:])
-        path = _smoothed(path, joined[0], joined[1])
+        path = smoothed(path, joined[0], joined[1])
         if length(path) <= _DETOUR * gap:
             yield _Way(total, a, b, path)
 
@@ -212,7 +212,7 @@ def _to_sides(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest: fl
         off = np.linalg.norm(away - forward[..., None] * direction, axis=-1)
         search = MCP_Geometric(costs + _LEAVING * off + _BLOCKED * (forward < -1.0))
         total, path = _cheapest(search, low, place, graph.points[near])
-        way = _stopped(graph, grid, end, _smoothed(path, place, graph.points[near[_nearest(graph, near, path[-1])]]))
+        way = _stopped(graph, grid, end, smoothed(path, place, graph.points[near[_nearest(graph, near, path[-1])]]))
         gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a vertex farther away
         if way is not None and gap <= longest and length(way.path) <= _DETOUR * gap:
             yield _Way(_SIDE * total, end, way.other, way.path)
@@ -247,7 +247,7 @@ def _cheapest(search: MCP_Geometric, low: Array, start: Array, goals: Array) -> 
     return float(total[goal]), np.array(search.traceback(goal), dtype=float) + low
 
 
-def _smoothed(path: Array, start: Array, end: Array) -> Array:
+def smoothed(path: Array, start: Array, end: Array) -> Array:
     """A pixel path as a smooth curve between two positions."""
     inner = path[(np.linalg.norm(path - start, axis=1) > 1.0) & (np.linalg.norm(path - end, axis=1) > 1.0)]
     smooth = np.concatenate([start[None], inner, end[None]])
