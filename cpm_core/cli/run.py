@@ -32,7 +32,7 @@ from cpm_core.formats.sessions.session_file import SessionFile, find_image, load
 from cpm_core.image.regions import Regions
 from cpm_core.parameters import PRESETS
 from cpm_core.particles.initialization import circle, stroke
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes import KINDS, Barrier, Everywhere, Region
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
@@ -99,7 +99,7 @@ def _run(arguments: argparse.Namespace) -> None:
     finally:
         if progress is not None:
             progress.clear()
-    result = apply(found, session.marks)
+    result = apply(with_hand_edits(found, image, parameters, session.hand_edits), session.marks)
     seconds = time.perf_counter() - started
     export(result, *arguments.export)
     _report(result, seconds, arguments.export, as_json=arguments.json)

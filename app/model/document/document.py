@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.text.language import tr
+from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
@@ -57,6 +58,8 @@ class Document:
         Review of contours.
     mode : {"shape", "automatic", "skeleton"}
         Purpose of the run.
+    hand_edits : tuple of HandEdit
+        Edits of the contours by hand, in the order in which they were made.
     """
 
     image: ImageReference | None = None
@@ -64,6 +67,7 @@ class Document:
     parameters: Parameters = field(default_factory=Parameters)
     marks: tuple[Mark, ...] = ()
     mode: Mode = "shape"
+    hand_edits: tuple[HandEdit, ...] = ()
 
     @property
     def starts(self) -> tuple[Start, ...]:

@@ -83,7 +83,7 @@ class LiveWire:
         goal = np.array(_pixel(place, self._field.shape))
         if self._search is None or not self._covers(goal):
             self._search = self._look_around(goal)
-        pixels = np.array(self._search.traceback(tuple(goal - self._low)), dtype=float) + self._low
+        pixels = (np.array(self._search.traceback(tuple(goal - self._low))) + self._low).astype(np.float64)
         return on_ridge(smoothed(pixels, ends[0], ends[1]), self._field)
 
     def _covers(self, goal: Index) -> bool:

@@ -13,12 +13,14 @@ from itertools import combinations, groupby
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.hand_edits import HandEdit, Path
+from cpm_core.contours.hand_edits import HandEdit, Path, apply_to_result
 from cpm_core.contours.polygonal_line import PolygonalLine
+from cpm_core.contours.result import Result
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Position
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge
+from cpm_core.reconstruction.curve.hysteresis import measured
 
 _BEHIND = 8.0
 """Length along a contour from the end of a piece to the place by which the contour is found again [px]."""
@@ -88,6 +90,11 @@ class Contact:
     def same_contour(self, other: Contact) -> bool:
         """Whether another place is on the same contour."""
         return self.line.source is other.line.source
+
+
+def carried_out(result: Result, edits: Sequence[HandEdit], scale_field: ScaleField) -> tuple[Result, tuple[int, ...]]:
+    """A result with edits by hand, its changed contours measured in the fields of the image; and the edits missed."""
+    return apply_to_result(result, edits, lambda contour: measured([contour], scale_field)[0])
 
 
 def connect(path: Array, begin: Contact | None = None, end: Contact | None = None) -> tuple[HandEdit, ...]:
