@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from app.session.core_functions import Core
 from app.session.features.contour_review import ContourReview
+from app.session.features.hand_editing import HandEditing
 from app.session.features.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
 from app.session.features.timeline_navigation import TimelineNavigation
@@ -17,6 +18,7 @@ class Workspace:
     def __init__(self, core: Core | None = None) -> None:
         self.session = Session(core)
         self.review = ContourReview(self.session)
+        self.hand_editing = HandEditing(self.session, self.review)
         self.truth = GroundTruth(self.session, self.review)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.views.features.contours.contours import ContoursFeature
+from app.views.features.contours.hand_editing import HandEditingFeature
 from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
@@ -36,6 +37,7 @@ FEATURES: tuple[type[Feature], ...] = (
     ModesFeature,
     ParametersFeature,
     ContoursFeature,
+    HandEditingFeature,
     TruthFeature,
     MosaicFeature,
     HistoryFeature,

@@ -64,18 +64,22 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     Columns: ``contour`` (from 1), ``label`` (the one in the label mask, 0 when open), ``name``, ``color``, ``closed``
     (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
     none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
-    it in), ``length_px``, ``area_px2`` (0 when open), ``by_hand_px`` (the length that was drawn by hand), and length
-    and area in the unit of the image where it is known.
+    it in), ``length_px``, ``area_px2`` (0 when open), the same in the unit of the image where it is known, and where
+    any was edited by hand, ``by_hand_px`` (the length that was drawn by hand).
     """
     header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
-    header += ["length_px", "area_px2", "by_hand_px", *_in_unit(result, "length_{}", "area_{}2")]
+    header += ["length_px", "area_px2", *_in_unit(result, "length_{}", "area_{}2")]
+    edited = any(contour.by_hand for contour in result.contours)
+    header += ["by_hand_px"] if edited else []
     lines: list[list[object]] = []
     for row in measure(result.contours, result.spacing):
         contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
         line = [row.number, row.label, row.name, row.color, str(row.closed).upper(), row.junctions, row.inside]
-        line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}", f"{row.area:.4f}", f"{row.by_hand:.4f}"]
+        line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}", f"{row.area:.4f}"]
         if result.unit:
             line += [f"{row.length_in_units:.7g}", f"{row.area_in_units:.7g}"]
+        if edited:
+            line.append(f"{row.by_hand:.4f}")
         lines.append(line)
     return _table(header, lines)
 
