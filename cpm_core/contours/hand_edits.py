@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -39,6 +40,13 @@ _COVERED = 1.5
 _LEAST_SHARE = 0.5
 """Least length of a stretch found again that is removed, as a fraction of the one that was."""
 
+_ALONG, _SHORTEST = 1.5, 4.0
+"""Distance from an outline within which an open contour runs along it, and least length of what is taken away or left
+of it [px]."""
+
+_FINE = 0.5
+"""Distance between samples along a line that is compared with an outline [px]."""
+
 _ON_CONTOUR = 0.5
 """Distance from a contour up to which a bridge is part of it [px]."""
 
@@ -54,7 +62,7 @@ class HandEdit:
     added : tuple of (row, col)
         Vertices of the piece that is added [px].
     closed : bool
-        Whether the piece is a closed contour of its own.
+        Whether the piece is a closed contour of its own. It takes the place of what open contours run along it.
     before, after : tuple of (row, col)
         For each end of the piece that continues a contour one place on that contour, some pixels back from its end;
         empty for a loose end.
@@ -229,7 +237,7 @@ def _added(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLi
     points = np.array(edit.added)
     piece = PolygonalLine.by_hand(points, edit.closed)
     if edit.closed:
-        return [*lines, piece], True
+        return [*(rest for line in lines for rest in _beside(line, piece)), piece], True
     if edit.before and edit.after and any(_holds(line, piece, edit) for line in lines):
         return lines, True
     first = _tie(lines, points, edit.before)
@@ -249,6 +257,24 @@ def _added(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLi
     if last is not None:
         piece = joined(piece, _up_to(lines, last).reversed())
     return [*rest, piece], found
+
+
+def _beside(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
+    """What is left of a line where an outline takes its place: an open one without what runs along the outline."""
+    apart = (line.box[1] < outline.box[0] - _ALONG).any() or (line.box[0] > outline.box[1] + _ALONG).any()
+    if line.closed or apart:
+        return [line]
+    count = max(1, int(np.ceil(line.length / _FINE)))
+    near = polyline.distances(outline.path, polyline.middles(line.path, count)) <= _ALONG
+    bounds = np.concatenate([[0], np.flatnonzero(np.diff(near)) + 1, [count]]) * (line.length / count)
+    covered = near[(0.5 * (bounds[1:] + bounds[:-1]) * count / line.length).astype(int)]
+    stretches = [(a, b) for (a, b), along in zip(pairwise(bounds.tolist()), covered, strict=True) if along]
+    cuts = [end for a, b in stretches if b - a >= _SHORTEST for end in (a, b)]
+    if not cuts:
+        return [line]
+    return [
+        rest for rest in line.parts(cuts) if rest.length >= _SHORTEST and not rest.follows(outline.path, _ALONG + _FINE)
+    ]
 
 
 def _up_to(lines: list[PolygonalLine], tie: _Tie) -> PolygonalLine:

@@ -123,6 +123,24 @@ def test_an_outline_is_a_contour_and_all_of_it_by_hand():
     assert one.length_by_hand == pytest.approx(one.length)
 
 
+def test_an_outline_takes_the_place_of_open_contours_along_it_and_of_nothing_else():
+    """A piece of the outline that goes on elsewhere, one that crosses, one inside, and a closed neighbor."""
+    leaving = Contour(np.concatenate([on_circle(0.0, 1.5, 60, RADIUS + 0.4), [[CENTER + 60.0, CENTER]]]), False)
+    crossing = line((CENTER, CENTER), (CENTER, CENTER + 40))
+    inside = Contour(on_circle(0.0, 3.0, 60, 0.5 * RADIUS), False)
+    neighbor = Contour(on_circle(0.0, 6.2, 200, RADIUS + 0.3), True)
+    everything = [leaving, crossing, inside, neighbor]
+    found, _ = apply(everything, [HandEdit(added=places(whole().points), closed=True)])
+    assert {crossing, inside, neighbor} <= set(found) and leaving not in found and len(found) == 5
+    (rest,) = [one for one in found if not one.closed and one not in everything]
+    assert rest.length == pytest.approx(60.0 - RADIUS, abs=3.0)
+
+
+def test_an_open_contour_all_along_an_outline_is_gone():
+    (one,), _ = apply([arc()], [HandEdit(added=places(whole().points), closed=True)])
+    assert one.closed
+
+
 @settings(max_examples=40, deadline=None)
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-2.0, 2.0))
 def test_a_join_finds_its_contours_again_after_they_have_moved(down, right, longer):

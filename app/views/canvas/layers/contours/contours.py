@@ -38,13 +38,15 @@ class ContourLayer(Layer):
         self._chosen = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
         self._rejected = Curves(theme.REJECTED, 3.9, width=1.8, halo=2.8, dashed=True)
         self._curves = {True: Curves(theme.CLOSED, 4.0), False: Curves(theme.OPEN, 4.1)}
+        self._edited = {True: Curves(theme.CLOSED, 4.12), False: Curves(theme.OPEN, 4.11)}
         self._own: dict[str, Curves] = {}
         self._bridges = Curves(theme.BRIDGE, 4.2, dashed=True)
         self._by_hand = Curves(theme.BY_HAND, 4.25, halo=0.0, dashed=True)
         self._names = Names(5.7)
         self._junctions = Markers(size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))
         self._junctions.setZValue(5.5)
-        self.add(self._hovered, self._chosen, self._rejected, *self._curves.values(), self._bridges, self._by_hand)
+        self.add(self._hovered, self._chosen, self._rejected, *self._curves.values(), *self._edited.values())
+        self.add(self._bridges, self._by_hand)
         self.add(self._names, self._junctions)
 
     @property
@@ -95,7 +97,9 @@ class ContourLayer(Layer):
         items = self.scene.contours.items
         counting = [item for item in items if not item.reviewed.rejected]
         for closed, curves in self._curves.items():
-            curves.show(_paths([i for i in counting if i.contour.closed == closed and not i.contour.color]))
+            seen = [item for item in counting if item.contour.closed == closed and not item.contour.color]
+            curves.show(_paths([item for item in seen if not item.contour.by_hand]))
+            self._edited[closed].show(_paths([item for item in seen if item.contour.by_hand]))
         self._show_own([item for item in counting if item.contour.color])
         self._show_rejected()
         result = self.scene.contours.result
