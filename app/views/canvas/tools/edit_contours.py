@@ -68,7 +68,6 @@ class EditContoursTool(Tool):
 
     def press(self, at: Position, reach: float) -> None:
         """Take hold of the contour under the pointer."""
-        self._editing.prepare()
         self.used = True
         self._reach, self._pressed, self._dragged = max(reach, 1.0), at, False
         self._held = self._editing.contact(at, self._reach)
@@ -95,7 +94,6 @@ class EditContoursTool(Tool):
 
     def hover(self, at: Position) -> None:
         """Show the place that a press would take hold of."""
-        self._editing.prepare()
         self._pointer = at
         self._show()
 
@@ -122,7 +120,8 @@ class EditContoursTool(Tool):
         self._context.drawing.show_draft((), (), theme.DRAWING, False)
 
     def cursor(self, at: Position, reach: float) -> Cursor:
-        """A cross over an end, a hand over any other place of a contour."""
+        """A cross over an end, a hand elsewhere on a contour; the edges are prepared as soon as the tool is taken."""
+        self._editing.prepare()
         self._reach = max(reach, 1.0)
         contact = self._editing.contact(at, self._reach)
         if contact is None:

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 
 from app.model.text.language import tr
 from app.session.features.hand_editing import Way
-from app.views.canvas.tools.tool import Tool, ToolContext
+from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Position
@@ -39,6 +39,7 @@ class OutlineTool(Tool):
         self._context = context
         self._editing = context.hand_editing
         self._anchors: list[Position] = []
+        self._clicks: list[Position] = []  # where the pointer was for each anchor, before it moved onto the edge
         self._pieces: list[Array] = []
         self._freehand: list[Position] = []
         self._begin: Contact | None = None
@@ -69,20 +70,19 @@ class OutlineTool(Tool):
 
     def press(self, at: Position, reach: float) -> None:
         """Set an anchor; on the first one close the line, on the last one end it."""
-        self._editing.prepare()
         self._reach = max(reach, 1.0)
-        if len(self._anchors) > 1 and math.dist(at, self._anchors[0]) <= self._reach:
-            self._add(self._anchors[0])
+        if len(self._anchors) > 1 and self._on(0, at):
+            self._add(self._anchors[0], at)
             self._make(closed=True)
-        elif self._anchors and math.dist(at, self._anchors[-1]) <= self._reach:
+        elif self._anchors and self._on(-1, at):
             self.finish()
         else:
             place = self._place(at)
             if not self._anchors:
                 self._begin = self._contact(at)
-                self._anchors.append(place)
+                self._anchors, self._clicks = [place], [at]
             else:
-                self._add(place)
+                self._add(place, at)
             self._begin_piece()
             self._pressed, self._freehand = place, []
             self._show()
@@ -102,11 +102,12 @@ class OutlineTool(Tool):
         drawn, self._freehand, self._pressed = self._freehand, [], None
         if len(drawn) < 2:
             return
-        closes = math.dist(drawn[-1], self._anchors[0]) <= self._reach
+        at, closes = drawn[-1], self._on(0, drawn[-1])
         drawn[-1] = self._anchors[0] if closes else self._place(drawn[-1])
         path = np.array(drawn)
         self._pieces.append(path if self._straight else self._editing.snapped_path(path))
         self._anchors.append(drawn[-1])
+        self._clicks.append(at)
         if closes:
             self._make(closed=True)
         else:
@@ -115,7 +116,6 @@ class OutlineTool(Tool):
 
     def hover(self, at: Position) -> None:
         """Lead the line to the pointer."""
-        self._editing.prepare()
         self._pointer = at
         if self._anchors:
             self._show()
@@ -128,6 +128,7 @@ class OutlineTool(Tool):
         """Remove the last anchor."""
         if self._anchors:
             self._anchors.pop()
+            self._clicks.pop()
             if self._pieces:
                 self._pieces.pop()
             self._begin_piece()
@@ -136,6 +137,11 @@ class OutlineTool(Tool):
     def cancel(self) -> None:
         """Discard the line."""
         self._clear()
+
+    def cursor(self, at: Position, reach: float) -> Cursor:
+        """A cross; the edges are prepared as the tool is taken."""
+        self._editing.prepare()
+        return Cursor.CrossCursor
 
     def _contact(self, at: Position) -> Contact | None:
         """What a line that begins or ends at a place touches."""
@@ -158,9 +164,14 @@ class OutlineTool(Tool):
             return np.array([self._anchors[-1], place], dtype=float)
         return self._way(place)
 
-    def _add(self, place: Position) -> None:
+    def _add(self, place: Position, click: Position) -> None:
         self._pieces.append(self._piece(place))
         self._anchors.append(place)
+        self._clicks.append(click)
+
+    def _on(self, anchor: int, at: Position) -> bool:
+        """Whether a place is that of an anchor, or where the pointer was for it."""
+        return min(math.dist(at, self._anchors[anchor]), math.dist(at, self._clicks[anchor])) <= self._reach
 
     def _make(self, closed: bool) -> None:
         """Make a contour of the line."""
@@ -179,7 +190,7 @@ class OutlineTool(Tool):
 
     def _clear(self) -> None:
         self.used = self.used or bool(self._anchors)
-        self._anchors, self._pieces, self._freehand = [], [], []
+        self._anchors, self._clicks, self._pieces, self._freehand = [], [], [], []
         self._begin = self._way = self._pressed = None
         self._show()
 
