@@ -74,14 +74,19 @@ class PolygonalLine:
     @cached_property
     def box(self) -> Array:
         """Lowest and highest row and column, shape (2, 2) [px]."""
-        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
+        return self.source.box if self.source else np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
     def passes(self, place: Position, reach: float) -> bool:
         """Whether the line passes within reach of a place [px]."""
-        low, high = self.box
-        if (low - reach > place).any() or (high + reach < place).any():
+        top, left, bottom, right = self._bounds  # numbers of Python: there are many lines, and most are far away
+        row, col = place
+        if row < top - reach or row > bottom + reach or col < left - reach or col > right + reach:
             return False
         return self.nearest(place)[1] <= reach
+
+    @cached_property
+    def _bounds(self) -> tuple[float, ...]:
+        return tuple(self.box.ravel().tolist())
 
     def nearest(self, place: Position) -> tuple[float, float]:
         """Length along the line up to its place nearest to another one, and the distance between the two [px]."""

@@ -64,7 +64,7 @@ TOOLS: tuple[ToolEntry, ...] = (
     _entry(AttractTool, tr("&Attracting charge"), "A", CHARGE),
     _entry(RepelTool, tr("Repelling char&ge"), "D", CHARGE),
     _entry(ContourTool, tr("C&ontour tool"), "V", CONTOUR),
-    _entry(EditContoursTool, tr("Edit contours by hand (&join)"), "J", CONTOUR),
+    _entry(EditContoursTool, tr("Edit contours by han&d"), "J", CONTOUR),
     _entry(OutlineTool, tr("O&utline tool"), "U", CONTOUR),
 )
 """All tools in the order shown, those of one group next to each other."""
