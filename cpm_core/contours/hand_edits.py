@@ -262,7 +262,7 @@ def _added(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLi
 def _beside(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
     """What is left of a line where an outline takes its place: an open one without what runs along the outline."""
     apart = (line.box[1] < outline.box[0] - _ALONG).any() or (line.box[0] > outline.box[1] + _ALONG).any()
-    if line.closed or apart:
+    if line.closed or apart or line.length < _SHORTEST:
         return [line]
     count = max(1, int(np.ceil(line.length / _FINE)))
     near = polyline.distances(outline.path, polyline.middles(line.path, count)) <= _ALONG

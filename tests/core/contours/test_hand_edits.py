@@ -234,3 +234,39 @@ def test_an_edit_that_means_nothing_is_refused(values, words):
 )
 def test_the_kind_of_an_edit_says_what_it_does(edit, kind):
     assert edit.kind == kind
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.sampled_from(["deletion", "redrawing"]))
+def test_a_stretch_is_found_again_after_its_contour_has_moved(down, right, kind):
+    bulge = places(on_circle(-0.5, 0.5, 30, 1.2 * RADIUS)) if kind == "redrawing" else ()
+    ties = {"before": (at(-0.9),), "after": (at(0.9),)} if bulge else {}
+    moved = Contour(whole().points + np.array([down, right]), True)
+    (one,), missed = apply([moved], [HandEdit(places(on_circle(-0.5, 0.5)), bulge, **ties)])
+    assert missed == () and one.closed == (kind == "redrawing")
+    assert np.linalg.norm(one.points - at(0.0), axis=1).min() > 3.0
+
+
+PLACE = st.tuples(st.floats(0.0, 60.0), st.floats(0.0, 60.0))
+LINES = st.lists(PLACE, min_size=3, max_size=6, unique=True).map(tuple)
+END = st.lists(PLACE, max_size=1).map(tuple)
+EDITS = st.one_of(
+    st.builds(HandEdit, removed=LINES | PLACE.map(lambda place: (place,))),
+    st.builds(HandEdit, removed=LINES | st.just(()), added=LINES, before=END, after=END),
+    st.builds(HandEdit, added=LINES, closed=st.just(True)),
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(st.tuples(LINES, st.booleans()), max_size=4), st.lists(EDITS, max_size=5), st.integers(0, 3))
+def test_whatever_is_edited_contours_remain_contours(drawn, edits, own):
+    """Arbitrary lines, and edits of which some act on places of these lines."""
+    found = [Contour(np.array(points), closed) for points, closed in drawn]
+    if drawn:
+        points = drawn[own % len(drawn)][0]
+        edits = [*edits, HandEdit(removed=points[:2]), HandEdit(added=points[:2], before=points[:1], after=points[-1:])]
+    edited, missed = apply(found, edits)
+    assert all(0 <= number < len(edits) for number in missed)
+    for contour in edited:
+        assert np.isfinite(contour.points).all() and len(contour.points) >= (3 if contour.closed else 2)
+        assert contour.length_by_hand <= contour.length + 1e-6
