@@ -14,6 +14,7 @@ from app.session.features.contour_review import ContourReview
 from app.session.scene import Item, ReviewedContours
 from app.session.session import Session
 from app.session.worker.commands.edges import EdgesFound, FindEdges
+from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import HandEdit, Path
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Position
@@ -43,7 +44,7 @@ class HandEditing(QObject):
         self._session = session
         self._review = review
         self._contours: ReviewedContours | None = None
-        self._ends: tuple[list[Contact], Array] = ([], np.empty((0, 2)))
+        self._ends: tuple[list[Contour], Array] | None = None
         self._edges: ScaleField | None = None
         self._asked: tuple[object, ...] = ()
         self._told: tuple[int, ...] = ()
@@ -71,9 +72,9 @@ class HandEditing(QObject):
 
         Of several ends at a junction it is that of the contour nearest to the place.
         """
-        contacts, places = self._ends
+        contours, places = self._all_ends()
         away = np.linalg.norm(places - at, axis=1)
-        near = [contacts[index] for index in np.flatnonzero(away <= reach)]
+        near = [Contact.ends(contours[index // 2])[index % 2] for index in np.flatnonzero(away <= reach).tolist()]
         near = [end for end in near if self._item(end) is not None]
         if near:
             return min(near, key=lambda end: end.line.nearest(at)[1])
@@ -178,6 +179,16 @@ class HandEditing(QObject):
 
     # Internal
 
+    def _all_ends(self) -> tuple[list[Contour], Array]:
+        """The open contours, and the places of both ends of each, in turn, shape (2 N, 2) [px].
+
+        They are looked for only when the pointer asks: contours change many times a second during a run.
+        """
+        if self._ends is None:
+            contours = [item.contour for item in self._review.items if not item.contour.closed]
+            self._ends = contours, np.array([contour.points[[0, -1]] for contour in contours]).reshape(-1, 2)
+        return self._ends
+
     def _item(self, contact: Contact) -> Item | None:
         """The contour of a place, if it can be seen and has not been replaced."""
         seen = (item for item in self._review.items if self._review.rejected_seen or not item.reviewed.rejected)
@@ -196,8 +207,7 @@ class HandEditing(QObject):
         if contours is self._contours:
             return
         self._contours = contours
-        ends = [end for item in contours.items for end in Contact.ends(item.contour)]
-        self._ends = ends, np.array([end.place for end in ends], dtype=float).reshape(-1, 2)
+        self._ends = None
         if self.marked:
             still = {id(item.contour) for item in contours.items}
             self.mark([mark for mark in self.marked if id(mark.line.source) in still])
