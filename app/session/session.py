@@ -79,6 +79,7 @@ class Session(RunControl):
         self.image_changed.emit()
         self._progress.forget()
         self.begin_document(_document(opened, self.document.mode))
+        self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(RunCall(None, Run.set_parameters, opened.parameters))
         if opened.notes:
             self.say(" ".join(opened.notes))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from app.session.core_functions import Core
 from app.session.features.contour_learning import ContourLearning
 from app.session.features.contour_review import ContourReview
+from app.session.features.hand_editing import HandEditing
 from app.session.features.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
 from app.session.features.timeline_navigation import TimelineNavigation
@@ -19,6 +20,7 @@ class Workspace:
         self.session = Session(core)
         self.review = ContourReview(self.session)
         self.learning = ContourLearning(self.session, self.review)
+        self.hand_editing = HandEditing(self.session, self.review)
         self.truth = GroundTruth(self.session, self.review)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)

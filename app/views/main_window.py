@@ -59,7 +59,7 @@ class MainWindow(QMainWindow):
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
-        self.canvas_area = CanvasArea(session, workspace.review)
+        self.canvas_area = CanvasArea(session, workspace.review, workspace.hand_editing)
         self.setCentralWidget(self.canvas_area)
         context = FeatureContext(
             window=self,

@@ -10,7 +10,7 @@ from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
 
 
@@ -50,7 +50,8 @@ def do(job: Job) -> Done:
             regions=regions_of(shapes),
             charges=charges_of(shapes),
         )
-        result = apply(found, job.session.marks, learning=job.session.learning)
+        edited = with_hand_edits(found, image, job.parameters, job.session.hand_edits)
+        result = apply(edited, job.session.marks, learning=job.session.learning)
         facts = facts_of(result, time.perf_counter() - began)
         return Done(job.number, facts, {suffix: encoded(result, suffix) for suffix in job.suffixes})
     except ValueError as error:

@@ -36,7 +36,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.parameters import PRESETS
 from cpm_core.particles.initialization import circle, stroke
 from cpm_core.reconstruction.curve.closing import close_contours
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes import KINDS, Barrier, Everywhere, Region
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
@@ -107,8 +107,9 @@ def _run(arguments: argparse.Namespace) -> None:
         if progress is not None:
             progress.clear()
     own = arguments.image is None  # kept contours belong to the image of the session
-    whole = with_kept(found, session.marks) if own else found
-    result = apply(whole, session.marks, learning=session.learning, found=found.contours)
+    edited = with_hand_edits(found, image, parameters, session.hand_edits)
+    whole = with_kept(edited, session.marks) if own else edited
+    result = apply(whole, session.marks, learning=session.learning, found=edited.contours)
     if arguments.close is not None:
         edges = edge_map(image.values, parameters.smoothing) if arguments.close == "edges" else None
         result = close_contours(result, edges)

@@ -56,6 +56,8 @@ class Contour:
         Color given by the user, ``"#rrggbb"``; empty for the default color.
     number : int
         Number that it keeps through filters and runs, from 1; 0 for its place among the contours (`numbers_of`).
+    by_hand : tuple of ndarray, each of shape (K, 2)
+        Stretches that were drawn by hand (`cpm_core.contours.hand_edits`): vertices of the contour, in order.
 
     Raises
     ------
@@ -71,6 +73,7 @@ class Contour:
     name: str = ""
     color: str = ""
     number: int = 0
+    by_hand: tuple[Array, ...] = ()
 
     def __post_init__(self) -> None:
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
@@ -96,6 +99,11 @@ class Contour:
     def length(self) -> float:
         """Length along the curve [px]."""
         return polyline.length(self.path)
+
+    @property
+    def length_by_hand(self) -> float:
+        """Length of what was drawn by hand [px]."""
+        return sum(polyline.length(stretch) for stretch in self.by_hand)
 
     @cached_property
     def box(self) -> Array:

@@ -45,6 +45,8 @@ class Measures:
         Number of the innermost closed contour around it; 0 without any.
     length_in_units, area_in_units : float
         Length and area in the unit of the image's spacing and its square.
+    by_hand : float
+        Length of what was drawn by hand [px].
     """
 
     number: int
@@ -60,6 +62,7 @@ class Measures:
     inside: int
     length_in_units: float
     area_in_units: float
+    by_hand: float = 0.0
 
 
 def measure(
@@ -102,6 +105,7 @@ def measure(
                 inside=0 if outer is None else numbers[outer],
                 length_in_units=float(np.linalg.norm(np.diff(contour.path, axis=0) * spacing, axis=1).sum()),
                 area_in_units=contour.area * spacing[0] * spacing[1],
+                by_hand=contour.length_by_hand,
             )
         )
     return tuple(rows)

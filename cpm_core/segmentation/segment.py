@@ -6,12 +6,15 @@ from collections.abc import Callable, Sequence
 
 from numpy.typing import ArrayLike
 
+from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.result import Result
+from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
+from cpm_core.reconstruction.by_hand.operations import carried_out
 from cpm_core.segmentation.engine import Engine
 
 
@@ -65,3 +68,16 @@ def segment(
         if state.step == max_steps and not state.stop_reason:
             state = state.stopped(f"stopped after {max_steps} steps, as asked")
     return engine.result(state, chosen)
+
+
+def with_hand_edits(
+    result: Result, values: ArrayLike | Image, parameters: Parameters, edits: Sequence[HandEdit]
+) -> Result:
+    """The result of a run with edits of its contours by hand, such as those of a session.
+
+    `values` is the image, shape (H, W), `parameters` those of the run. The pieces of edits whose contours are not there
+    are contours of their own.
+    """
+    if not edits:
+        return result
+    return carried_out(result, edits, ImageFields(values, parameters).scale_field(parameters))[0]

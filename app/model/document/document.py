@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.text.language import tr
+from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
@@ -59,6 +60,8 @@ class Document:
         Whether contours that resemble rejected ones more than kept ones are left out.
     mode : {"shape", "automatic", "skeleton"}
         Purpose of the run.
+    hand_edits : tuple of HandEdit
+        Edits of the contours by hand, in the order in which they were made.
     """
 
     image: ImageReference | None = None
@@ -67,6 +70,7 @@ class Document:
     marks: tuple[Mark, ...] = ()
     learning: bool = False
     mode: Mode = "shape"
+    hand_edits: tuple[HandEdit, ...] = ()
 
     @property
     def starts(self) -> tuple[Start, ...]:

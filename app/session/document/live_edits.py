@@ -63,6 +63,8 @@ class Live:
             self._post(FindSeeds(session.image_generation, after))
         if before.charges != after.charges:
             self._post(RunCall(None, Run.place, session.image_generation, after.charges))
+        if before.hand_edits != after.hand_edits:
+            self._post(RunCall(None, Run.edit_by_hand, after.hand_edits))
         if not self._progress.status.started:
             return
         if before.regions != after.regions:

@@ -63,11 +63,15 @@ class Snapshot:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Reconstruction:
-    """The contours of a recent snapshot; `tracked` is None for a skeleton."""
+    """The contours of a recent snapshot, with edits by hand; `tracked` is None for a skeleton.
+
+    `missed` are the indices of the edits that have not found their contours, as soon as no other snapshot follows.
+    """
 
     generation: int
     result: Result | Skeleton
     tracked: TrackedContours | None
+    missed: tuple[int, ...] = ()
 
     @classmethod
     def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:

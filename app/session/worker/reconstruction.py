@@ -8,13 +8,19 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction
+from cpm_core.contours.hand_edits import HandEdit, apply_to_result
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
+from cpm_core.field.image_fields import ImageFields
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters import Parameters
+from cpm_core.reconstruction.by_hand.operations import carried_out
 from cpm_core.segmentation.method import Method, MethodState
 
 _SHORTEST_PAUSE = 0.15
@@ -25,13 +31,42 @@ _CHECK_EVERY = 0.05
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Request:
-    """A state to reconstruct contours from; where `last`, none follows soon and there is no pause before it."""
+    """A state to reconstruct contours from; where `last`, none follows soon and there is no pause before it.
+
+    Without a state there are only the contours drawn by hand. `hand_edits` are the edits of contours by hand.
+    """
 
     generation: int
     method: Method[Any]
-    state: MethodState
+    state: MethodState | None
     parameters: Parameters
     last: bool
+    hand_edits: tuple[HandEdit, ...] = ()
+
+    def found(self) -> Result | Skeleton:
+        """The contours of the state, without edits by hand; none of the first state."""
+        if self.state is None:
+            image, nowhere = self.method.image, np.empty((0, 2))
+            return Result(nowhere, (), None, 0, False, "", image.shape, image.spacing, image.unit, image.source)
+        result = self.method.result(self.state, self.parameters)
+        if self.state.step == 0 and isinstance(result, Result):  # back at the initialization
+            result = replace(result, contours=(), bridges=())
+        return result
+
+    def same_state(self, other: Request) -> bool:
+        """Whether another request has the same contours but for edits by hand."""
+        return self.method is other.method and self.state is other.state and self.parameters == other.parameters
+
+
+def edited(
+    method: Method[Any], found: Result | Skeleton, parameters: Parameters, edits: tuple[HandEdit, ...]
+) -> tuple[Result | Skeleton, tuple[int, ...]]:
+    """Contours with edits by hand, and the edits that did not find their contours; a skeleton is not edited."""
+    if not edits or isinstance(found, Skeleton):
+        return found, ()
+    if isinstance(method, ImageFields):
+        return carried_out(found, edits, method.scale_field(parameters))
+    return apply_to_result(found, edits)
 
 
 class Reconstructor:
@@ -44,6 +79,7 @@ class Reconstructor:
         self._image: Image | None = None
         self._requests: Mailbox[Request] = Mailbox()
         self._latest: Reconstruction | None = None
+        self._unedited: tuple[Request, Result | Skeleton] | None = None
         self._working = False
         self._quit = False
         self._thread = threading.Thread(target=self._work, name="cpm-reconstruction", daemon=True)
@@ -114,13 +150,14 @@ class Reconstructor:
 
     def _reconstruct(self, request: Request) -> None:
         try:
-            result = request.method.result(request.state, request.parameters)
-            if request.state.step == 0 and isinstance(result, Result):  # back at the initialization
-                result = replace(result, contours=(), bridges=())
             if request.method.image is not self._image:
                 self._image = request.method.image
                 self._tracker.begin()
+            if self._unedited is None or not self._unedited[0].same_state(request):
+                self._unedited = request, request.found()
+            result, missed = edited(request.method, self._unedited[1], request.parameters, request.hand_edits)
             found = Reconstruction.of(request.generation, result, self._tracker, thorough=request.last)
+            found = replace(found, missed=missed if request.last else ())
         except Exception as error:  # no error may end the thread
             sentence(error, "reconstructing contours")
             return

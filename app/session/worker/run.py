@@ -37,6 +37,7 @@ class Run(Stepper):
 
     def use(self, generation: int, method: Method[Any], parameters: Parameters) -> None:
         """Change to another image, with the method that is prepared for it."""
+        self.hand_edits = ()
         self.discard(generation)
         self.image_generation = generation
         self._prepared.use(method)

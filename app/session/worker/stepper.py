@@ -12,8 +12,9 @@ from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.exchange.pacing import Pacer
 from app.session.timeline.run_actions import Stepped
-from app.session.worker.reconstruction import Reconstructor, Request
+from app.session.worker.reconstruction import Reconstructor, Request, edited
 from app.session.worker.recorded_run import RecordedRun, RunRecord
+from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -42,6 +43,7 @@ class Stepper:
         self.state: MethodState | None = None
         self.parameters = Parameters()
         self.charges: tuple[PlacedCharge, ...] = ()
+        self.hand_edits: tuple[HandEdit, ...] = ()
         self._snapshots = snapshots
         self._reconstructor = reconstructor
         self._record = RunRecord()
@@ -75,6 +77,16 @@ class Stepper:
         self._record = RunRecord()
         self.recorded.clear()
         self._reconstructor.forget()
+        if self.hand_edits:
+            self._reconstruct(by_hand=True)
+
+    def edit_by_hand(self, edits: tuple[HandEdit, ...]) -> None:
+        """Use these edits of contours by hand, also in the runs that follow."""
+        if edits == self.hand_edits:
+            return
+        self.hand_edits = edits
+        if not self.stepping:
+            self._reconstruct(by_hand=True)
 
     def step(self) -> None:
         """Take one step and send a snapshot."""
@@ -141,7 +153,7 @@ class Stepper:
         """Contours of another state of the run."""
         if self.method is None:
             raise ValueError("There is no image to run on: open one first.")
-        return self.method.result(state, self.parameters)
+        return edited(self.method, self.method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
 
     def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
         """Snapshot of another step, without going there; None when it is no longer wanted."""
@@ -172,9 +184,16 @@ class Stepper:
             timeline=self.recorded.outline,
         )
 
-    def _reconstruct(self, looking_back: bool = False) -> None:
-        """Request contours; of the first state only when the run goes back to it, to show that there are none."""
-        if self.method is not None and self.state is not None and (self.state.step > 0 or looking_back):
-            # While the user scrubs, only the step at which that ends needs its contours at once.
-            last = not self.stepping and not looking_back
-            self._reconstructor.ask(Request(self.generation, self.method, self.state, self.parameters, last))
+    def _reconstruct(self, looking_back: bool = False, by_hand: bool = False) -> None:
+        """Request contours; of the first state only when the run goes back to it, to show that there are none.
+
+        Without a state there are those drawn `by_hand`.
+        """
+        begun = self.state is not None and self.state.step > 0
+        if self.method is None or not (begun or looking_back or by_hand):
+            return
+        # While the user scrubs, only the step at which that ends needs its contours at once.
+        last = not self.stepping and not looking_back
+        self._reconstructor.ask(
+            Request(self.generation, self.method, self.state, self.parameters, last, self.hand_edits)
+        )

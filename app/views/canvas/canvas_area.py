@@ -10,6 +10,7 @@ from app.model.document import edits
 from app.model.document.naming import describe
 from app.model.text.language import tr
 from app.session.features.contour_review import ContourReview
+from app.session.features.hand_editing import HandEditing
 from app.session.session import Session
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
@@ -38,7 +39,7 @@ _BESIDE_HINT = 16
 class CanvasArea(QWidget):
     """Shows the scene of a session on the canvas, and lets the tools edit its document and select contours."""
 
-    def __init__(self, session: Session, review: ContourReview) -> None:
+    def __init__(self, session: Session, review: ContourReview, hand_editing: HandEditing) -> None:
         super().__init__()
         self._session = session
         self._review = review
@@ -55,7 +56,7 @@ class CanvasArea(QWidget):
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
         drawing = self.canvas.layers.drawing
-        tools = ToolContext(session, review, drawing, advised=lambda: self.show_hint(self._hint))
+        tools = ToolContext(session, review, hand_editing, drawing, advised=lambda: self.show_hint(self._hint))
         self._tools: dict[str, Tool] = {entry.name: entry.make(tools) for entry in TOOLS}
         self.canvas.grip = SelectTool(tools)
         self.canvas.installEventFilter(self)

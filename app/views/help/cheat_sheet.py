@@ -33,6 +33,7 @@ _POINTER: KeyTable = (
     ((tr("wheel"),), tr("zoom")),
     (("Shift",), tr("circle; eight directions")),
     (("Ctrl",), tr("ellipse from its center")),
+    (("Alt",), tr("cut a contour")),
 )
 _IMAGE: KeyTable = (
     (("Enter",), tr("show the cross-hair")),

@@ -149,6 +149,10 @@ _FURTHER = Page(
         tr("<b>Review.</b> {contour_table} lists the contours; {reject} excludes contours from exports, {keep} keeps "
            "them through all sliders and runs, {learn} sorts the others like them. The contour tool selects several by "
            "a frame or a stroke. {load_truth} measures the agreement with a reference, and shows the differences."),
+        tr("<b>Mend by hand.</b> {edit_contours}: drag an end of a contour to another end to join them along the edge, "
+           "drag a stretch to where it belongs, Alt-click to cut. {close_contours} closes the selected contours. "
+           "{outline} draws a contour that follows the edges from click to click. All of this stays through further "
+           "runs."),
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
         tr("<b>Save.</b> {save} stores everything except the particles in one file. It also runs without a window: "
            "<code>cpm run --session FILE</code> for one image, <code>cpm batch</code> for many."),

@@ -22,9 +22,9 @@ def encode(result: Result | Skeleton) -> bytes:
     the label mask, 0 when open), ``strength`` (mean edge strength [gray levels / px]), ``vertex`` (from 1), ``row`` and
     ``col`` [px, pixel centers at integers], where the size of a pixel is known, ``x_...`` and ``y_...`` in its unit,
     from the center of the first pixel along columns and rows, ``contrast`` (mean contrast of both sides, empty where
-    there is no image to measure it in), and where any contour has one, ``name`` and ``color``. Of a skeleton each
-    branch is a contour, has a label in the branch mask, no contrast, and a last column ``radius``: the distance to the
-    boundary [px].
+    there is no image to measure it in), where any contour has one, ``name`` and ``color``, and where any was edited by
+    hand, ``by_hand`` (the length that was drawn by hand [px]). Of a skeleton each branch is a contour, has a label in
+    the branch mask, no contrast, and a last column ``radius``: the distance to the boundary [px].
     """
     branched = isinstance(result, Skeleton)
     header = ["contour", "closed", "label", "strength", "vertex", "row", "col", *_in_unit(result, "x_{}", "y_{}")]
@@ -33,6 +33,9 @@ def encode(result: Result | Skeleton) -> bytes:
     named = any(contour.name or contour.color for contour in result.contours)
     if named:
         header += ["name", "color"]
+    edited = any(contour.by_hand for contour in result.contours)
+    if edited:
+        header.append("by_hand")
     if branched:
         header.append("radius")
     lines: list[list[object]] = []
@@ -49,6 +52,8 @@ def encode(result: Result | Skeleton) -> bytes:
                 line.append(contrast)
             if named:
                 line += [contour.name, contour.color]
+            if edited:
+                line.append(f"{contour.length_by_hand:.4f}")
             if isinstance(result, Skeleton):
                 line.append(f"{result.radii[index][vertex - 1]:.4f}")
             lines.append(line)
@@ -61,10 +66,13 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     Columns: ``contour`` (the number), ``label`` (that in the label mask, 0 when open), ``name``, ``color``, ``closed``
     (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
     none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
-    it in), ``length_px``, ``area_px2`` (0 when open), and the same in the unit of the image where it is known.
+    it in), ``length_px``, ``area_px2`` (0 when open), the same in the unit of the image where it is known, and where
+    any was edited by hand, ``by_hand_px`` (the length that was drawn by hand).
     """
     header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
     header += ["length_px", "area_px2", *_in_unit(result, "length_{}", "area_{}2")]
+    edited = any(contour.by_hand for contour in result.contours)
+    header += ["by_hand_px"] if edited else []
     lines: list[list[object]] = []
     for row in measure(result.contours, result.spacing):
         contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
@@ -72,6 +80,8 @@ def encode_measures(result: Result | Skeleton) -> bytes:
         line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}", f"{row.area:.4f}"]
         if result.unit:
             line += [f"{row.length_in_units:.7g}", f"{row.area_in_units:.7g}"]
+        if edited:
+            line.append(f"{row.by_hand:.4f}")
         lines.append(line)
     return _table(header, lines)
 

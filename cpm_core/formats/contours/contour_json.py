@@ -16,10 +16,11 @@ FORMAT = "cpm-contours"
 def encode(result: Result | Skeleton) -> bytes:
     """Write an object with the image, the run, the contours and the bridges; `load_contours` reads it back.
 
-    ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
-    levels / px. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null where
-    there is no image to measure it in. Where the size of a pixel is known, length and area are given in its unit as
-    well. Of a skeleton the branches are contours with ``radii`` [px], and there is no run.
+    ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in
+    gray levels / px. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is
+    null where there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]. Where the
+    size of a pixel is known, length and area are given in its unit as well. Of a skeleton the branches are contours
+    with ``radii`` [px], and there is no run.
     """
     image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
@@ -56,6 +57,7 @@ def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
             "area": round(row.area, 4),
             "strength": round(row.strength, 6),
             "contrast": None if row.contrast is None else round(row.contrast, 6),
+            "by_hand": round(row.by_hand, 4),
         }
         if result.unit:
             entry |= {"length_in_units": row.length_in_units, "area_in_units": row.area_in_units}

@@ -55,6 +55,8 @@ def _measurements(row: Measures, unit: str | None) -> dict[str, float]:
     found["Edge strength"] = row.strength
     if row.contrast is not None:
         found["Contrast"] = row.contrast
+    if row.by_hand:
+        found["Length by hand px"] = row.by_hand
     return {name: round(value, 6) for name, value in found.items() if row.closed or not name.startswith("Area")}
 
 

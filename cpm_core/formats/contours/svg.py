@@ -20,12 +20,13 @@ _SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell would be invisi
 def encode(result: Result | Skeleton) -> bytes:
     """Draw the contours of a result.
 
-    User units are pixels of the image, x along columns and y along rows, pixel centers at integers: the image covers
-    the view box. Every contour is one path without a fill. Its data attributes give whether it is closed, its mean edge
-    strength [gray levels / px], its length [px], its contrast where that can be measured, and its label in the label
-    mask (0 when open). A name becomes the title, a color the stroke. The page has the object's true size where that is
-    known and large enough to see, else one CSS pixel per pixel. Of a skeleton each branch is such a path, with the
-    distance to the boundary of all its vertices [px].
+    User units are pixels of the image, x along columns and y along rows, pixel centers at integers: the image
+    covers the view box. Every contour is one path without a fill. Its data attributes give whether it is closed,
+    its mean edge strength [gray levels / px], its length [px], its contrast where that can be measured, the length
+    that was drawn by hand [px] where that is not zero, and its label in the label mask (0 when open). A name
+    becomes the title, a color the stroke. The page has the object's true size where that is known and large enough
+    to see, else one CSS pixel per pixel. Of a skeleton each branch is such a path, with the distance to the
+    boundary of all its vertices [px].
     """
     rows, cols = result.shape
     width, height = _page(result)
@@ -56,6 +57,7 @@ def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None
     known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '
     known += "" if contour.sides is None else f'data-contrast="{contour.contrast:.4f}" '
     known += f'data-number="{contour.number}" ' if contour.number else ""
+    known += f'data-by-hand="{contour.length_by_hand:.3f}" ' if contour.by_hand else ""
     known += f'stroke="{contour.color}" ' if contour.color else ""
     end = f"><title>{escape(contour.name, quote=False)}</title></path>" if contour.name else "/>"
     return (

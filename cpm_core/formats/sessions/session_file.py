@@ -13,6 +13,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from cpm_core.contours.contour import present_names
+from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.sessions.plain_values import (
@@ -32,7 +33,7 @@ from cpm_core.shapes import Shape
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
-_KNOWN = (MARK, "image", "shapes", "parameters", "marks", "learning", "mode", "view")
+_KNOWN = (MARK, "image", "shapes", "parameters", "marks", "learning", "mode", "view", "hand_edits")
 _LARGEST = 64 * 2**20
 _LARGEST_SIDE = 10**6
 
@@ -83,6 +84,8 @@ class SessionFile:
         Entries of other versions, kept when the file is written again.
     notes : tuple of str
         Messages from reading, one sentence each.
+    hand_edits : tuple of HandEdit
+        Edits of the contours by hand, in the order in which they were made.
     """
 
     image: ImageFile | None = None
@@ -94,6 +97,7 @@ class SessionFile:
     view: Plain = field(default_factory=dict)
     extra: Plain = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    hand_edits: tuple[HandEdit, ...] = ()
 
 
 def fingerprint(path: Path) -> str:
@@ -136,6 +140,8 @@ def encode(session: SessionFile, folder: Path) -> bytes:
     plain["marks"] = [_mark_to_plain(mark) for mark in session.marks]
     if session.learning:
         plain["learning"] = True
+    if session.hand_edits:
+        plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
     plain["mode"] = session.mode
     plain["view"] = dict(session.view)
     plain.update(session.extra)
@@ -190,6 +196,9 @@ def decode(content: bytes, name: str) -> SessionFile:
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
             notes=(left_out,) if unknown else (),
+            hand_edits=tuple(
+                from_plain(HandEdit, edit, f"edit {index} by hand") for index, edit in _listed(plain, "hand_edits")
+            ),
         )
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error

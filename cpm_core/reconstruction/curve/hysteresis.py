@@ -7,7 +7,7 @@ therefore a higher threshold only removes more.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -99,13 +99,18 @@ def choose(contours: tuple[Contour, ...], scale_field: ScaleField, parameters: P
     """The contours of a graph that are neither too short nor degenerate, with their strength and contrast."""
     least = max(shortest(scale_field, parameters), parameters.min_length)
     chosen = [c for c in contours if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)]
-    if not chosen:
+    return measured(chosen, scale_field)
+
+
+def measured(contours: Sequence[Contour], scale_field: ScaleField) -> tuple[Contour, ...]:
+    """The same contours with their strength and contrast."""
+    if not contours:
         return ()
-    points = np.concatenate([c.points for c in chosen])
-    bounds = np.cumsum([0, *(len(c.points) for c in chosen)])
+    points = np.concatenate([c.points for c in contours])
+    bounds = np.cumsum([0, *(len(c.points) for c in contours)])
     strength, normals = scale_field.strength(points), scale_field.normals(points)
-    measured = []
-    for contour, a, b in zip(chosen, bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
+    found = []
+    for contour, a, b in zip(contours, bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
         sides = Sides(scale_field.values, contour.points, normals[a:b], scale_field.smoothing)
-        measured.append(replace(contour, strength=float(strength[a:b].mean()), sides=sides))
-    return tuple(measured)
+        found.append(replace(contour, strength=float(strength[a:b].mean()), sides=sides))
+    return tuple(found)

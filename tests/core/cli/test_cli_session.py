@@ -23,6 +23,7 @@ from cpm_core import Parameters, cli, load_image, segment, uniform_grid
 from cpm_core.cli import workers
 from cpm_core.cli.jobs import Done, Job
 from cpm_core.contours.features import contour_features
+from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, anchor, described
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, fingerprint, save_session
 from cpm_core.shapes import Circle, Everywhere, Region
@@ -373,3 +374,20 @@ def test_what_goes_to_other_processes_can_be_sent():
     assert pickle.loads(pickle.dumps(job)) == job
     done = Done(3, {"contours": 1}, {".svg": b"x"})
     assert pickle.loads(pickle.dumps(done)) == done
+
+
+def test_edits_by_hand_of_a_session_are_carried_out(command, disks, tmp_path):
+    """One disk is found by particles, the other is outlined by hand; a run by itself and a batch give the same."""
+    start = Circle(CENTERS[0], 0.7 * RADIUS)
+    angle = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    circle = np.stack([CENTERS[1][0] + RADIUS * np.sin(angle), CENTERS[1][1] + RADIUS * np.cos(angle)], axis=1)
+    edit = HandEdit(added=tuple(map(tuple, circle.tolist())), closed=True)
+    session = tmp_path / "edited.cpm"
+    save_session(SessionFile(ImageFile(str(disks)), (start,), hand_edits=(edit,)), session)
+    status, output, _ = command("run", "--session", session, "--json", "--export", tmp_path / "a.measures.csv")
+    assert status == 0 and json.loads(output)["closed"] == 2
+    rows = list(csv.DictReader((tmp_path / "a.measures.csv").read_text().splitlines()))
+    assert sorted(float(row["by_hand_px"]) > 0.0 for row in rows) == [False, True]
+    out = tmp_path / "out"
+    assert command("batch", disks, "--session", session, "--output", out, "--export", ".measures.csv")[0] == 0
+    assert (out / "disks_contours.measures.csv").read_text() == (tmp_path / "a.measures.csv").read_text()

@@ -44,6 +44,7 @@ _ACTIVITIES: Mapping[Callable[..., object], str] = {
     Run.limit: "changing what limits the particles",
     Run.join: "adding particles",
     Run.erase: "erasing particles",
+    Run.edit_by_hand: "editing contours",
     Run.rename_branch: "renaming a branch",
     Run.drop_branch: "deleting a branch",
     Run.set_timeline_budget: "making room",
@@ -128,8 +129,8 @@ class RunCall(Command):
 
     @property
     def kind(self) -> object:
-        """Of placed charges and of regions only the newest count."""
-        return self.method if self.method in (Run.place, Run.limit) else None
+        """Of placed charges, regions and edits by hand only the newest count."""
+        return self.method if self.method in (Run.place, Run.limit, Run.edit_by_hand) else None
 
     def execute(self, context: CommandContext) -> None:
         """Call the method."""

@@ -10,6 +10,8 @@ from app.model.text.language import tr
 from app.views.canvas.tools.charge import AttractTool, RepelTool
 from app.views.canvas.tools.contours import ContourTool
 from app.views.canvas.tools.drawn import CircleTool, EllipseTool, PointTool
+from app.views.canvas.tools.edit_contours import EditContoursTool
+from app.views.canvas.tools.outline import OutlineTool
 from app.views.canvas.tools.path import BARRIER, GRID, POLYGON, REGION, STROKE, THRESHOLD, PathKind, PathTool
 from app.views.canvas.tools.ringed import EraserTool, SprayTool
 from app.views.canvas.tools.select import SelectTool
@@ -62,5 +64,7 @@ TOOLS: tuple[ToolEntry, ...] = (
     _entry(AttractTool, tr("&Attracting charge"), "A", CHARGE),
     _entry(RepelTool, tr("Repelling char&ge"), "D", CHARGE),
     _entry(ContourTool, tr("C&ontour tool"), "V", CONTOUR),
+    _entry(EditContoursTool, tr("Edit contours by han&d"), "J", CONTOUR),
+    _entry(OutlineTool, tr("O&utline tool"), "U", CONTOUR),
 )
 """All tools in the order shown, those of one group next to each other."""

@@ -11,6 +11,7 @@ from PySide6.QtCore import Qt
 from app.model.document import edits
 from app.model.text.language import tr
 from app.session.features.contour_review import ContourReview
+from app.session.features.hand_editing import HandEditing
 from app.session.session import Session
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
 from cpm_core.numerics.types import Position
@@ -31,6 +32,8 @@ class ToolContext:
         Its document is edited.
     review : ContourReview
         Selects contours.
+    hand_editing : HandEditing
+        Edits contours by hand.
     drawing : DrawingLayer
         Shows drafts and rings.
     advised : callable
@@ -39,6 +42,7 @@ class ToolContext:
 
     session: Session
     review: ContourReview
+    hand_editing: HandEditing
     drawing: DrawingLayer
     advised: Callable[[], None]
 

@@ -80,6 +80,8 @@ COLUMNS: tuple[Column, ...] = (
            lambda i: i.measures.junctions, "0"),
     Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
            _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
+    Column("by_hand", tr("By hand [px]"), tr("Length that was drawn by hand."),
+           lambda i: _number(i.measures.by_hand) if i.contour.by_hand else "–", lambda i: i.measures.by_hand, "000.0"),
 )  # fmt: skip
 """All columns in the order shown."""
 

@@ -2,6 +2,7 @@
 
 import os
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,6 +20,21 @@ def result_of(closed):
 
 
 CLOSED = result_of(True)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "written"),
+    [
+        (".svg", b'data-by-hand="15.000"'),
+        (".csv", b",by_hand"),
+        (".measures.csv", b",by_hand_px"),
+        (".json", b'"by_hand": 15.0'),
+        (".geojson", b'"Length by hand px": 15.0'),
+    ],
+)
+def test_the_length_drawn_by_hand_is_told(suffix, written):
+    by_hand = replace(CLOSED, contours=(replace(CLOSED.contours[0], by_hand=(TRIANGLE[:2],)),))
+    assert written in encoded(by_hand, suffix) and written not in encoded(CLOSED, suffix)
 
 
 @pytest.mark.parametrize("suffix", WRITABLE)

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, Verdict
 from cpm_core.formats.sessions.plain_values import LARGEST
 from cpm_core.formats.sessions.session_file import (
@@ -84,6 +85,14 @@ marks = st.builds(
     st.just("") | st.from_regex("#[0-9a-f]{6}", fullmatch=True),
     st.lists(numbers, max_size=3).map(tuple),
 )
+places = st.tuples(numbers, numbers)
+lines = st.lists(places, min_size=2, max_size=4).map(tuple)
+ends = st.lists(places, max_size=1).map(tuple)
+hand_edits = st.one_of(
+    st.builds(HandEdit, removed=lines | places.map(lambda place: (place,))),
+    st.builds(HandEdit, removed=lines | st.just(()), added=lines, before=ends, after=ends),
+    st.builds(HandEdit, added=st.lists(places, min_size=3, max_size=4).map(tuple), closed=st.just(True)),
+)
 sessions = st.builds(
     SessionFile,
     image=st.sampled_from([None, ImageFile("a.png", 64 * "a", (4, 5), ("/b/a.png",)), ImageFile("/b/ü.png")]),
@@ -91,6 +100,7 @@ sessions = st.builds(
     parameters=parameters(),
     marks=st.lists(marks, max_size=3).map(tuple),
     learning=st.booleans(),
+    hand_edits=st.lists(hand_edits, max_size=3).map(tuple),
     mode=st.text(),
     view=mappings,
     extra=st.dictionaries(st.text().map(lambda text: f"x-{text}"), plain, max_size=3),
@@ -101,6 +111,14 @@ sessions = st.builds(
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_what_is_written_is_read_again_exactly(session: SessionFile) -> None:
     assert decode(encode(session, Path("/folder")), "a.cpm") == session
+
+
+def test_an_edit_by_hand_that_means_nothing_is_told_with_its_number() -> None:
+    written = encode(SessionFile(hand_edits=(HandEdit(removed=((1.0, 2.0),)), HandEdit(removed=((3.0, 4.0),)))), Path())
+    broken = written.replace(b"[3.0, 4.0]", b"").replace(b"[[3.0,4.0]]", b"[]").replace(b"[3.0,4.0]", b"")
+    assert broken != written
+    with pytest.raises(ValueError, match="edit 2 by hand cannot be used: The edit by hand removes nothing"):
+        decode(broken, "a.cpm")
 
 
 def test_every_shape_and_every_parameter_is_kept() -> None:

@@ -24,9 +24,9 @@ class ContourLayer(Layer):
 
     name = "contours"
     title = tr("Contours")
-    tip = tr("Closed, and open.")
+    tip = tr("Closed, open, and drawn by hand.")
     shortcut = "Ctrl+2"
-    colors = (theme.CLOSED, theme.OPEN)
+    colors = (theme.CLOSED, theme.OPEN, theme.BY_HAND)
     options = (
         Switch("rejected", tr("Rejected ones, dashed"), True, tr("Show rejected contours, faint and dashed.")),
         Switch("names", tr("Names"), True, tr("Show the names of contours.")),
@@ -38,12 +38,15 @@ class ContourLayer(Layer):
         self._chosen = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
         self._rejected = Curves(theme.REJECTED, 3.9, width=1.8, halo=2.8, dashed=True)
         self._curves = {True: Curves(theme.CLOSED, 4.0), False: Curves(theme.OPEN, 4.1)}
+        self._edited = {True: Curves(theme.CLOSED, 4.12), False: Curves(theme.OPEN, 4.11)}
         self._own: dict[str, Curves] = {}
         self._bridges = Curves(theme.BRIDGE, 4.2, dashed=True)
+        self._by_hand = Curves(theme.BY_HAND, 4.25, halo=0.0, dashed=True)
         self._names = Names(5.7)
         self._junctions = Markers(size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))
         self._junctions.setZValue(5.5)
-        self.add(self._hovered, self._chosen, self._rejected, *self._curves.values(), self._bridges)
+        self.add(self._hovered, self._chosen, self._rejected, *self._curves.values(), *self._edited.values())
+        self.add(self._bridges, self._by_hand)
         self.add(self._names, self._junctions)
 
     @property
@@ -61,6 +64,11 @@ class ContourLayer(Layer):
     def bridged(self) -> int:
         """Number of bridged gaps shown."""
         return self._bridges.count
+
+    @property
+    def drawn_by_hand(self) -> int:
+        """Number of stretches drawn by hand that are shown."""
+        return self._by_hand.count
 
     def show_or_hide(self) -> None:
         """Show or hide all items."""
@@ -89,11 +97,14 @@ class ContourLayer(Layer):
         items = self.scene.contours.items
         counting = [item for item in items if not item.reviewed.rejected]
         for closed, curves in self._curves.items():
-            curves.show(_paths([i for i in counting if i.contour.closed == closed and not i.contour.color]))
+            seen = [item for item in counting if item.contour.closed == closed and not item.contour.color]
+            curves.show(_paths([item for item in seen if not item.contour.by_hand]))
+            self._edited[closed].show(_paths([item for item in seen if item.contour.by_hand]))
         self._show_own([item for item in counting if item.contour.color])
         self._show_rejected()
         result = self.scene.contours.result
         self._bridges.show([bridge.points for bridge in result.bridges] if result is not None else [])
+        self._by_hand.show([stretch for item in counting for stretch in item.contour.by_hand])
         named = [item.contour for item in counting if item.contour.name]
         self._names.show([(middle(c), c.name, c.color or "#ffffff") for c in named])
         ends = [item.contour.points[end] for item in items for end in (0, -1) if item.contour.junctions[end]]

@@ -1,0 +1,237 @@
+"""Editing of contours by hand: what the pointer takes hold of, lines that follow the edges, and the edits made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from app.model.document.contour_editing import NAMES, add_hand_edits, drop_hand_edits
+from app.model.document.document import Document
+from app.model.text.language import tr
+from app.session.features.contour_review import ContourReview
+from app.session.scene import Item, ReviewedContours
+from app.session.session import Session
+from app.session.worker.commands.edges import EdgesFound, FindEdges
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.hand_edits import HandEdit, Path
+from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.types import Array, Position
+from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge, on_ridge
+from cpm_core.reconstruction.by_hand.operations import Contact, chain, cut, deletion, pull, wire_from
+
+Way = Callable[[Position], Array]
+"""The path from some place to another one, shape (K, 2) [px]."""
+
+_SNAP = 3.0
+"""Distance from an edge within which a place that is clicked is moved onto it [px]."""
+
+
+class HandEditing(QObject):
+    """Edits the contours of the scene by hand, and holds the places that are marked on one of them.
+
+    The edges are asked for when they are first needed; until they are there, lines are straight.
+    """
+
+    changed = Signal()
+    """The marked places have changed."""
+
+    def __init__(self, session: Session, review: ContourReview) -> None:
+        super().__init__(session)
+        self.marked: tuple[Contact, ...] = ()
+        self._session = session
+        self._review = review
+        self._contours: ReviewedContours | None = None
+        self._ends: tuple[list[Contour], Array] | None = None
+        self._edges: ScaleField | None = None
+        self._asked: tuple[object, ...] = ()
+        self._told: tuple[int, ...] = ()
+        session.listen(EdgesFound, self._take_edges)
+        session.image_changed.connect(self._forget)
+        session.scene_changed.connect(self._follow)
+
+    # What the pointer takes hold of
+
+    @property
+    def edges(self) -> ScaleField | None:
+        """Fields of the image in which lines follow the edges; None until they are there."""
+        return self._edges
+
+    def prepare(self) -> None:
+        """Ask for the edges of the image, unless they are there or on their way."""
+        document, generation = self._session.document, self._session.image_generation
+        wanted = (generation, document.regions, *_deciding(document.parameters))
+        if document.image is not None and wanted != self._asked:
+            self._asked = wanted
+            self._session.post(FindEdges(generation, document.parameters))
+
+    def contact(self, at: Position, reach: float) -> Contact | None:
+        """The end of a contour within reach of a place [px], or else the nearest place on a contour; None without one.
+
+        Of several ends at a junction it is that of the contour nearest to the place.
+        """
+        contours, places = self._all_ends()
+        away = np.linalg.norm(places - at, axis=1)
+        near = [Contact.ends(contours[index // 2])[index % 2] for index in np.flatnonzero(away <= reach).tolist()]
+        near = [end for end in near if self._item(end) is not None]
+        if near:
+            return min(near, key=lambda end: end.line.nearest(at)[1])
+        key = self._review.under(at, reach)
+        return None if key is None else Contact.at(self._review[key].contour, at)
+
+    def key_of(self, contact: Contact) -> int | None:
+        """Key of the contour that a place lies on, if it is still there."""
+        item = self._item(contact)
+        return None if item is None else item.key
+
+    def mark(self, places: Sequence[Contact]) -> None:
+        """Mark up to two places on a contour; none removes the marks."""
+        self.marked = tuple(places)
+        self.changed.emit()
+        self._session.show_status()
+
+    # Lines that follow the edges
+
+    def way_from(self, start: Position, avoided: Sequence[Array] = ()) -> Way:
+        """Paths from a place along the edges that keep off some lines, each of shape (K, 2)."""
+        if self._edges is None:
+            return lambda place: np.array([start, place], dtype=float)
+        return LiveWire(self._edges, start, avoided, [_place(line[0]) for line in avoided]).to
+
+    def way_from_end(self, end: Contact) -> Way:
+        """Paths from the end of a contour along the edges, not back along it."""
+        if self._edges is None:
+            return self.way_from(end.place)
+        return wire_from(self._edges, end).to
+
+    def snapped(self, place: Position) -> Position:
+        """A place moved onto the edge beside it, if there is one."""
+        return place if self._edges is None else nearest_ridge(place, self._edges, _SNAP)
+
+    def snapped_path(self, path: Array) -> Array:
+        """A path moved onto the edges beside it, shape (K, 2)."""
+        return path if self._edges is None else on_ridge(path, self._edges)
+
+    def pulled(self, held: Contact, to: Position, snapping: bool) -> HandEdit:
+        """The edit that pulls a stretch of a contour to a place, onto the edge there if it is `snapping`."""
+        return pull(held, to, self._edges if snapping else None)
+
+    def stretch(self, one: Contact, other: Contact) -> Path:
+        """The stretch of a contour between two places."""
+        return deletion(one, other).removed
+
+    # Edits
+
+    def add(self, edits: Sequence[HandEdit]) -> None:
+        """Carry out edits, as one step of undo."""
+        if edits:
+            self.mark(())
+            self._session.edit(NAMES[edits[-1].kind], lambda document: add_hand_edits(document, edits))
+
+    def cut(self, at: Contact) -> None:
+        """Cut a contour at a place that is not one of its ends."""
+        if at.at_end:
+            self._session.say(tr("A contour cannot be cut at its end: click farther along it."))
+        else:
+            self.add((cut(at),))
+
+    def cut_marked(self) -> None:
+        """Cut a contour at the place marked last."""
+        if self.marked:
+            self.cut(self.marked[-1])
+
+    def delete_stretch(self) -> None:
+        """Delete the stretch between the two marked places, which lie on one contour."""
+        if len(self.marked) == 2:
+            self.add((deletion(*self.marked),))
+
+    def join_selected(self, closing: bool) -> None:
+        """Join the selected contours by their nearest ends, to a closed one if `closing`."""
+        contours = [item.contour for item in self._review.chosen if not item.contour.closed]
+        if self._edges is None:
+            self.prepare()
+            self._session.say(tr("The edges of the image are being prepared: try again in a moment."))
+            return
+        edits = chain(self._edges, contours, closing)
+        if not edits:
+            self._session.say(tr("Select an open contour to close it, or several to join them."))
+            return
+        self._session.edit(
+            tr("close contours") if closing else NAMES["join"], lambda document: add_hand_edits(document, edits)
+        )
+
+    @property
+    def missed(self) -> tuple[int, ...]:
+        """Indices of the edits that have not found their contours in the present ones."""
+        found = self._session.scene.reconstruction
+        return found.missed if found is not None else ()
+
+    def drop(self, indices: Collection[int] | None = None) -> None:
+        """Remove edits by their indices, by default all."""
+        gone = range(len(self._session.document.hand_edits)) if indices is None else tuple(indices)
+
+        def without(document: Document) -> Document:
+            return drop_hand_edits(document, gone)
+
+        self._session.edit(tr("remove edits by hand"), without)
+
+    # Internal
+
+    def _all_ends(self) -> tuple[list[Contour], Array]:
+        """The open contours, and the places of both ends of each, in turn, shape (2 N, 2) [px].
+
+        They are looked for only when the pointer asks: contours change many times a second during a run.
+        """
+        if self._ends is None:
+            contours = [item.contour for item in self._review.items if not item.contour.closed]
+            self._ends = contours, np.array([contour.points[[0, -1]] for contour in contours]).reshape(-1, 2)
+        return self._ends
+
+    def _item(self, contact: Contact) -> Item | None:
+        """The contour of a place, if it can be seen and has not been replaced."""
+        seen = (item for item in self._review.items if self._review.rejected_seen or not item.reviewed.rejected)
+        return next((item for item in seen if item.contour is contact.line.source), None)
+
+    def _take_edges(self, report: EdgesFound) -> None:
+        if report.image_generation == self._session.image_generation:
+            self._edges = report.scale_field
+
+    def _forget(self) -> None:
+        self._edges, self._asked, self._told = None, (), ()
+        self.mark(())
+
+    def _follow(self) -> None:
+        contours = self._session.scene.contours
+        if contours is self._contours:
+            return
+        self._contours = contours
+        self._ends = None
+        if self.marked:
+            still = {id(item.contour) for item in contours.items}
+            self.mark([mark for mark in self.marked if id(mark.line.source) in still])
+        self._tell_missed()
+
+    def _tell_missed(self) -> None:
+        """Say once that edits have not found their contours after a run."""
+        missed, found = self.missed, self._session.scene.reconstruction
+        if missed == self._told or found is None or (missed and not getattr(found.result, "steps", 0)):
+            return
+        new = [index for index in missed if index not in self._told]
+        self._told = missed
+        if new:
+            message = tr(
+                "{count} of {all} edits by hand no longer find their contours. What they drew stays; the menu Contours "
+                "removes them."
+            )
+            self._session.say(message.format(count=len(missed), all=len(self._session.document.hand_edits)))
+
+
+def _deciding(parameters: Parameters) -> tuple[object, ...]:
+    """The parameters that the fields of the image depend on."""
+    return tuple(getattr(parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "field")
+
+
+def _place(point: Array) -> Position:
+    return float(point[0]), float(point[1])

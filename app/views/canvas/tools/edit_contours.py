@@ -1,0 +1,191 @@
+"""The tool that edits contours by hand: joins, closes, pulls, cuts, and marks stretches."""
+
+from __future__ import annotations
+
+import math
+
+from PySide6.QtCore import Qt
+
+from app.model.text.language import tr
+from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
+from app.views.theme import theme
+from cpm_core.contours.hand_edits import HandEdit
+from cpm_core.numerics.types import Array, Position
+from cpm_core.reconstruction.by_hand.operations import Contact, connect
+
+_STILL = 0.5
+"""Move of the pointer, in reaches, up to which a press is a click and not a drag."""
+
+
+class EditContoursTool(Tool):
+    """Drags ends and stretches of contours; clicks mark places on them, with Alt they cut.
+
+    What a release would do is drawn as a preview.
+    """
+
+    name = "edit_contours"
+    tip = tr("Drag an end of a contour to another end to join them, or a stretch to where it belongs; Alt-click cuts.")
+    by_keys = tr("Enter takes hold, arrow keys drag, Enter lets go; twice on one place marks it.")
+
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._context = context
+        self._editing, self._review = context.hand_editing, context.review
+        self._held: Contact | None = None
+        self._pressed: Position | None = None
+        self._pointer: Position | None = None
+        self._dragged = False
+        self._way = self._editing.way_from((0.0, 0.0))
+        self._reach = 1.0
+        self._modifiers = Qt.KeyboardModifier.NoModifier
+        self._editing.changed.connect(self._show)
+
+    @property
+    def drafting(self) -> bool:
+        """Whether places are marked."""
+        return bool(self._editing.marked)
+
+    @property
+    def advice(self) -> str:
+        """What can be done now."""
+        if self._dragged and self._held is not None:
+            if self._held.at_end:
+                return tr("Let go on another end to join; anywhere else to extend. Esc gives up.")
+            return tr("Let go to redraw this stretch along the edge; with Shift it only bends. Esc gives up.")
+        if len(self._editing.marked) == 2:
+            return tr("Delete removes the stretch between the marks; Esc removes the marks.")
+        if self._editing.marked:
+            return tr(
+                "Click a second place on this contour to mark a stretch; Shift+X cuts at the mark, Shift+C closes."
+            )
+        if not self._review.items:
+            return tr("There are no contours to edit yet: let the particles run, or draw one with the outline tool.")
+        return tr("Drag an end to another end, or drag a stretch. Click marks a place, Alt-click cuts.")
+
+    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+        """Remember the modifier keys: Alt cuts, Shift bends without snapping or selects more."""
+        self._modifiers = modifiers
+
+    def press(self, at: Position, reach: float) -> None:
+        """Take hold of the contour under the pointer."""
+        self.used = True
+        self._reach, self._pressed, self._dragged = max(reach, 1.0), at, False
+        self._held = self._editing.contact(at, self._reach)
+        if self._held is not None and self._held.at_end:
+            self._way = self._editing.way_from_end(self._held)
+
+    def drag(self, at: Position) -> None:
+        """Show what letting go here would do."""
+        self._pointer = at
+        if self._held is None or self._pressed is None:
+            return
+        self._dragged = self._dragged or math.dist(self._pressed, at) > _STILL * self._reach
+        self._show()
+
+    def release(self) -> None:
+        """Carry out what the preview shows, or mark the place that was clicked."""
+        held, dragged = self._held, self._dragged
+        edits = self._edits() if dragged else ()
+        self._end()
+        if edits:
+            self._editing.add(edits)
+        elif not dragged:
+            self._click(held)
+
+    def hover(self, at: Position) -> None:
+        """Show the place that a press would take hold of."""
+        self._pointer = at
+        self._show()
+
+    def finish(self) -> None:
+        """Keep the marks: they are what keys and menus act on."""
+
+    def take_back(self) -> None:
+        """Delete the marked stretch, or remove a single mark."""
+        if len(self._editing.marked) == 2:
+            self._editing.delete_stretch()
+        else:
+            self._editing.mark(())
+
+    def cancel(self) -> None:
+        """Give up the drag, or remove the marks."""
+        if self._pressed is None:
+            self._editing.mark(())
+        self._end()
+
+    def put_away(self) -> None:
+        """Hide the preview and the marks."""
+        self._pointer = None
+        self._review.hover(None)
+        self._context.drawing.show_draft((), (), theme.DRAWING, False)
+
+    def cursor(self, at: Position, reach: float) -> Cursor:
+        """A cross over an end, a hand elsewhere on a contour; the edges are prepared as soon as the tool is taken."""
+        self._editing.prepare()
+        self._reach = max(reach, 1.0)
+        contact = self._editing.contact(at, self._reach)
+        if contact is None:
+            return Cursor.ArrowCursor
+        return Cursor.CrossCursor if contact.at_end else Cursor.OpenHandCursor
+
+    def _click(self, held: Contact | None) -> None:
+        """Select the contour that was clicked and mark the place on it, or cut it there."""
+        if held is None:
+            self._editing.mark(())
+            self._review.select(())
+            return
+        key = self._editing.key_of(held)
+        if self._modifiers & Qt.KeyboardModifier.AltModifier:
+            self._editing.cut(held)
+        elif self._modifiers & (Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier):
+            self._review.select(self._review.selected ^ {key} if key is not None else self._review.selected)
+        else:
+            if key is not None:
+                self._review.select((key,))
+            marked = self._editing.marked
+            second = len(marked) == 1 and marked[0].same_contour(held) and marked[0].along != held.along
+            self._editing.mark((*marked, held) if second else (held,))
+
+    def _edits(self) -> tuple[HandEdit, ...]:
+        """What letting go now would do."""
+        held, at = self._held, self._pointer
+        if held is None or at is None:
+            return ()
+        if not held.at_end:
+            return (self._editing.pulled(held, at, not self._modifiers & Qt.KeyboardModifier.ShiftModifier),)
+        path, target = self._joining(held, at)
+        return connect(path, held, target)
+
+    def _joining(self, held: Contact, at: Position) -> tuple[Array, Contact | None]:
+        """The path from the end that is held to the pointer, and what it meets there."""
+        target = self._editing.contact(at, self._reach)
+        if target is not None and target.same_contour(held) and abs(target.along - held.along) <= 2.0 * self._reach:
+            target = None
+        return self._way(target.place if target is not None else at), target
+
+    def _show(self) -> None:
+        """Draw the preview, or the marks and the place under the pointer."""
+        corners: list[Position] = [mark.place for mark in self._editing.marked]
+        path: Array | tuple[Position, ...] = ()
+        if self._dragged and self._held is not None and self._pointer is not None:
+            if self._held.at_end:
+                path, target = self._joining(self._held, self._pointer)
+                corners = [self._held.place, *([target.place] if target is not None else [])]
+            else:
+                edits = self._edits()
+                path, corners = edits[0].added, [self._held.place]
+        else:
+            under = self._editing.contact(self._pointer, self._reach) if self._pointer is not None else None
+            self._review.hover(self._editing.key_of(under) if under is not None else None)
+            marks = [*self._editing.marked, *([under] if under is not None else [])][:2]
+            if len(marks) == 2 and self._editing.marked and marks[0].same_contour(marks[1]):
+                path = self._editing.stretch(*marks)
+            corners += [under.place] if under is not None else []
+        places = tuple((float(row), float(col)) for row, col in path)
+        self._context.drawing.show_draft(tuple(corners), places, theme.BY_HAND, False)
+        self._context.advised()
+
+    def _end(self) -> None:
+        self._held = self._pressed = None
+        self._dragged = False
+        self._show()

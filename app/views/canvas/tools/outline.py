@@ -1,0 +1,205 @@
+"""The outline tool: draws contours along the edges, anchor by anchor, or freehand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from PySide6.QtCore import Qt
+
+from app.model.text.language import tr
+from app.session.features.hand_editing import Way
+from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
+from app.views.theme import theme
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Position
+from cpm_core.reconstruction.by_hand.operations import Contact, connect, outline
+
+_FINEST = 1.0
+"""Least distance between two corners of a freehand path [px]."""
+
+_SMALLEST = 4.0
+"""Area below which an outline is taken for an accident [px²]."""
+
+
+class OutlineTool(Tool):
+    """Draws a contour by a live wire: clicks set anchors, and the line between them follows the edges.
+
+    With Shift the line is straight, a drag draws freehand. A line that begins or ends on a contour joins it there, one
+    between two places of the same contour takes the place of the stretch between them.
+    """
+
+    name = "outline"
+    tip = tr("Click from place to place around an object: the line follows the edges and becomes a contour.")
+    clicks = True
+    by_keys = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")
+
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._context = context
+        self._editing = context.hand_editing
+        self._anchors: list[Position] = []
+        self._clicks: list[Position] = []  # where the pointer was for each anchor, before it moved onto the edge
+        self._pieces: list[Array] = []
+        self._freehand: list[Position] = []
+        self._begin: Contact | None = None
+        self._way: Way | None = None
+        self._pointer: Position | None = None
+        self._pressed: Position | None = None
+        self._reach = 1.0
+        self._straight = False
+
+    @property
+    def drafting(self) -> bool:
+        """Whether a line has been begun and not finished."""
+        return bool(self._anchors)
+
+    @property
+    def advice(self) -> str:
+        """One sentence on what to do now."""
+        if not self._anchors:
+            return "" if self.used else self.tip
+        return tr(
+            "Click the first anchor to close the line, Enter or a double click ends it; Shift draws straight, a drag "
+            "freehand; Backspace takes the last anchor back."
+        )
+
+    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+        """With Shift, draw straight lines, and freehand ones as they are."""
+        self._straight = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
+
+    def press(self, at: Position, reach: float) -> None:
+        """Set an anchor; on the first one close the line, on the last one end it."""
+        self._reach = max(reach, 1.0)
+        if len(self._anchors) > 1 and self._on(0, at):
+            self._add(self._anchors[0], at)
+            self._make(closed=True)
+        elif self._anchors and self._on(-1, at):
+            self.finish()
+        else:
+            place = self._place(at)
+            if not self._anchors:
+                self._begin = self._contact(at)
+                self._anchors, self._clicks = [place], [at]
+            else:
+                self._add(place, at)
+            self._begin_piece()
+            self._pressed, self._freehand = place, []
+            self._show()
+
+    def drag(self, at: Position) -> None:
+        """Draw freehand after the pointer has left the place of the press."""
+        if self._pressed is None:
+            return
+        if not self._freehand and math.dist(self._pressed, at) > self._reach:
+            self._freehand = [self._pressed]
+        if self._freehand and math.dist(self._freehand[-1], at) >= _FINEST:
+            self._freehand.append(at)
+            self._show()
+
+    def release(self) -> None:
+        """Keep what was drawn freehand, and close it where it has come back to its beginning."""
+        drawn, self._freehand, self._pressed = self._freehand, [], None
+        if len(drawn) < 2:
+            return
+        at, closes = drawn[-1], self._on(0, drawn[-1])
+        drawn[-1] = self._anchors[0] if closes else self._place(drawn[-1])
+        path = np.array(drawn)
+        self._pieces.append(path if self._straight else self._editing.snapped_path(path))
+        self._anchors.append(drawn[-1])
+        self._clicks.append(at)
+        if closes:
+            self._make(closed=True)
+        else:
+            self._begin_piece()
+            self._show()
+
+    def hover(self, at: Position) -> None:
+        """Lead the line to the pointer."""
+        self._pointer = at
+        if self._anchors:
+            self._show()
+
+    def finish(self) -> None:
+        """End the line at its last anchor."""
+        self._make(closed=False)
+
+    def take_back(self) -> None:
+        """Remove the last anchor."""
+        if self._anchors:
+            self._anchors.pop()
+            self._clicks.pop()
+            if self._pieces:
+                self._pieces.pop()
+            self._begin_piece()
+            self._show()
+
+    def cancel(self) -> None:
+        """Discard the line."""
+        self._clear()
+
+    def cursor(self, at: Position, reach: float) -> Cursor:
+        """A cross; the edges are prepared as the tool is taken."""
+        self._editing.prepare()
+        return Cursor.CrossCursor
+
+    def _contact(self, at: Position) -> Contact | None:
+        """What a line that begins or ends at a place touches."""
+        return None if self._straight else self._editing.contact(at, 0.5 * self._reach)
+
+    def _place(self, at: Position) -> Position:
+        """Where an anchor is set: on the contour or the edge under the pointer, with Shift at the pointer."""
+        if self._straight:
+            return at
+        contact = self._contact(at)
+        return contact.place if contact is not None else self._editing.snapped(at)
+
+    def _begin_piece(self) -> None:
+        """The line goes on from the last anchor, and not along what has been drawn."""
+        self._way = self._editing.way_from(self._anchors[-1], self._pieces) if self._anchors else None
+
+    def _piece(self, place: Position) -> Array:
+        """The line from the last anchor to a place."""
+        if self._straight or self._way is None:
+            return np.array([self._anchors[-1], place], dtype=float)
+        return self._way(place)
+
+    def _add(self, place: Position, click: Position) -> None:
+        self._pieces.append(self._piece(place))
+        self._anchors.append(place)
+        self._clicks.append(click)
+
+    def _on(self, anchor: int, at: Position) -> bool:
+        """Whether a place is that of an anchor, or where the pointer was for it."""
+        return min(math.dist(at, self._anchors[anchor]), math.dist(at, self._clicks[anchor])) <= self._reach
+
+    def _make(self, closed: bool) -> None:
+        """Make a contour of the line."""
+        begin, pieces = self._begin, self._pieces
+        last = self._contact(self._anchors[-1]) if self._anchors else None
+        self._clear()
+        if not pieces:
+            return
+        path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
+        if closed and polyline.area(path) < _SMALLEST:
+            self._session.say(tr("That is too small for an outline. {advice}").format(advice=self.tip))
+        elif closed:
+            self._editing.add((outline(path[:-1]),))
+        else:
+            self._editing.add(connect(path, begin, last))
+
+    def _clear(self) -> None:
+        self.used = self.used or bool(self._anchors)
+        self._anchors, self._clicks, self._pieces, self._freehand = [], [], [], []
+        self._begin = self._way = self._pressed = None
+        self._show()
+
+    def _show(self) -> None:
+        parts = list(self._pieces)
+        if self._freehand:
+            parts.append(np.array(self._freehand))
+        elif self._anchors and self._pointer is not None and self._pressed is None:
+            parts.append(self._piece(self._place(self._pointer)))
+        path = tuple((float(row), float(col)) for part in parts for row, col in part)
+        self._context.drawing.show_draft(tuple(self._anchors), path, theme.BY_HAND, False)
+        self._context.advised()

@@ -1,0 +1,325 @@
+"""Edits of contours by hand: pieces that are drawn, stretches that are taken away, and both kept through further runs.
+
+Every operation is one value, `HandEdit`: a stretch that is removed, a piece that is added, or both. A cut removes a
+stretch of length zero, a join adds a piece between two ends, a redrawn stretch is removed and another one added. The
+next reconstruction moves contours by fractions of a pixel, or ends them elsewhere; `apply` finds the contours of an
+edit again by the places where they pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.polygonal_line import PolygonalLine, joined, lines_of, ring
+from cpm_core.contours.result import Result
+from cpm_core.contours.review import REACH, Neighborhood
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Position
+
+Kind = Literal["cut", "deletion", "redrawing", "join", "extension", "line", "outline"]
+"""What an edit does, by what it removes and adds."""
+
+Path = tuple[Position, ...]
+"""Places (row, col) along a line [px]."""
+
+_CLOSEST = (1.0, 2.0, REACH)
+"""Distances within which a stretch that was removed is looked for, the first one that finds any [px]."""
+
+_FARTHER = 3.0 * REACH
+"""Distance from a piece up to which the end of its contour is joined to it after another run [px]."""
+
+_COVERED = 1.5
+"""Distance from a contour within which a piece is already part of it [px]."""
+
+_LEAST_SHARE = 0.5
+"""Least length of a stretch found again that is removed, as a fraction of the one that was."""
+
+_ALONG, _SHORTEST = 1.5, 4.0
+"""Distance from an outline within which an open contour runs along it, and least length of what is taken away or left
+of it [px]."""
+
+_FINE = 0.5
+"""Distance between samples along a line that is compared with an outline [px]."""
+
+_ON_CONTOUR = 0.5
+"""Distance from a contour up to which a bridge is part of it [px]."""
+
+
+@dataclass(frozen=True, slots=True)
+class HandEdit:
+    """One change of contours by hand.
+
+    Attributes
+    ----------
+    removed : tuple of (row, col)
+        Places along the stretch of a contour that is removed [px]; a single one cuts the contour there.
+    added : tuple of (row, col)
+        Vertices of the piece that is added [px].
+    closed : bool
+        Whether the piece is a closed contour of its own. It takes the place of what open contours run along it.
+    before, after : tuple of (row, col)
+        For each end of the piece that continues a contour one place on that contour, some pixels back from its end;
+        empty for a loose end.
+
+    Raises
+    ------
+    ValueError
+        When it changes nothing, or a piece has too few vertices.
+    """
+
+    removed: Path = ()
+    added: Path = ()
+    closed: bool = False
+    before: Path = ()
+    after: Path = ()
+
+    def __post_init__(self) -> None:
+        if not self.removed and not self.added:
+            raise ValueError("The edit by hand removes nothing and adds nothing: give it a stretch or a piece.")
+        if self.added and len(self.added) < (least := 3 if self.closed else 2):
+            raise ValueError(f"The piece drawn by hand has {len(self.added)} vertices but needs at least {least}.")
+        if max(len(self.before), len(self.after)) > 1:
+            raise ValueError("An end of a piece drawn by hand continues more than one contour: give one place for it.")
+
+    @property
+    def kind(self) -> Kind:
+        """What it does."""
+        if self.removed:
+            return "redrawing" if self.added else "cut" if len(self.removed) == 1 else "deletion"
+        if self.closed:
+            return "outline"
+        return "join" if self.before and self.after else "extension" if self.before or self.after else "line"
+
+    @property
+    def place(self) -> Position:
+        """A place where it acts, for messages and marks."""
+        path = self.added or self.removed
+        return path[len(path) // 2]
+
+
+class Edited(NamedTuple):
+    """Contours after edits by hand.
+
+    Attributes
+    ----------
+    contours : tuple of Contour
+        Longest first. Those that no edit has changed are the same objects as before.
+    missed : tuple of int
+        Indices of the edits that did not find all their contours; the pieces that they add are there nevertheless.
+    """
+
+    contours: tuple[Contour, ...]
+    missed: tuple[int, ...]
+
+
+def apply(
+    contours: Sequence[Contour], edits: Sequence[HandEdit], measured: Callable[[Contour], Contour] | None = None
+) -> Edited:
+    """Contours with edits by hand, in the order in which they were made.
+
+    Parameters
+    ----------
+    contours : sequence of Contour
+        Contours of a reconstruction.
+    edits : sequence of HandEdit
+        Edits, which may have been made on an earlier reconstruction.
+    measured : callable, optional
+        Gives a contour that has changed its strength and contrast.
+
+    Returns
+    -------
+    Edited
+        The contours, and the edits that were missed.
+    """
+    if not edits:
+        return Edited(tuple(contours), ())
+    lines, missed = lines_of(contours), []
+    for number, edit in enumerate(edits):
+        lines, done = _removed(lines, edit.removed) if edit.removed else (lines, True)
+        if edit.added:
+            lines, held = _added(lines, edit)
+            done = done and held
+        if not done:
+            missed.append(number)
+    found = [line.contour() for line in lines]
+    if measured is not None:
+        found = [c if line.source is not None else measured(c) for line, c in zip(lines, found, strict=True)]
+    return Edited(tuple(sorted(found, key=lambda contour: -contour.length)), tuple(missed))
+
+
+def apply_to_result(
+    result: Result, edits: Sequence[HandEdit], measured: Callable[[Contour], Contour] | None = None
+) -> tuple[Result, tuple[int, ...]]:
+    """A result with edits by hand, without the bridges that they have removed; and the edits that were missed."""
+    if not edits:
+        return result, ()
+    contours, missed = apply(result.contours, edits, measured)
+    bridges = result.bridges
+    if bridges:
+        middles = np.array([bridge.points[len(bridge.points) // 2] for bridge in bridges])
+        there = set(Neighborhood(contours).pairs(middles, _ON_CONTOUR)[0].tolist()) if contours else set()
+        bridges = tuple(bridge for number, bridge in enumerate(bridges) if number in there)
+    return replace(result, contours=contours, bridges=bridges), missed
+
+
+# Removing
+
+
+def _removed(lines: list[PolygonalLine], stretch: Path) -> tuple[list[PolygonalLine], bool]:
+    """The lines cut at a place, or without a stretch; and whether a line was found there."""
+    if len(stretch) == 1:
+        return _cut(lines, stretch[0])
+    path = np.array(stretch)
+    for reach in _CLOSEST:
+        rest, along = _without(lines, path, reach)
+        if along:
+            return rest, True
+    return lines, False
+
+
+def _cut(lines: list[PolygonalLine], place: Position) -> tuple[list[PolygonalLine], bool]:
+    """The lines with the nearest one within reach cut at a place; its end cannot be cut."""
+    near = [(line.nearest(place)[1], index) for index, line in enumerate(lines) if line.passes(place, REACH)]
+    for _, index in sorted(near):
+        line = lines[index]
+        pieces = line.parts((line.nearest(place)[0],))
+        if line.closed or len(pieces) > 1:
+            return [*lines[:index], *pieces, *lines[index + 1 :]], True
+    return lines, False
+
+
+def _without(lines: list[PolygonalLine], path: Array, reach: float) -> tuple[list[PolygonalLine], bool]:
+    """The lines without what follows a path within reach from its first place to its last."""
+    box = np.stack([path.min(axis=0) - reach, path.max(axis=0) + reach])
+    pieces: list[tuple[PolygonalLine, PolygonalLine, bool]] = []
+    for line in lines:
+        if (line.box[1] < box[0]).any() or (line.box[0] > box[1]).any():
+            pieces.append((line, line, False))
+            continue
+        ends = [along for along, away in (line.nearest(path[0]), line.nearest(path[-1])) if away <= reach]
+        pieces += [(line, piece, piece.follows(path, reach)) for piece in line.parts(ends)]
+    found = [piece for _, piece, gone in pieces if gone]
+    if reach > _CLOSEST[0]:  # the contour has moved: others may lie as near
+        longest = max(found, key=lambda piece: piece.length, default=None)
+        least = _LEAST_SHARE * polyline.length(path)
+        found = [longest] if longest is not None and longest.length >= least else []
+    if not found:
+        return lines, False
+    touched = {id(line) for line, piece, _ in pieces if any(piece is one for one in found)}
+    rest: dict[int, PolygonalLine] = {}
+    for line, piece, _ in pieces:
+        if id(line) not in touched:
+            rest[id(line)] = line
+        elif not any(piece is one for one in found):
+            rest[id(piece)] = piece
+    return list(rest.values()), True
+
+
+# Adding
+
+
+class _Tie(NamedTuple):
+    """A line that a piece continues: its number, whether at its last end, and the length along it where that ends."""
+
+    line: int
+    at_last: bool
+    along: float
+
+
+def _added(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLine], bool]:
+    """The lines with a piece, joined to those that it continues; and whether all of them were found."""
+    points = np.array(edit.added)
+    piece = PolygonalLine.by_hand(points, edit.closed)
+    if edit.closed:
+        return [*(rest for line in lines for rest in _beside(line, piece)), piece], True
+    if edit.before and edit.after and any(_holds(line, piece, edit) for line in lines):
+        return lines, True
+    first = _tie(lines, points, edit.before)
+    last = _tie(lines, points[::-1], edit.after)
+    if first is not None and last is not None and first.line == last.line and first.at_last == last.at_last:
+        last = None
+    piece = replace(piece, junctions=(_meets_side(lines, points[0]), _meets_side(lines, points[-1])))
+    rest = [line for n, line in enumerate(lines) if n not in {tie.line for tie in (first, last) if tie is not None}]
+    found = (first is not None or not edit.before) and (last is not None or not edit.after)
+    if first is not None and last is not None and first.line == last.line:
+        line = lines[first.line]
+        begin, end = sorted((first.along, last.along))
+        kept = line.part(begin, end)
+        return [*rest, ring(joined(kept if first.at_last else kept.reversed(), piece))], found
+    if first is not None:
+        piece = joined(_up_to(lines, first), piece)
+    if last is not None:
+        piece = joined(piece, _up_to(lines, last).reversed())
+    return [*rest, piece], found
+
+
+def _beside(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
+    """What is left of a line where an outline takes its place: an open one without what runs along the outline."""
+    apart = (line.box[1] < outline.box[0] - _ALONG).any() or (line.box[0] > outline.box[1] + _ALONG).any()
+    if line.closed or apart or line.length < _SHORTEST:
+        return [line]
+    count = max(1, int(np.ceil(line.length / _FINE)))
+    near = polyline.distances(outline.path, polyline.middles(line.path, count)) <= _ALONG
+    bounds = np.concatenate([[0], np.flatnonzero(np.diff(near)) + 1, [count]]) * (line.length / count)
+    covered = near[(0.5 * (bounds[1:] + bounds[:-1]) * count / line.length).astype(int)]
+    stretches = [(a, b) for (a, b), along in zip(pairwise(bounds.tolist()), covered, strict=True) if along]
+    cuts = [end for a, b in stretches if b - a >= _SHORTEST for end in (a, b)]
+    if not cuts:
+        return [line]
+    return [
+        rest for rest in line.parts(cuts) if rest.length >= _SHORTEST and not rest.follows(outline.path, _ALONG + _FINE)
+    ]
+
+
+def _up_to(lines: list[PolygonalLine], tie: _Tie) -> PolygonalLine:
+    """The line of a tie up to the place where the piece begins, which comes last."""
+    line = lines[tie.line]
+    return line.part(0.0, tie.along) if tie.at_last else line.part(tie.along, line.length).reversed()
+
+
+def _tie(lines: list[PolygonalLine], piece: Array, behind: Path) -> _Tie | None:
+    """The line that a piece continues from its first vertex, if there is one."""
+    place = (float(piece[0, 0]), float(piece[0, 1]))
+    found: list[tuple[float, _Tie]] = []
+    for index, line in enumerate(lines):
+        if line.closed or not behind or not line.passes(behind[0], REACH):
+            continue
+        back, off = line.nearest(behind[0])
+        away = [float(np.linalg.norm(line.points[n] - piece[0])) for n in (0, -1)]
+        along, aside = line.nearest(place)
+        near = [last for last in (False, True) if away[last] <= REACH]
+        if near:
+            at_last = min(near, key=lambda last: abs((line.length if last else 0.0) - back))
+            found.append((off + aside, _Tie(index, at_last, _overlap(line, at_last, place))))
+        elif aside <= REACH and line.part(*sorted((along, line.length if along > back else 0.0))).follows(piece, REACH):
+            found.append((off + aside, _Tie(index, along > back, along)))
+        elif min(away) <= _FARTHER:
+            last = away[1] < away[0]
+            found.append((off + min(away), _Tie(index, last, line.length if last else 0.0)))
+    return min(found)[1] if found else None
+
+
+def _overlap(line: PolygonalLine, at_last: bool, place: Position) -> float:
+    """Length along a line up to its place nearest to another one, near one of its ends."""
+    room = min(2.0 * REACH, 0.5 * line.length)
+    begin = line.length - room if at_last else 0.0
+    return begin + line.part(begin, begin + room).nearest(place)[0]
+
+
+def _holds(line: PolygonalLine, piece: PolygonalLine, edit: HandEdit) -> bool:
+    """Whether a line already runs along a piece and both contours that it joins, as after a run that closed the gap."""
+    if not all(line.passes(behind, REACH) for behind in (*edit.before, *edit.after)):
+        return False
+    begin, end = sorted(line.nearest(behind)[0] for behind in (*edit.before, *edit.after))
+    between = [line.part(begin, end), *([line.part(end, begin + line.length)] if line.closed else [])]
+    return any(piece.follows(part.path, _COVERED) for part in between)
+
+
+def _meets_side(lines: list[PolygonalLine], place: Array) -> bool:
+    return any(line.passes((float(place[0]), float(place[1])), _CLOSEST[0]) for line in lines)

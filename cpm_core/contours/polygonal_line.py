@@ -1,0 +1,174 @@
+"""Polygonal lines that can be taken apart and joined, and remember which of their segments were drawn by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from cpm_core.contours.contour import Contour
+from cpm_core.numerics import polyline
+from cpm_core.numerics.segments import distances_to_segments
+from cpm_core.numerics.types import Array, Mask, Position
+
+_TINY = 1e-6
+"""Length under which a part of a line is none [px]."""
+
+_FINE = 0.5
+"""Distance between the samples along a line that are compared with a path [px]."""
+
+
+@dataclass(frozen=True, eq=False)
+class PolygonalLine:
+    """A line through vertices; lengths along it begin at its first vertex.
+
+    Attributes
+    ----------
+    points : ndarray, shape (K, 2)
+        Vertices (row, col) [px].
+    closed : bool
+        Whether the last vertex is joined to the first.
+    drawn : ndarray of bool, shape (K - 1,) or (K,) when closed
+        Which segments were drawn by hand.
+    junctions : tuple of two bool
+        Whether its ends lie on a junction.
+    source : Contour or None
+        The contour that it is, unchanged; None for any other.
+    """
+
+    points: Array
+    closed: bool
+    drawn: Mask
+    junctions: tuple[bool, bool] = (False, False)
+    source: Contour | None = field(default=None, repr=False)
+
+    @classmethod
+    def of(cls, contour: Contour) -> PolygonalLine:
+        """A contour as a line."""
+        drawn = np.zeros(len(contour.path) - 1, np.bool_)
+        return cls(contour.points, contour.closed, drawn, contour.junctions, contour)
+
+    @classmethod
+    def by_hand(cls, points: Array, closed: bool = False) -> PolygonalLine:
+        """A line that is drawn by hand as a whole."""
+        return cls(points, closed, np.ones(len(points) - (not closed), np.bool_))
+
+    @cached_property
+    def path(self) -> Array:
+        """Vertices, the first repeated at the end when the line is closed."""
+        return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Length along the line up to each vertex of `path` [px]."""
+        return polyline.lengths_along(self.path)
+
+    @property
+    def length(self) -> float:
+        """Length of the line [px]."""
+        return float(self.lengths[-1])
+
+    @cached_property
+    def box(self) -> Array:
+        """Lowest and highest row and column, shape (2, 2) [px]."""
+        return self.source.box if self.source else np.stack([self.points.min(axis=0), self.points.max(axis=0)])
+
+    def passes(self, place: Position, reach: float) -> bool:
+        """Whether the line passes within reach of a place [px]."""
+        top, left, bottom, right = self._bounds  # numbers of Python: there are many lines, and most are far away
+        row, col = place
+        if row < top - reach or row > bottom + reach or col < left - reach or col > right + reach:
+            return False
+        return self.nearest(place)[1] <= reach
+
+    @cached_property
+    def _bounds(self) -> tuple[float, ...]:
+        return tuple(self.box.ravel().tolist())
+
+    def nearest(self, place: Position) -> tuple[float, float]:
+        """Length along the line up to its place nearest to another one, and the distance between the two [px]."""
+        begin, along = self.path[:-1], np.diff(self.path, axis=0)
+        if not len(begin):
+            return 0.0, float(np.linalg.norm(self.points[0] - place))
+        away = distances_to_segments(np.array(place), begin, along)
+        n = int(np.argmin(away))
+        square = float(along[n] @ along[n])
+        share = float((np.array(place) - begin[n]) @ along[n]) / square if square > 0.0 else 0.0
+        return float(self.lengths[n] + min(max(share, 0.0), 1.0) * np.sqrt(square)), float(away[n])
+
+    def part(self, first: float, last: float) -> PolygonalLine:
+        """The open line from one length along it to a larger one; on a closed line the second may go once around."""
+        path, drawn, lengths = self.path, self.drawn, self.lengths
+        if self.closed:
+            path = np.concatenate([path, path[1:]])
+            drawn = np.concatenate([drawn, drawn])
+            lengths = np.concatenate([lengths, lengths[1:] + self.length])
+        inner = lengths[(lengths > first + _TINY) & (lengths < last - _TINY)]
+        at = np.concatenate([[first], inner, [last]])
+        points = np.stack([np.interp(at, lengths, axis) for axis in path.T], axis=1)
+        segment = np.searchsorted(lengths, 0.5 * (at[1:] + at[:-1]), side="right") - 1
+        whole = not self.closed
+        begins, ends = whole and first <= _TINY, whole and last >= self.length - _TINY
+        junctions = (begins and self.junctions[0], ends and self.junctions[1])
+        return PolygonalLine(points, False, drawn[np.clip(segment, 0, len(drawn) - 1)], junctions)
+
+    def parts(self, cuts: Iterable[float]) -> list[PolygonalLine]:
+        """The lines between cuts at lengths along it; a closed line is whole after none, open after one."""
+        at = sorted(set(cuts))
+        if self.closed:
+            ends = [*at, *(cut + self.length for cut in at[:1])]
+        else:
+            ends = [0.0, *(cut for cut in at if _TINY < cut < self.length - _TINY), self.length]
+            if len(ends) == 2:
+                return [self]
+        found = [self.part(a, b) for a, b in pairwise(ends) if b - a > _TINY]
+        return found or [self]
+
+    def follows(self, path: Array, reach: float) -> bool:
+        """Whether all of the line lies within reach of a path, shape (K, 2) [px]."""
+        samples = np.concatenate([self.path[[0, -1]], polyline.sampled(self.path, _FINE)])
+        return bool((polyline.distances(path, samples) <= reach).all())
+
+    def reversed(self) -> PolygonalLine:
+        """The same line in the other direction; the segment that closes it stays the last."""
+        drawn = np.concatenate([self.drawn[-2::-1], self.drawn[-1:]]) if self.closed else self.drawn[::-1]
+        return replace(self, points=self.points[::-1], drawn=drawn, junctions=self.junctions[::-1])
+
+    def contour(self) -> Contour:
+        """The line as a contour: the one that it is, or a new one without strength and contrast."""
+        if self.source is not None:
+            return self.source
+        return Contour(self.points, self.closed, junctions=self.junctions, by_hand=self._stretches())
+
+    def _stretches(self) -> tuple[Array, ...]:
+        """The stretches that were drawn by hand, each of shape (K, 2) with both its ends."""
+        change = np.flatnonzero(np.diff(self.drawn)) + 1
+        bounds = [0, *change.tolist(), len(self.drawn)]
+        return tuple(self.path[a : b + 1] for a, b in pairwise(bounds) if b > a and self.drawn[a])
+
+
+def joined(first: PolygonalLine, second: PolygonalLine) -> PolygonalLine:
+    """Two open lines as one, from the end of the first to the beginning of the second; what is between is by hand."""
+    touching = _touch(first.points[-1], second.points[0])
+    points = np.concatenate([first.points, second.points[touching:]])
+    drawn = np.concatenate([first.drawn, [] if touching else [True], second.drawn]).astype(np.bool_)
+    return PolygonalLine(points, False, drawn, (first.junctions[0], second.junctions[1]))
+
+
+def ring(line: PolygonalLine) -> PolygonalLine:
+    """An open line of three vertices or more as a closed one; what is between its ends is by hand."""
+    if _touch(line.points[-1], line.points[0]):
+        return PolygonalLine(line.points[:-1], True, line.drawn)
+    return PolygonalLine(line.points, True, np.append(line.drawn, True))
+
+
+def lines_of(contours: Sequence[Contour]) -> list[PolygonalLine]:
+    """Contours as lines."""
+    return [PolygonalLine.of(contour) for contour in contours]
+
+
+def _touch(a: Array, b: Array) -> bool:
+    return float(np.linalg.norm(a - b)) <= _TINY

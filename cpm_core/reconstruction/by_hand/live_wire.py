@@ -1,0 +1,168 @@
+"""Live wire: the strongest way along the edges from one place to another.
+
+A path of least cost over the pixels, in which a step is the cheaper the stronger the edge is (Mortensen and Barrett
+1995, doi:10.1145/218380.218442), moved onto the ridge of the edge between the pixels. The costs from one place to all
+pixels around it are found once, so that the path follows the pointer at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy
+from skimage.graph import MCP_Geometric
+
+from cpm_core.field.scale_field import FAINTEST, ScaleField
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Index, Mask, Position
+from cpm_core.reconstruction.curve.gap_bridging import smoothed
+from cpm_core.reconstruction.curve.subpixel import ridge_points
+
+_EASE = 20.0
+"""Ratio, less one, of the costs of a step without an edge and on a strong edge."""
+
+_BLOCKED = 30.0
+"""Additional cost of a step on a line that is to be avoided."""
+
+_SPARED = 2.0
+"""Distance from the places that are to be joined within which nothing is avoided [px]."""
+
+_STRONG = 90.0
+"""Percentile of the edge strength above the floor that counts as a strong edge."""
+
+_MARGIN = 24
+"""Distance beyond its two places within which the path is searched [px]."""
+
+_AHEAD = 64
+"""The same when the search is extended because the pointer has left it [px]."""
+
+_FARTHEST = 2.0
+"""Greatest distance by which the path is moved onto the ridge [px]."""
+
+_SPACING = 1.0
+"""Largest distance between the vertices of the path [px]."""
+
+_CALM = 2.0
+"""Sigma, in vertices, by which the moves of vertices onto the ridge are smoothed where some have none."""
+
+
+class LiveWire:
+    """Paths along the edges from one place.
+
+    Parameters
+    ----------
+    scale_field : ScaleField
+        Fields of the image itself.
+    start : tuple of float
+        Where all paths begin (row, col) [px].
+    avoided : sequence of ndarray, each of shape (K, 2)
+        Lines that a path neither follows nor crosses unless there is no other way.
+    spared : sequence of tuple of float
+        Further places around which nothing is avoided, since the path may end there.
+    """
+
+    def __init__(
+        self,
+        scale_field: ScaleField,
+        start: Position,
+        avoided: Sequence[Array] = (),
+        spared: Sequence[Position] = (),
+    ) -> None:
+        self._field = scale_field
+        self.start = start
+        self._avoided, self._spared = avoided, (start, *spared)
+        self._low, self._high = self._around(np.array(_pixel(start, scale_field.shape)), _MARGIN)
+        self._search: MCP_Geometric | None = None
+
+    def to(self, place: Position) -> Array:
+        """The path from the start to another place, both included, shape (K, 2) [px]."""
+        ends = np.array([self.start, place], dtype=float)
+        if np.linalg.norm(ends[1] - ends[0]) < _SPACING:
+            return ends
+        goal = np.array(_pixel(place, self._field.shape))
+        if self._search is None or not self._covers(goal):
+            self._search = self._look_around(goal)
+        pixels = (np.array(self._search.traceback(tuple(goal - self._low))) + self._low).astype(np.float64)
+        return on_ridge(smoothed(pixels, ends[0], ends[1]), self._field)
+
+    def _covers(self, goal: Index) -> bool:
+        """Whether enough has been searched around a pixel, as far as the image goes."""
+        low, high = self._around(goal, _MARGIN)
+        return bool((low >= self._low).all() and (high <= self._high).all())
+
+    def _around(self, pixel: Index, margin: int) -> tuple[Index, Index]:
+        last = np.array(self._field.shape) - 1
+        return np.clip(pixel - margin, 0, last), np.clip(pixel + margin, 0, last)
+
+    def _look_around(self, goal: Index) -> MCP_Geometric:
+        """The costs of all pixels around the start and the goal, and around what was searched before."""
+        low, high = self._around(goal, _AHEAD)
+        self._low, self._high = np.minimum(self._low, low), np.maximum(self._high, high)
+        window = tuple(slice(a, b + 1) for a, b in zip(self._low.tolist(), self._high.tolist(), strict=True))
+        costs = 1.0 / (1.0 + _EASE * np.minimum(self._field.edge_map[window] / _strong(self._field, window), 1.0))
+        costs[self._blocked(self._low, self._high)] += _BLOCKED
+        search = MCP_Geometric(costs)
+        search.find_costs([tuple(np.array(_pixel(self.start, self._field.shape)) - self._low)])
+        return search
+
+    def _blocked(self, low: Index, high: Index) -> Mask:
+        """Pixels of the search on lines that are to be avoided."""
+        blocked = np.zeros(tuple(high - low + 1), np.bool_)
+        for line in self._avoided:
+            samples = polyline.sampled(line, 0.25)
+            for place in self._spared:
+                samples = samples[np.linalg.norm(samples - place, axis=1) > _SPARED]
+            pixels = np.rint(samples).astype(np.int64)
+            pixels = pixels[((pixels >= low) & (pixels <= high)).all(axis=1)] - low
+            blocked[tuple(pixels.T)] = True
+        return blocked
+
+
+def on_ridge(path: Array, scale_field: ScaleField) -> Array:
+    """A path near edges, shape (K, 2), moved onto their ridges; both ends stay.
+
+    Where there is no edge near enough, it stays as well, and in between it fades from one to the other.
+    """
+    path = polyline.resampled(path, _SPACING)
+    inner = path[1:-1]
+    if not len(inner):
+        return path
+    ridge, found = ridge_points(inner, scale_field)
+    found &= np.linalg.norm(ridge - inner, axis=1) <= _FARTHEST
+    found &= scale_field.strength(ridge) >= FAINTEST * scale_field.floor
+    move = np.where(found[:, None], ridge - inner, 0.0)
+    calm = scipy.ndimage.gaussian_filter1d(move, _CALM, axis=0, mode="nearest")
+    alone = scipy.ndimage.minimum_filter1d(found, 5, mode="nearest") == 0
+    place = np.where(alone[:, None], inner + calm, ridge)
+    return _forward(np.concatenate([path[:1], place, path[-1:]]))
+
+
+def nearest_ridge(place: Position, scale_field: ScaleField, reach: float) -> Position:
+    """The place on the ridge of an edge that a place is moved to, if there is one within reach [px]; else itself."""
+    ridge, found = ridge_points(np.array([place]), scale_field)
+    strong = scale_field.strength(ridge)[0] >= scale_field.floor
+    if found[0] and strong and np.linalg.norm(ridge[0] - place) <= reach:
+        return float(ridge[0, 0]), float(ridge[0, 1])
+    return place
+
+
+def _forward(path: Array) -> Array:
+    """A path without vertices at which it turns back."""
+    kept = [0]
+    for n in range(1, len(path) - 1):
+        along = path[n] - path[kept[-1]]
+        if along @ (path[n + 1] - path[n - 1]) > 0.0 and np.linalg.norm(along) > 0.1 * _SPACING:
+            kept.append(n)
+    return path[[*kept, len(path) - 1]]
+
+
+def _strong(scale_field: ScaleField, window: tuple[slice, ...]) -> float:
+    """Strength of a strong edge in a part of the image [gray levels / px]."""
+    strength = scale_field.edge_map[window]
+    above = strength[strength >= scale_field.floor]
+    return float(np.percentile(above, _STRONG)) if above.size else max(scale_field.strongest, 1e-300)
+
+
+def _pixel(place: Position, shape: tuple[int, ...]) -> tuple[int, ...]:
+    return tuple(min(max(round(at), 0), size - 1) for at, size in zip(place, shape, strict=True))

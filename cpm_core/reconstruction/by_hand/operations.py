@@ -1,0 +1,227 @@
+"""Edits of contours by hand: join, close, merge, cut, delete, pull, redraw, draw.
+
+Each function gives the edits that `cpm_core.contours.hand_edits.apply` carries out; none changes a contour itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations, groupby
+
+import numpy as np
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.hand_edits import HandEdit, Path, apply_to_result
+from cpm_core.contours.polygonal_line import PolygonalLine
+from cpm_core.contours.result import Result
+from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Position
+from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge
+from cpm_core.reconstruction.curve.hysteresis import measured
+
+_BEHIND = 8.0
+"""Length along a contour from the end of a piece to the place by which the contour is found again [px]."""
+
+_DECIMALS = 3
+"""Decimals of the places of an edit [px]; contours are accurate to about a tenth."""
+
+_AT_END = 1e-3
+"""Distance from an end of a contour up to which a place on it is that end [px]."""
+
+_LEAST_HOLD, _HOLD = 8.0, 1.5
+"""Length of contour that is pulled on both sides of the place held: at least in px, and in lengths of the pull."""
+
+_SNAP = 4.0
+"""Distance from an edge within which what is pulled snaps to it [px]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """A place on a contour, by the length along it [px]."""
+
+    line: PolygonalLine
+    along: float
+
+    @classmethod
+    def at(cls, contour: Contour, place: Position) -> Contact:
+        """The place of a contour that is nearest to another place."""
+        line = PolygonalLine.of(contour)
+        return cls(line, line.nearest(place)[0])
+
+    @classmethod
+    def ends(cls, contour: Contour) -> tuple[Contact, ...]:
+        """Both ends of an open contour; none of a closed one."""
+        line = PolygonalLine.of(contour)
+        return () if contour.closed else (cls(line, 0.0), cls(line, line.length))
+
+    @property
+    def place(self) -> Position:
+        """Position (row, col) [px]."""
+        return self.off(0.0)
+
+    @property
+    def at_last(self) -> bool:
+        """Whether it is the last end of an open contour."""
+        return not self.line.closed and self.along >= self.line.length - _AT_END
+
+    @property
+    def at_end(self) -> bool:
+        """Whether it is an end of an open contour."""
+        return self.at_last or (not self.line.closed and self.along <= _AT_END)
+
+    @property
+    def behind(self) -> Path:
+        """Of an end, the place by which its contour is found again; of any other place none."""
+        return (self.off(-_BEHIND if self.at_last else _BEHIND),) if self.at_end else ()
+
+    def off(self, by: float) -> Position:
+        """The place so far along the contour from here, on an open one at most halfway to its other end [px]."""
+        along, whole = self.along + by, self.line.length
+        if self.line.closed:
+            along %= whole
+        elif by:
+            along = max(along, 0.5 * self.along) if by < 0.0 else min(along, 0.5 * (self.along + whole))
+        row, col = polyline.places_at(self.line.path, np.array([along]))[0].tolist()
+        return row, col
+
+    def same_contour(self, other: Contact) -> bool:
+        """Whether another place is on the same contour."""
+        return self.line.source is other.line.source
+
+
+def carried_out(result: Result, edits: Sequence[HandEdit], scale_field: ScaleField) -> tuple[Result, tuple[int, ...]]:
+    """A result with edits by hand, its changed contours measured in the fields of the image; and the edits missed."""
+    return apply_to_result(result, edits, lambda contour: measured([contour], scale_field)[0])
+
+
+def connect(path: Array, begin: Contact | None = None, end: Contact | None = None) -> tuple[HandEdit, ...]:
+    """Edits that a drawn path stands for, by what its two ends touch.
+
+    Between two ends it joins them, or closes their contour. From an end to the side of the same contour it closes the
+    contour there, and what is beyond stays a contour of its own. Between two sides of one contour it takes the place of
+    the stretch between them. Any other path is added, and continues the contour at whose end it begins or ends.
+
+    Parameters
+    ----------
+    path : ndarray, shape (K, 2)
+        The path, from the place of `begin` to that of `end` [px].
+    begin, end : Contact, optional
+        What its ends touch.
+    """
+    if begin is not None and end is not None and begin.same_contour(end):
+        if not begin.at_end and not end.at_end:
+            return (_redrawn(path, begin, end),)
+        if not end.at_end:
+            begin, end, path = end, begin, path[::-1]
+        if not begin.at_end:
+            inward = min(_BEHIND, 0.5 * abs(end.along - begin.along))
+            behind = begin.off(inward if end.at_last else -inward)
+            return HandEdit(removed=(_rounded(begin.place),)), HandEdit((), places(path), False, (behind,), end.behind)
+    before = begin.behind if begin is not None else ()
+    after = end.behind if end is not None else ()
+    return (HandEdit((), places(path), False, before, after),)
+
+
+def outline(path: Array) -> HandEdit:
+    """A closed contour along a path, whose last vertex is joined to the first."""
+    return HandEdit(added=places(path), closed=True)
+
+
+def chain(scale_field: ScaleField, contours: Sequence[Contour], closing: bool = False) -> tuple[HandEdit, ...]:
+    """Open contours joined to one by live wires between ends, the nearest first; where `closing`, to a closed one."""
+    ends = [(number, end) for number, contour in enumerate(contours) for end in Contact.ends(contour)]
+    apart = [(math.dist(ends[i][1].place, ends[j][1].place), i, j) for i, j in combinations(range(len(ends)), 2)]
+    chains = list(range(len(contours)))  # of each contour the number of its chain
+    free = set(range(len(ends)))
+    edits: list[HandEdit] = []
+    for ring in (False, True) if closing else (False,):
+        for _, i, j in sorted(apart):
+            (one, begin), (other, end) = ends[i], ends[j]
+            if i in free and j in free and (ring or chains[one] != chains[other]):
+                free -= {i, j}
+                gone = chains[other]
+                chains = [chains[one] if number == gone else number for number in chains]
+                edits += connect(wire_from(scale_field, begin, contours).to(end.place), begin, end)
+    return tuple(edits)
+
+
+def wire_from(scale_field: ScaleField, begin: Contact, contours: Sequence[Contour] = ()) -> LiveWire:
+    """Live wire from a place on a contour that does not run back along it, or along further contours."""
+    avoided = [PolygonalLine.of(contour) for contour in contours] or [begin.line]
+    ends = [end.place for line in avoided if line.source is not None for end in Contact.ends(line.source)]
+    return LiveWire(scale_field, begin.place, [line.path for line in avoided], ends)
+
+
+def cut(at: Contact) -> HandEdit:
+    """A contour cut at a place."""
+    return HandEdit(removed=(_rounded(at.place),))
+
+
+def deletion(one: Contact, other: Contact) -> HandEdit:
+    """A contour without the stretch between two places, of a closed one the shorter of the two."""
+    first, last = sorted((one.along, other.along))
+    line = one.line
+    if line.closed and last - first > 0.5 * line.length:
+        first, last = last, first + line.length
+    return HandEdit(removed=places(line.part(first, last).points))
+
+
+def pull(held: Contact, to: Position, scale_field: ScaleField | None = None) -> HandEdit:
+    """A stretch of a contour pulled to a place.
+
+    The stretch is the longer the farther it is pulled. With the fields of the image it snaps to the edges: it runs
+    along the live wire through the edge nearest to the place. Without them it bends smoothly.
+    """
+    line = held.line
+    far = math.dist(to, held.place)
+    hold = min(max(_LEAST_HOLD, _HOLD * far), 0.4 * line.length)
+    first, last = held.along - hold, held.along + hold
+    if line.closed:
+        first, last = first % line.length, first % line.length + 2.0 * hold
+    else:
+        first, last = max(first, 0.0), min(last, line.length)
+    begin, end = Contact(line, first), Contact(line, last % line.length if line.closed else last)
+    stretch = line.part(first, last)
+    if scale_field is None:
+        path = polyline.resampled(stretch.points, 1.0)
+        share = np.linspace(-1.0, 1.0, len(path))[:, None]
+        path = path + (0.5 + 0.5 * np.cos(np.pi * share)) * np.subtract(to, held.place)
+    else:
+        target = nearest_ridge(to, scale_field, _SNAP)
+        wire = LiveWire(scale_field, target, [stretch.points], [begin.place, end.place])
+        path = np.concatenate([wire.to(begin.place)[::-1], wire.to(end.place)[1:]])
+    return _instead(stretch, path, begin, end)
+
+
+def places(path: Array) -> Path:
+    """A path as the places of an edit, none of them twice in a row."""
+    rounded = [_rounded(place) for place in path.tolist()]
+    kept = [place for place, _ in groupby(rounded)]
+    return tuple(kept if len(kept) > 1 else rounded[:1] * 2)
+
+
+def _redrawn(path: Array, begin: Contact, end: Contact) -> HandEdit:
+    """A contour with a path in place of the stretch between two places, of a closed one the nearer of the two."""
+    if begin.along > end.along:
+        begin, end, path = end, begin, path[::-1]
+    line = begin.line
+    stretch = line.part(begin.along, end.along)
+    if line.closed:
+        other = line.part(end.along, begin.along + line.length)
+        if polyline.distances(path, other.path).mean() < polyline.distances(path, stretch.path).mean():
+            stretch, begin, end, path = other, end, begin, path[::-1]
+    return _instead(stretch, path, begin, end)
+
+
+def _instead(stretch: PolygonalLine, path: Array, begin: Contact, end: Contact) -> HandEdit:
+    """A path in place of a stretch of a contour, which goes on before its beginning and behind its end."""
+    before = () if begin.at_end else (begin.off(-_BEHIND),)
+    after = () if end.at_end else (end.off(_BEHIND),)
+    return HandEdit(places(stretch.points), places(path), False, before, after)
+
+
+def _rounded(place: Sequence[float]) -> Position:
+    return round(place[0], _DECIMALS), round(place[1], _DECIMALS)

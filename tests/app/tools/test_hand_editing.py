@@ -1,0 +1,341 @@
+"""Contours edited by hand with pointer and keys, on the outline of a disk whose area is known."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.model.document.contour_editing import add_hand_edits
+from app.views.features.contours.contours import ContoursFeature
+from app.views.features.file.open_save import OpenSaveFeature
+from app.views.main_window import MainWindow
+from cpm_core.contours.hand_edits import HandEdit
+from cpm_core.formats.sessions.session_file import load_session
+from tests.app.conftest import Hand
+
+KEY, ALT, SHIFT = Qt.Key, Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifier
+CENTER, RADIUS = (32.0, 32.0), 18.0
+AREA = math.pi * RADIUS**2
+
+
+def at(angle: float, radius: float = RADIUS) -> tuple[float, float]:
+    return CENTER[0] + radius * math.sin(angle), CENTER[1] + radius * math.cos(angle)
+
+
+def settle(window: MainWindow, hand: Hand) -> None:
+    """Wait until the contours shown are those of the document."""
+    hand.wait(lambda: window.session.idle)
+
+
+def contours(window: MainWindow):
+    return [item.contour for item in window.workspace.review.items]
+
+
+@pytest.fixture
+def outlined(ready: MainWindow, hand: Hand) -> MainWindow:
+    """The disk with its closed contour, and the edges at hand."""
+    ready.canvas_area.use_tool("edit_contours")
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: ready.workspace.hand_editing.edges is not None)
+    settle(ready, hand)
+    assert [contour.closed for contour in contours(ready)] == [True]
+    return ready
+
+
+@pytest.fixture
+def gap(outlined: MainWindow, hand: Hand) -> MainWindow:
+    """The same with a stretch between two clicks deleted."""
+    hand.click(*at(-0.5))
+    hand.click(*at(0.5))
+    hand.key(KEY.Key_Delete)
+    settle(outlined, hand)
+    return outlined
+
+
+def preview(hand: Hand) -> np.ndarray:
+    """Places (row, col) of the line that shows what a release would do, shape (K, 2)."""
+    x, y = hand.canvas.layers.drawing._draft._path.getData()
+    return np.empty((0, 2)) if x is None else np.stack([y, x], axis=1)
+
+
+def test_delete_removes_the_stretch_between_two_clicks(gap, hand) -> None:
+    (rest,) = contours(gap)
+    assert not rest.closed and rest.length == pytest.approx((2.0 * math.pi - 1.0) * RADIUS, rel=0.05)
+    assert np.linalg.norm(rest.points - at(0.0), axis=1).min() > 6.0
+
+
+def test_a_drag_from_end_to_end_closes_the_contour_along_the_edge(gap, hand) -> None:
+    hand.press(*at(0.5))
+    for angle in (0.3, 0.1, -0.2, -0.5):
+        hand.move(*at(angle))
+    shown = preview(hand)
+    assert np.linalg.norm(shown - at(0.0), axis=1).min() < 1.0, "the line follows the edge before the button is let go"
+    hand.release(*at(-0.5))
+    settle(gap, hand)
+    (closed,) = contours(gap)
+    assert closed.closed and closed.area == pytest.approx(AREA, rel=0.04)
+    assert closed.length_by_hand == pytest.approx(RADIUS, rel=0.1)
+    assert len(preview(hand)) == 0
+    assert hand.canvas.layers.contours.drawn_by_hand == 1
+    assert gap.session.undo_name == "join contours"
+
+
+def test_shift_c_closes_the_selected_contour(gap, hand) -> None:
+    hand.click(*at(math.pi))
+    hand.key(KEY.Key_C, SHIFT)
+    settle(gap, hand)
+    (closed,) = contours(gap)
+    assert closed.closed and closed.area == pytest.approx(AREA, rel=0.04)
+
+
+def test_shift_j_joins_the_selected_contours(gap, hand) -> None:
+    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, ALT, hand.at(*at(math.pi)))
+    settle(gap, hand)
+    assert len(contours(gap)) == 2
+    hand.click(*at(2.0))
+    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, SHIFT, hand.at(*at(-2.0)))
+    assert len(gap.workspace.review.selected) == 2
+    hand.key(KEY.Key_J, SHIFT)
+    settle(gap, hand)
+    assert len(contours(gap)) == 1 and not contours(gap)[0].closed
+
+
+def test_undo_takes_edits_back_one_by_one_and_redo_brings_them_again(gap, hand) -> None:
+    hand.click(*at(math.pi))
+    hand.key(KEY.Key_C, SHIFT)
+    closed = []
+    for step in (gap.session.undo, gap.session.undo, gap.session.redo, gap.session.redo):
+        settle(gap, hand)
+        closed.append(contours(gap)[0].closed)
+        step()
+    settle(gap, hand)
+    assert [*closed, contours(gap)[0].closed] == [True, False, True, False, True]
+    assert len(contours(gap)) == 1
+
+
+def test_a_click_with_alt_cuts_and_shift_x_cuts_at_the_mark(outlined, hand) -> None:
+    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, ALT, hand.at(*at(1.0)))
+    settle(outlined, hand)
+    (one,) = contours(outlined)
+    assert not one.closed and np.linalg.norm(one.points[[0, -1]] - at(1.0), axis=1).max() < 1.0
+    hand.click(*at(3.0))
+    hand.key(KEY.Key_X, SHIFT)
+    settle(outlined, hand)
+    lengths = [contour.length for contour in contours(outlined)]
+    assert lengths == pytest.approx([(2.0 * math.pi - 2.0) * RADIUS, 2.0 * RADIUS], rel=0.05)
+
+
+def test_a_stretch_is_pulled_and_with_shift_not_snapped(outlined, hand) -> None:
+    hand.press(*at(0.0))
+    hand.qtbot.keyPress(hand.canvas, KEY.Key_Shift)
+    hand.canvas.bend(SHIFT)
+    hand.canvas.lead_to(at(0.0, RADIUS + 3.0))
+    hand.canvas.lead_to(at(0.0, RADIUS + 6.0))
+    assert np.linalg.norm(preview(hand) - at(0.0, RADIUS + 6.0), axis=1).min() < 0.5
+    hand.canvas.let_go()
+    settle(outlined, hand)
+    (one,) = contours(outlined)
+    assert one.closed and np.hypot(*(one.points - CENTER).T).max() == pytest.approx(RADIUS + 6.0, abs=0.6)
+    hand.canvas.bend(Qt.KeyboardModifier.NoModifier)
+    hand.press(*at(0.0, RADIUS + 6.0))
+    hand.move(*at(0.0, RADIUS + 3.0))
+    hand.move(*at(0.0, RADIUS + 1.0))
+    hand.release(*at(0.0, RADIUS + 1.0))
+    settle(outlined, hand)
+    (one,) = contours(outlined)
+    assert one.closed and one.area == pytest.approx(AREA, rel=0.04), "it snaps back to the edge"
+
+
+def test_escape_gives_a_drag_up_and_removes_marks(gap, hand) -> None:
+    edits = gap.session.document.hand_edits
+    hand.press(*at(0.5))
+    hand.move(*at(0.3))
+    hand.move(*at(0.0))
+    assert len(preview(hand)) > 2
+    hand.key(KEY.Key_Escape)
+    hand.release(*at(0.0))
+    assert gap.session.document.hand_edits == edits and len(preview(hand)) == 0
+    hand.click(*at(2.0))
+    assert len(gap.workspace.hand_editing.marked) == 1
+    hand.key(KEY.Key_Escape)
+    assert gap.workspace.hand_editing.marked == ()
+
+
+def test_the_end_of_a_contour_cannot_be_cut(gap, hand) -> None:
+    edits = gap.session.document.hand_edits
+    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, ALT, hand.at(*at(0.5)))
+    assert gap.session.document.hand_edits == edits
+    assert "cannot be cut at its end" in gap.canvas_area.messages.text
+
+
+def test_edits_are_carried_out_again_after_another_run(gap, hand) -> None:
+    hand.click(*at(math.pi))
+    hand.key(KEY.Key_Escape)
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: gap.session.status.phase == "running")
+    hand.wait_for_phase("finished")
+    settle(gap, hand)
+    (rest,) = contours(gap)
+    assert not rest.closed and np.linalg.norm(rest.points - at(0.0), axis=1).min() > 6.0
+    assert gap.workspace.hand_editing.missed == ()
+
+
+def test_an_edit_without_its_contour_is_told_and_can_be_removed(outlined, hand) -> None:
+    session = outlined.session
+    piece = HandEdit(added=((3.0, 3.0), (3.0, 9.0)), before=((3.0, 1.0),))
+    session.edit("edit", lambda document: add_hand_edits(document, (piece,)))
+    settle(outlined, hand)
+    assert outlined.workspace.hand_editing.missed == (0,) and len(contours(outlined)) == 2
+    assert "1 of 1 edits by hand no longer find their contours" in outlined.canvas_area.messages.text
+    outlined.actions_by_name["drop_missed_edits"].trigger()
+    settle(outlined, hand)
+    assert session.document.hand_edits == () and len(contours(outlined)) == 1
+
+
+def draw_outline(hand: Hand) -> None:
+    for angle in (0.0, 2.0, 4.0, 0.0):
+        hand.move(*at(angle))
+        hand.click(*at(angle))
+
+
+def test_an_outline_along_the_edge_is_a_contour_before_any_run(window, hand, tmp_path: Path) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_U)
+    hand.wait(lambda: window.workspace.hand_editing.edges is not None)
+    draw_outline(hand)
+    settle(window, hand)
+    (one,) = contours(window)
+    assert one.closed and one.area == pytest.approx(AREA, rel=0.04) and one.contrast > 0.5
+    assert one.length_by_hand == pytest.approx(one.length)
+    table = window.feature(ContoursFeature).panel.table
+    window.actions_by_name["contour_table"].trigger()
+    assert table.column("by_hand") == [f"{one.length:.0f}"]
+    path = tmp_path / "hand.measures.csv"
+    window.session.export(path)
+    hand.wait(path.exists)
+    settle(window, hand)
+    (row,) = csv.DictReader(path.read_text().splitlines())
+    assert float(row["by_hand_px"]) == pytest.approx(one.length, abs=1e-3)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    settle(window, hand)
+    assert contours(window) == [] and window.session.status.closed == 0
+
+
+def test_an_outline_between_two_places_of_a_contour_redraws_the_stretch(outlined, hand) -> None:
+    hand.key(KEY.Key_U)
+    hand.click(*at(-0.4))
+    hand.canvas.bend(SHIFT)
+    hand.canvas.press_at(at(0.0, RADIUS + 8.0))
+    hand.canvas.let_go()
+    hand.canvas.lead_to(at(0.4))
+    hand.canvas.bend(Qt.KeyboardModifier.NoModifier)
+    hand.canvas.press_at(at(0.4))
+    hand.canvas.let_go()
+    hand.key(KEY.Key_Return)
+    settle(outlined, hand)
+    (one,) = contours(outlined)
+    assert one.closed and np.hypot(*(one.points - CENTER).T).max() == pytest.approx(RADIUS + 8.0, abs=1.0)
+
+
+def test_a_freehand_outline_snaps_and_closes_where_it_began(window, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_U)
+    hand.wait(lambda: window.workspace.hand_editing.edges is not None)
+    hand.drag(*(at(angle, RADIUS + 1.0) for angle in np.linspace(0.0, 2.0 * math.pi, 40)))
+    settle(window, hand)
+    (one,) = contours(window)
+    assert one.closed and one.area == pytest.approx(AREA, rel=0.04)
+
+
+def test_a_double_click_beside_the_edge_ends_a_line_on_it(window, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_U)
+    hand.wait(lambda: window.workspace.hand_editing.edges is not None)
+    hand.click(*at(0.0, RADIUS + 1.5))
+    hand.move(*at(2.0, RADIUS + 1.5))
+    hand.double_click(*at(2.0, RADIUS + 1.5))
+    settle(window, hand)
+    (one,) = contours(window)
+    assert not one.closed and one.length == pytest.approx(2.0 * RADIUS, rel=0.05)
+
+
+def test_backspace_takes_the_last_anchor_of_an_outline_back(window, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_U)
+    for angle in (0.0, 1.0, 2.0):
+        hand.click(*at(angle))
+    tool = hand.canvas.tool
+    hand.key(KEY.Key_Backspace)
+    assert tool.drafting and np.linalg.norm(preview(hand)[-1] - at(1.0)) < 12.0
+    hand.key(KEY.Key_Escape)
+    assert not tool.drafting and window.session.document.hand_edits == ()
+
+
+def test_an_outline_can_be_drawn_by_keys_alone(window, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_U)
+    hand.key(KEY.Key_Return)
+    moves = [(KEY.Key_Up, 1), (KEY.Key_Right, 1), (KEY.Key_Down, 1), (KEY.Key_Left, 1)]
+    for key, many in moves:
+        hand.key(KEY.Key_Return)
+        for _ in range(many):
+            hand.key(key, SHIFT)
+    hand.key(KEY.Key_Return)
+    settle(window, hand)
+    assert [contour.closed for contour in contours(window)] == [True]
+
+
+def test_contours_are_joined_by_keys_alone(gap, hand) -> None:
+    """The cross-hair takes hold of one end, and lets go on the other."""
+    crosshair = gap.canvas_area.crosshair
+    ends = contours(gap)[0].points[[0, -1]]
+    crosshair.show()
+    row, col = crosshair.at
+    crosshair.move(round(ends[0, 0]) - row, round(ends[0, 1]) - col)
+    hand.key(KEY.Key_Return)
+    crosshair.move(round(ends[1, 0]) - round(ends[0, 0]), round(ends[1, 1]) - round(ends[0, 1]))
+    hand.key(KEY.Key_Return)
+    settle(gap, hand)
+    assert [contour.closed for contour in contours(gap)] == [True]
+
+
+def test_edits_by_hand_are_saved_and_come_back(gap, hand, tmp_path: Path) -> None:
+    path = tmp_path / "work.cpm"
+    edits = gap.session.document.hand_edits
+    assert gap.feature(OpenSaveFeature).document_file.save_at_once(path)
+    assert load_session(path).hand_edits == edits
+    gap.session.open(path)
+    hand.wait(lambda: gap.session.idle and not gap.session.status.started)
+    assert gap.session.document.hand_edits == edits
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    settle(gap, hand)
+    assert [contour.closed for contour in contours(gap)] == [False]
+
+
+def test_reset_keeps_what_was_drawn_by_hand(outlined, hand) -> None:
+    hand.key(KEY.Key_U)
+    draw_outline(hand)
+    settle(outlined, hand)
+    outlined.session.reset()
+    settle(outlined, hand)
+    (one,) = contours(outlined)
+    assert one.closed and one.length_by_hand == pytest.approx(one.length)
+
+
+def test_another_image_begins_without_edits_by_hand(gap, hand, tmp_path: Path) -> None:
+    path = tmp_path / "other.npy"
+    np.save(path, np.random.default_rng(0).normal(0.0, 1.0, (64, 64)))
+    gap.session.open(path)
+    hand.wait(lambda: gap.session.document.image.name == "other.npy")
+    settle(gap, hand)
+    assert gap.session.document.hand_edits == () and contours(gap) == []
