@@ -25,6 +25,7 @@ from cpm_core.cli.arguments import (
     parameters_of,
 )
 from cpm_core.cli.jobs import facts_of
+from cpm_core.cli.objects import add_objects, check_objects, choose, facts_of_object, sentence
 from cpm_core.cli.terminal import Progress, counted
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
@@ -33,6 +34,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import export, left_out, load_image, load_points, suffix_of
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.regions import Regions
+from cpm_core.objects import Selection
 from cpm_core.parameters import PRESETS
 from cpm_core.particles.initialization import circle, stroke
 from cpm_core.reconstruction.curve.closing import close_contours
@@ -62,6 +64,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     ):
         group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
     start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
+    add_objects(parser.add_argument_group("object"))
     parameters = parser.add_argument_group("parameters")
     parameters.add_argument(
         "--preset", choices=tuple(PRESETS), help="named settings (default: shape, or the session's)"
@@ -81,6 +84,7 @@ def _run(arguments: argparse.Namespace) -> None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
     parameters = parameters_of(arguments, PRESETS[arguments.preset] if arguments.preset else session.parameters)
     max_steps = as_steps(arguments.max_steps)
+    check_objects(arguments)
     drawn = _drawn(arguments, session)
     regions = _regions(arguments, session)
     path, notes = _image(arguments, session)
@@ -91,6 +95,8 @@ def _run(arguments: argparse.Namespace) -> None:
     seeds = [seeds_on(image, session.shapes, parameters.smoothing), *drawn]
     if arguments.auto:
         seeds.append(seeds_on(image, (Everywhere(arguments.auto),), parameters.smoothing))
+    elif arguments.object and not any(map(len, seeds)):
+        seeds.append(seeds_on(image, (Everywhere("grid"),), parameters.smoothing))
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
@@ -113,13 +119,17 @@ def _run(arguments: argparse.Namespace) -> None:
     if arguments.close is not None:
         edges = edge_map(image.values, parameters.smoothing) if arguments.close == "edges" else None
         result = close_contours(result, edges)
+    chosen = None
+    written = result
+    if arguments.object:
+        chosen, written = choose(result, image, arguments)
     seconds = time.perf_counter() - started
-    export(result, *arguments.export, image=path)
-    missing = {file: left_out(result, suffix_of(file)) for file in arguments.export}
+    export(written, *arguments.export, image=path)
+    missing = {file: left_out(written, suffix_of(file)) for file in arguments.export}
     for file, count in missing.items():
         if count:
             print(f"cpm: {file} holds no open contours: {count} left out. {_CURE}", file=sys.stderr)
-    _report(result, seconds, missing, as_json=arguments.json)
+    _report(result, chosen, seconds, missing, as_json=arguments.json)
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, tuple[str, ...]]:
@@ -131,13 +141,13 @@ def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, t
 
 def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[NDArray[np.float64]]:
     """Seeds of the circles, strokes and points on the command line."""
-    given = arguments.circle or arguments.stroke or arguments.points or arguments.auto
+    given = arguments.circle or arguments.stroke or arguments.points or arguments.auto or arguments.object
     if not (given or starts_of(session.shapes)) and session.mode == "skeleton":
         raise ValueError("The session is about a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
     if not (given or starts_of(session.shapes)):
         raise ValueError(
             "No start is given: add --circle ROW,COL,RADIUS, --stroke ROW,COL,ROW,COL,..., "
-            "--points FILE.csv or --auto grid."
+            "--points FILE.csv or --auto grid, or name a place inside an object, --object ROW,COL."
         )
     return [
         *(_circle(text) for text in arguments.circle),
@@ -183,10 +193,13 @@ def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
     return points
 
 
-def _report(result: Result, seconds: float, written: Mapping[str, int], *, as_json: bool) -> None:
+def _report(
+    result: Result, chosen: Selection | None, seconds: float, written: Mapping[str, int], *, as_json: bool
+) -> None:
     facts = facts_of(result, seconds)
     if as_json:
-        print(json.dumps({**facts, "bridges": len(result.bridges), "left_out": written}))
+        objects = {} if chosen is None else {"objects": [facts_of_object(chosen)]}
+        print(json.dumps({**facts, "bridges": len(result.bridges), "left_out": written, **objects}))
         return
     print(f"{result.source}: {counted(len(result.contours), 'contour')} ({facts['closed']} closed)")
     for number, contour in enumerate(result.contours[:10], start=1):
@@ -194,6 +207,8 @@ def _report(result: Result, seconds: float, written: Mapping[str, int], *, as_js
         print(f"  {number}. length {contour.length:.1f} px, {kind}, strength {contour.strength:.3g}")
     if len(result.contours) > 10:
         print(f"  ... and {len(result.contours) - 10} shorter ones")
+    if chosen is not None:
+        print(sentence(chosen))
     if result.bridges:
         longest = max(bridge.length for bridge in result.bridges)
         print(f"Bridged {counted(len(result.bridges), 'gap')}, longest {longest:.1f} px")

@@ -58,6 +58,12 @@ class Contour:
         Number that it keeps through filters and runs, from 1; 0 for its place among the contours (`numbers_of`).
     by_hand : tuple of ndarray, each of shape (K, 2)
         Stretches that were drawn by hand (`cpm_core.contours.hand_edits`): vertices of the contour, in order.
+    group : int
+        Number of the object that it is a boundary of, from 1; 0 for a contour that stands for itself.
+    hole : bool
+        Whether it is the boundary of a hole in an object: what is inside does not belong to it.
+    bridged : float
+        Length of its stretches that follow no edge that was found, but were closed [px].
 
     Raises
     ------
@@ -74,6 +80,9 @@ class Contour:
     color: str = ""
     number: int = 0
     by_hand: tuple[Array, ...] = ()
+    group: int = 0
+    hole: bool = False
+    bridged: float = 0.0
 
     def __post_init__(self) -> None:
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):

@@ -47,6 +47,10 @@ class Measures:
         Length and area in the unit of the image's spacing and its square.
     by_hand : float
         Length of what was drawn by hand [px].
+    net_area : float
+        Enclosed area without the holes directly inside [px²]; 0 when open, and for a hole itself.
+    net_area_in_units : float
+        The same in the square of the unit.
     """
 
     number: int
@@ -62,7 +66,31 @@ class Measures:
     inside: int
     length_in_units: float
     area_in_units: float
+    net_area: float
+    net_area_in_units: float
     by_hand: float = 0.0
+
+
+def labels_of(contours: Sequence[Contour]) -> tuple[int, ...]:
+    """Label of each contour: 1, 2, ... over the closed ones in their order, 0 for open ones and holes.
+
+    The outlines of one object share a label.
+    """
+    count = 0
+    labels: list[int] = []
+    of_group: dict[int, int] = {}
+    for contour in contours:
+        known = of_group.get(contour.group)
+        if not contour.closed or contour.hole:
+            labels.append(0)
+        elif known is not None:
+            labels.append(known)
+        else:
+            count += 1
+            labels.append(count)
+            if contour.group:
+                of_group[contour.group] = count
+    return tuple(labels)
 
 
 def measure(
@@ -85,15 +113,17 @@ def measure(
         One row for each contour, in their order.
     """
     around = containment(contours)
+    net = np.array([0.0 if contour.hole else contour.area for contour in contours])
+    for contour, outer in zip(contours, around, strict=True):
+        if contour.hole and outer is not None:
+            net[outer] -= contour.area
     rows: list[Measures] = []
-    label = 0
-    numbers = numbers_of(contours)
-    for number, contour, outer in zip(numbers, contours, around, strict=True):
-        label += contour.closed
+    numbers, labels = numbers_of(contours), labels_of(contours)
+    for number, label, contour, outer, own in zip(numbers, labels, contours, around, net.tolist(), strict=True):
         rows.append(
             Measures(
                 number=number,
-                label=label if contour.closed else 0,
+                label=label,
                 name=contour.name,
                 color=contour.color,
                 closed=contour.closed,
@@ -106,6 +136,8 @@ def measure(
                 length_in_units=float(np.linalg.norm(np.diff(contour.path, axis=0) * spacing, axis=1).sum()),
                 area_in_units=contour.area * spacing[0] * spacing[1],
                 by_hand=contour.length_by_hand,
+                net_area=own,
+                net_area_in_units=own * spacing[0] * spacing[1],
             )
         )
     return tuple(rows)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
 
@@ -42,6 +44,10 @@ class Result:
         Name of the image for the user.
     bridges : tuple of Bridge
         Gaps that were bridged in the contours.
+    image : Image or None
+        The image in which the contours were found; None for contours that were not found in one.
+    regions : Regions or None
+        Regions of interest and barriers of the run.
     """
 
     particles: NDArray[np.float64]
@@ -55,6 +61,8 @@ class Result:
     unit: str | None
     source: str
     bridges: tuple[Bridge, ...] = ()
+    image: Image | None = field(default=None, repr=False)
+    regions: Regions | None = None
 
 
 def remaining(result: Result, stays: Sequence[bool]) -> Result:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from app.views.features.contours.contours import ContoursFeature
-from app.views.features.contours.learning import LearningFeature
 from app.views.features.contours.hand_editing import HandEditingFeature
+from app.views.features.contours.learning import LearningFeature
 from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature

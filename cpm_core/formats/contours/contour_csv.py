@@ -7,8 +7,7 @@ import io
 from collections.abc import Iterable, Sequence
 
 from cpm_core.contours.contour import numbers_of
-from cpm_core.contours.measurements import measure
-from cpm_core.contours.rasterize import numbers
+from cpm_core.contours.measurements import labels_of, measure
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
 
@@ -39,7 +38,7 @@ def encode(result: Result | Skeleton) -> bytes:
     if branched:
         header.append("radius")
     lines: list[list[object]] = []
-    labels = range(1, len(result.contours) + 1) if branched else numbers(result.contours)
+    labels = range(1, len(result.contours) + 1) if branched else labels_of(result.contours)
     each = zip(numbers_of(result.contours), result.contours, labels, strict=True)
     for index, (number, contour, label) in enumerate(each):
         fixed = [number, str(contour.closed).upper(), label, f"{contour.strength:.6g}"]
@@ -67,14 +66,19 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
     none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
     it in), ``length_px``, ``area_px2`` (0 when open), the same in the unit of the image where it is known, and where
-    any was edited by hand, ``by_hand_px`` (the length that was drawn by hand).
+    any was edited by hand, ``by_hand_px`` (the length drawn by hand). Where contours are boundaries of objects,
+    also ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE), ``net_area_px2`` (without the holes in it, 0 for
+    a hole), the same in the unit, and ``bridged_px`` (length without an edge that was found).
     """
     header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
     header += ["length_px", "area_px2", *_in_unit(result, "length_{}", "area_{}2")]
     edited = any(contour.by_hand for contour in result.contours)
     header += ["by_hand_px"] if edited else []
+    objects = any(contour.group for contour in result.contours)
+    if objects:
+        header += ["object", "hole", "net_area_px2", *_in_unit(result, "net_area_{}2"), "bridged_px"]
     lines: list[list[object]] = []
-    for row in measure(result.contours, result.spacing):
+    for contour, row in zip(result.contours, measure(result.contours, result.spacing), strict=True):
         contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
         line = [row.number, row.label, row.name, row.color, str(row.closed).upper(), row.junctions, row.inside]
         line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}", f"{row.area:.4f}"]
@@ -82,6 +86,10 @@ def encode_measures(result: Result | Skeleton) -> bytes:
             line += [f"{row.length_in_units:.7g}", f"{row.area_in_units:.7g}"]
         if edited:
             line.append(f"{row.by_hand:.4f}")
+        if objects:
+            line += [contour.group, str(contour.hole).upper(), f"{row.net_area:.4f}"]
+            line += [f"{row.net_area_in_units:.7g}"] if result.unit else []
+            line.append(f"{contour.bridged:.4f}")
         lines.append(line)
     return _table(header, lines)
 
