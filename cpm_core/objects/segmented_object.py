@@ -18,6 +18,14 @@ MOST_CLASSES = 9
 """Number of classes, one for each digit key."""
 
 
+def _check_color(what: str, color: str) -> None:
+    if not re.fullmatch("#[0-9A-Fa-f]{6}", color):
+        raise ValueError(
+            f'The color of {what} is "{color}" but must be "#rrggbb", two hexadecimal digits each for red, green and '
+            "blue."
+        )
+
+
 @dataclass(frozen=True, slots=True)
 class Click:
     """Places that were said to be inside of an object, or outside of it, in one gesture.
@@ -153,10 +161,21 @@ class SegmentedObject:
         outer = self.outer
         return float(sum(polyline.area(curve) * (1.0 if curve in outer else -1.0) for curve in self.boundary))
 
+    def perimeter(self, spacing: tuple[float, ...] = (1.0, 1.0)) -> float:
+        """Length of the boundary, that of holes included, in the unit of the size of a pixel."""
+        curves = (np.array((*curve, curve[0])) * spacing for curve in self.boundary)
+        return sum(polyline.length(curve) for curve in curves)
+
+    def bridged(self, spacing: tuple[float, ...] = (1.0, 1.0)) -> float:
+        """Length of the stretches of the boundary that follow no contour, in the unit of the size of a pixel."""
+        return sum(polyline.length(np.array(gap) * spacing) for gap in self.gaps)
+
     @property
-    def bridged(self) -> float:
-        """Length of the stretches of the boundary that follow no contour [px]."""
-        return sum(polyline.length(gap) for gap in self.gaps)
+    def center(self) -> Position:
+        """Center (row, col) of the box around the boundary [px]."""
+        corners = np.concatenate([np.asarray(curve) for curve in self.boundary])
+        row, col = (0.5 * (corners.min(axis=0) + corners.max(axis=0))).tolist()
+        return row, col
 
     @property
     def innermost(self) -> Position:
@@ -260,11 +279,3 @@ def places_of(clicks: tuple[Click, ...], *, inside: bool) -> Array:
     """Places of the clicks inside, or of those outside, shape (N, 2) [px]."""
     found = [place for click in clicks if click.inside == inside for place in click.places]
     return np.array(found, dtype=float).reshape(-1, 2)
-
-
-def _check_color(what: str, color: str) -> None:
-    if not re.fullmatch("#[0-9A-Fa-f]{6}", color):
-        raise ValueError(
-            f'The color of {what} is "{color}" but must be "#rrggbb", two hexadecimal digits each for red, green and '
-            "blue."
-        )

@@ -22,8 +22,9 @@ _NEAR = 1.0
 def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
     """One object that covers two.
 
-    Its boundary is where the smaller of the signed distances from the two boundaries is zero. The two distances are
-    blended by the polynomial smooth minimum (I. Quilez, 2013), which closes the slit between objects that touch.
+    Its boundary is where the smaller of the signed distances from the two boundaries is zero. Where the boundaries face
+    each other, the two distances are blended by the polynomial smooth minimum (I. Quilez, 2013), which closes the slit
+    between objects that touch.
 
     Parameters
     ----------
@@ -40,10 +41,11 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
     low = np.floor(corners.min(axis=0)) - _MARGIN
     size = tuple((np.ceil(corners.max(axis=0)) - low + _MARGIN + 1).astype(int).tolist())
     pixels = np.indices(size).reshape(2, -1).T + low
-    one, other = _signed(first, pixels), _signed(second, pixels)
+    one, other = (_signed(item, pixels).reshape(size) for item in (first, second))
     blend = np.maximum(_BLEND - np.abs(one - other), 0.0)
-    level = (np.minimum(one, other) - blend**2 / (4.0 * _BLEND)).reshape(size)
-    found = [line[:-1] + low for line in skimage.measure.find_contours(level, 0.0)]
+    facing = np.clip(-sum(a * b for a, b in zip(np.gradient(one), np.gradient(other), strict=True)), 0.0, 1.0)
+    level = np.minimum(one, other) - facing * blend**2 / (4.0 * _BLEND)
+    found = [line[:-1] + low for line in skimage.measure.find_contours(level, 0.0)]  # type: ignore[no-untyped-call]
     found = [line for line in found if polyline.area(line) >= 1.0]
     boundary = tuple(_line(line) for line in sorted(found, key=lambda line: -len(line)))
     lengths = [sum(polyline.length((*curve, curve[0])) for curve in item.boundary) for item in (first, second)]

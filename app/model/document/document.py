@@ -67,7 +67,7 @@ class Document:
     parameters: Parameters = field(default_factory=Parameters)
     marks: tuple[Mark, ...] = ()
     mode: Mode = "shape"
-    objects: SegmentedObjects = SegmentedObjects()
+    objects: SegmentedObjects = field(default_factory=SegmentedObjects)
 
     @property
     def starts(self) -> tuple[Start, ...]:
@@ -86,8 +86,8 @@ class Document:
             return ()
         limits = tuple(shape for shape in self.shapes if isinstance(shape, Region))
         followed = any(start.follows_smoothing for start in self.image_starts)
-        limits = (*limits, *self.objects.barriers)
-        return (self.image, self.image_starts, limits, self.parameters.smoothing if followed else None)
+        barriers = self.objects.barriers
+        return (self.image, self.image_starts, limits, barriers, self.parameters.smoothing if followed else None)
 
     @property
     def regions(self) -> Regions | None:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import reduce
 
+import numpy as np
+
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr

@@ -91,7 +91,7 @@ class SessionFile:
     parameters: Parameters = field(default_factory=Parameters)
     marks: tuple[Mark, ...] = ()
     mode: str = ""
-    objects: SegmentedObjects = SegmentedObjects()
+    objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     view: Plain = field(default_factory=dict)
     extra: Plain = field(default_factory=dict)
     notes: tuple[str, ...] = ()
