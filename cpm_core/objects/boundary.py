@@ -13,8 +13,6 @@ ON_CONTOUR = 0.05
 LEAST = 0.03
 """Least price of a pixel of boundary, where the edge is strongest."""
 
-STRONG_PERCENTILE = 95.0
-
 
 def prices(graph: FaceGraph, strong: float) -> Array:
     """Price of the common border of each pair of faces, shape (E,).

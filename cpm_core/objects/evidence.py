@@ -13,9 +13,9 @@ outside, and afterwards."""
 
 
 def evidence(graph: FaceGraph, inside: Mask, outside: Mask) -> tuple[Array, Array]:
-    """Price of each face being outside, and of its being inside, two arrays of shape (F,).
+    """Price of each face being outside, and of its being inside, two arrays of shape (F,), infinite for what is sure.
 
     `inside` and `outside`, shape (F,), are the faces that have been clicked.
     """
     rim = graph.rim * (RIM_WITH_OUTSIDE if outside.any() else RIM)
-    return np.zeros(graph.count), rim
+    return np.where(inside, np.inf, 0.0), np.where(outside, np.inf, np.where(inside, 0.0, rim))

@@ -1,40 +1,99 @@
-"""Outline: the closed boundary of a set of pixels, and the parts of it that follow no contour."""
+"""Outline of an object: its closed boundary, to a fraction of a pixel, and the stretches that follow no contour."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
-import skimage
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.interpolation import interpolate
+from cpm_core.field.region_contrast import Sides
 from cpm_core.numerics import polyline
-from cpm_core.numerics.segments import SegmentTree
+from cpm_core.numerics.maximum_filter import running_maximum
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.faces import Ground
+from cpm_core.objects.outline_tracing import FREE, ON_BORDER, STEPS, placed, trace
 
-NEAR = 1.5
-"""Distance from a contour up to which a boundary follows it [px]."""
+SMOOTHING = 1.0
+"""Sigma of the edge map of objects [px]."""
+
+_NEAR = 1
+"""Pixels from a contour within which a boundary follows it: up to about 1.5 px."""
+
+_SHORT = 2.0
+"""Length up to which a stretch off the contours is no gap [px]."""
 
 
-def outlines(mask: Mask, strength: Array) -> tuple[Contour, ...]:
-    """Closed boundaries of the true pixels of a mask, longest first; `strength` is the edge map."""
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A closed boundary.
+
+    Attributes
+    ----------
+    contour : Contour
+        The boundary.
+    bridged : ndarray of bool, shape (K,)
+        Whether the side from each vertex to the next one follows no contour.
+    bordering : ndarray of bool, shape (K,)
+        Whether it lies on the border of the image or of a region of interest.
+    """
+
+    contour: Contour
+    bridged: Mask
+    bordering: Mask
+
+    @property
+    def lengths(self) -> Array:
+        """Length of each side, shape (K,) [px]."""
+        return np.asarray(np.linalg.norm(np.diff(self.contour.path, axis=0), axis=1))
+
+    @property
+    def gaps(self) -> tuple[Array, ...]:
+        """Stretches that follow no contour, each of shape (K, 2)."""
+        path, bridged = self.contour.path, self.bridged
+        if bridged.all():
+            return (path,)
+        start = int(np.argmin(bridged))
+        path = np.concatenate([path[start:-1], path[: start + 1]])
+        steps = np.flatnonzero(np.diff(np.roll(bridged, -start).astype(int), prepend=0, append=0))
+        stretches = (path[begin : end + 1] for begin, end in steps.reshape(-1, 2).tolist())
+        return tuple(stretch for stretch in stretches if polyline.length(stretch) > _SHORT)
+
+
+def outlines(mask: Mask, ground: Ground) -> tuple[Outline, ...]:
+    """Closed boundaries of the true pixels of a mask, shape (H, W), the longest first."""
+    steps = trace(mask)
+    lines = ground.contours.with_others(ground.barriers).with_others(ground.rims)
+    points, kind = placed(steps, lines, ground.strength, ground.strong)
+    limit = np.array(mask.shape)[:, None] - 1
+    near = running_maximum(lines.pixels, _NEAR)
     found = []
-    for line in skimage.measure.find_contours(np.pad(mask, 1).astype(float), 0.5):  # type: ignore[no-untyped-call]
-        points = line[:-1] - 1.0
-        mean = float(interpolate(strength[None], polyline.sampled(line - 1.0, 1.0)).mean())
-        found.append(Contour(points, True, mean))
-    return tuple(sorted(found, key=lambda contour: -contour.length))
+    for begin, end in zip(steps.begin[:-1].tolist(), steps.begin[1:].tolist(), strict=True):
+        part = slice(begin, end)
+        row, col, way = steps.row[part], steps.col[part], steps.way[part]
+        beyond = np.clip(np.stack([row + STEPS[0][way], col + STEPS[1][way]]), 0, limit)
+        bordering = (kind[part] == ON_BORDER) | ~ground.interest[beyond[0], beyond[1]]
+        free = (kind[part] == FREE) & ~near[row, col] & ~bordering
+        vertices = points[part]
+        edge = kind[part] == ON_BORDER
+        corner = edge & np.roll(edge, -1) & (way != np.roll(way, -1))
+        if corner.any():  # an object in the corner of the image has a corner
+            pixel = np.stack([row, col], axis=1)
+            places = vertices + np.roll(vertices, -1, axis=0) - pixel
+            after = np.flatnonzero(corner) + 1
+            vertices = np.insert(vertices, after, places[corner], axis=0)
+            free, bordering = np.insert(free, after, False), np.insert(bordering, after, True)
+        found.append(_outline(vertices, free, bordering, ground))
+    return tuple(sorted(found, key=lambda outline: -outline.contour.length))
 
 
-def gaps_of(outline: Contour, contours: SegmentTree, shape: tuple[int, ...]) -> tuple[Array, ...]:
-    """Stretches of a closed outline that follow neither a contour nor the border of the image."""
-    path = outline.path
-    border = ((path < NEAR) | (path > np.array(shape) - 1.0 - NEAR)).any(axis=1)
-    off = (contours.distances(path) > NEAR) & ~border
-    if off.all():
-        return (path,)
-    start = int(np.argmin(off[:-1]))
-    turned, off = np.roll(path[:-1], -start, axis=0), np.roll(off[:-1], -start)
-    steps = np.flatnonzero(np.diff(np.r_[off, False].astype(int)))
-    pairs = zip(steps[::2].tolist(), steps[1::2].tolist(), strict=False)
-    closed = np.concatenate([turned, turned[:1]])
-    return tuple(closed[begin : end + 2] for begin, end in pairs)
+def _outline(points: Array, free: Mask, bordering: Mask, ground: Ground) -> Outline:
+    path = np.concatenate([points, points[:1]])
+    lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    middle = 0.5 * (path[1:] + path[:-1])
+    strength = float(interpolate(ground.strength[None], middle)[:, 0] @ lengths / lengths.sum())
+    along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    sides = Sides(ground.values, points, along[:, ::-1] * (-1.0, 1.0), SMOOTHING)
+    bridged = free & np.roll(free, -1)
+    return Outline(Contour(points, True, strength, sides=sides), bridged, bordering & np.roll(bordering, -1))

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from cpm_core.contours.contour import Contour
+from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.faces import Ground
+from cpm_core.objects.outline import Outline
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +27,7 @@ class Selection:
     gaps : tuple of ndarray, shape (K, 2)
         Stretches of the boundary that follow no contour [px].
     confidence : float
-        Share of the boundary that follows a contour, 0 to 1.
+        How well the image supports the boundary, 0 to 1; see `confidence_of`.
     inside, outside : ndarray, shape (M, 2) and (K, 2)
         The places that have been said to be inside and outside [px].
     remark : str
@@ -35,3 +41,19 @@ class Selection:
     inside: Array
     outside: Array
     remark: str = ""
+
+
+def confidence_of(outlines: Sequence[Outline], ground: Ground) -> float:
+    """How well the image supports a boundary: mean over its length.
+
+    A stretch that follows a contour counts 1, one on the border of the image a half, and one across a gap
+    ``1 - exp(-s / strong)`` with the edge strength s there. 0 when there is no boundary.
+    """
+    support = length = 0.0
+    for outline in outlines:
+        path = outline.contour.path
+        edge = interpolate(ground.strength[None], 0.5 * (path[1:] + path[:-1]))[:, 0]
+        each = np.where(outline.bridged, 1.0 - np.exp(-edge / ground.strong), 1.0)
+        support += float(np.where(outline.bordering, 0.5, each) @ outline.lengths)
+        length += float(outline.lengths.sum())
+    return support / length if length else 0.0
