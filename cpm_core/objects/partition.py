@@ -32,7 +32,7 @@ from cpm_core.parameters import Parameters
 from cpm_core.particles.initialization import uniform_grid
 from cpm_core.segmentation.segment import segment
 
-_RUN = Parameters(smoothing=1.5)
+EVERYWHERE = Parameters(smoothing=1.5)
 """Parameters of the run from everywhere that finds the contours of an image."""
 
 
@@ -58,7 +58,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     """
     if not isinstance(values, Result):
         image = as_plane(values)
-        return partition(segment(image, uniform_grid(image.shape), params or _RUN))
+        return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE))
     if values.image is None:
         raise ValueError("the result does not know its image: make a partition of the image itself.")
     return Partition(values.image, tuple(values.contours), values.regions)

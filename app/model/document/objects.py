@@ -19,7 +19,7 @@ from cpm_core.objects.union import union
 from cpm_core.shapes import Barrier, Polygon, Region
 
 _DECIMALS = 3
-"""Decimals of the vertices of a boundary [px]: it is accurate to about a tenth."""
+"""Decimals of what a session keeps of a selection, such as vertices [px], which are accurate to about a tenth."""
 
 
 # Selecting
@@ -72,7 +72,8 @@ def made(selection: Selection, clicks: tuple[Click, ...], number: int, category:
     """The object of a selection that is not empty."""
     boundary = tuple(_line(contour.points) for contour in selection.contours)
     gaps = tuple(_line(gap) for gap in selection.gaps)
-    return SegmentedObject(number, clicks, boundary, gaps, float(selection.confidence), category=category)
+    confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _DECIMALS)
+    return SegmentedObject(number, clicks, boundary, gaps, confidence, category=category)
 
 
 def _from_selection(item: SegmentedObject, selection: Selection, clicks: tuple[Click, ...]) -> SegmentedObject:

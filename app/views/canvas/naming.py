@@ -30,14 +30,17 @@ class NameField(QLineEdit):
         self.hide()
         self.returnPressed.connect(self._give)
 
-    def ask(self, place: Position, name: str, accept: Callable[[str], None]) -> None:
-        """Ask for a name at a place (row, col) of the image; `name` is the present one, `accept` takes the new one."""
+    def ask(self, place: Position, name: str, accept: Callable[[str], None], *, above: bool = False) -> None:
+        """Ask for a name at a place (row, col) of the image, or above it.
+
+        `name` is the present one, and `accept` takes the new one.
+        """
         self._accept = accept
         at = self._canvas.point(place).toPoint()
         room = self._canvas.size() - self.sizeHint()
         self.move(
             min(max(at.x() - _WIDTH // 2, 4), max(4, self._canvas.width() - _WIDTH - 4)),
-            min(max(at.y() - 12, 4), max(4, room.height() - 4)),
+            min(max(at.y() - (12 + self.sizeHint().height() if above else 12), 4), max(4, room.height() - 4)),
         )
         self.setText(name)
         self.selectAll()

@@ -216,6 +216,9 @@ class ObjectSelection(QObject):
         assert self._selector is not None
         starts = self._starts if not document.objects.clicks else ()
         question = Question(self._selector, document.objects.clicks, self._pointed, starts)
+        last = self._asked
+        if last is not None and not question.clicks and (last.clicks or last.selector.items is not items):
+            self._offer(())  # what was offered has been taken or dropped
         if not self._same(question):
             self._asked = question
             self._latest.ask(lambda: answer(question))

@@ -17,7 +17,7 @@ from app.session.tasks.tasks import Task
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
-from cpm_core.objects.partition import SMOOTHING, Partition, partition
+from cpm_core.objects.partition import EVERYWHERE, Partition, partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.initialization import uniform_grid
 from cpm_core.segmentation.segment import segment
@@ -184,7 +184,7 @@ def parameters_everywhere(document: Document) -> Parameters:
         for field in fields(Parameters)
         if getattr(chosen, field.name) != getattr(preset, field.name)
     }
-    return replace(Parameters(smoothing=SMOOTHING), **moved)
+    return replace(EVERYWHERE, **moved)
 
 
 def _everywhere_of(prepared: Prepared) -> Everywhere | None:

@@ -16,7 +16,7 @@ from app.views.canvas.tools.ringed import EraserTool, SprayTool
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext
 
-OBJECT, SELECT, START = tr("Object"), tr("Select"), tr("Start")
+OBJECT, SELECT, START = tr("Objects"), tr("Select"), tr("Start")
 LIMIT, CHARGE, CONTOUR = tr("Limit"), tr("Charge"), tr("Contour")
 """Groups of tools by purpose."""
 

@@ -110,7 +110,8 @@ class ObjectsFeature(Feature):
         elif chosen:
             item = chosen[0]
             accept = partial(self._list.rename, item.number)
-            self.name_field.ask(item.center, item.name, accept)
+            top = min(row for curve in item.boundary for row, _ in curve)
+            self.name_field.ask((top, item.center[1]), item.name, accept, above=True)
 
     def take_key(self, event: QKeyEvent) -> bool:
         """Handle the keys for chosen objects on the canvas; return whether the key was one of them."""

@@ -60,7 +60,7 @@ OBJECT_COLUMNS: tuple[ObjectColumn, ...] = (
                  lambda r: r.item.name.casefold() or "\uffff", "left ventricle", False),
     ObjectColumn("class", tr("Class"), tr("Class; the digits 1 to 9 set it."),
                  lambda r: f"{r.item.category}  {class_title(r.objects, r.item.category)}", lambda r: r.item.category,
-                 "1  nucleus in S", False),
+                 "1  nucleus", False),
     ObjectColumn("area", tr("Net area [{unit}²]"), tr("Area without holes."), lambda r: number_text(r.area),
                  lambda r: r.area, "00,000,000"),
     ObjectColumn("perimeter", tr("Perimeter [{unit}]"), tr("Length of the boundary, that of holes included."),
@@ -73,7 +73,7 @@ OBJECT_COLUMNS: tuple[ObjectColumn, ...] = (
     ObjectColumn("confidence", tr("Confidence"), tr("How sure the boundary is, from 0 to 1."),
                  lambda r: f"{r.item.confidence:.2f}", lambda r: r.item.confidence, "0.00"),
     ObjectColumn("state", tr("State"), tr("Frozen objects hold particles back and are not found anew."),
-                 lambda r: r.state or "–", lambda r: r.state, "frozen, hidden", False),
+                 lambda r: r.state or "–", lambda r: r.state, "frozen", False),
 )  # fmt: skip
 """All columns in the order shown."""
 
