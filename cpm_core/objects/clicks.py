@@ -103,7 +103,7 @@ def _pixels(places: Array, ground: Ground) -> Index:
     pixel = _rounded(places, ground)
     if not len(pixel):
         return pixel
-    on_line = ground.contours.pixels[tuple(pixel.T)]
+    on_line = ground.beside[tuple(pixel.T)]
     near = np.clip(pixel[on_line][:, None] + _disk(_ASIDE), 0, np.array(ground.values.shape) - 1)
     smoothest = ground.strength[near[..., 0], near[..., 1]].argmin(axis=1)
     pixel[on_line] = near[np.arange(len(near)), smoothest]
@@ -122,7 +122,7 @@ def _touched(faces: Faces, ground: Ground, pixel: Index) -> Mask:
     shape = np.array(faces.labels.shape)
     disk = _disk(_RADIUS)
     near = np.clip(pixel[:, None] + disk, 0, shape - 1)
-    weak = ~ground.contours.pixels[near[..., 0], near[..., 1]]
+    weak = ~ground.beside[near[..., 0], near[..., 1]]
     free = weak.all(axis=1)
     return _at(faces, near[free].reshape(-1, 2)) | _at(faces, pixel)
 

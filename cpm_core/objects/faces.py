@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
 import skimage
 
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.maximum_filter import running_maximum
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.basins import Labels, basins
 from cpm_core.objects.crossings import Crossings, crossings
 from cpm_core.objects.face_graph import FaceGraph, face_graph
-from cpm_core.objects.flooding import Labels, basins
 
 STRONG_PERCENTILE = 95.0
 """Percentile of the edge map above which an edge is strong."""
 
-_DEPTH, _AREA = 0.02, 9
+_DEPTH, _AREA = 0.02, 24
 """Basins that are less deep or have fewer pixels are parts of a neighbor; see `basins`."""
 
 _NECK, _FAR = 0.04, 24.0
@@ -50,6 +52,21 @@ class Ground:
     barriers: Crossings
     rims: Crossings
     interest: Mask
+
+    @cached_property
+    def lines(self) -> Crossings:
+        """Where any of these lines passes."""
+        return self.contours.with_others(self.barriers).with_others(self.rims)
+
+    @cached_property
+    def beside(self) -> Mask:
+        """Pixels that a contour passes beside, shape (H, W)."""
+        return self.contours.pixels
+
+    @cached_property
+    def near(self) -> Mask:
+        """Pixels within about 1.5 px of a line, shape (H, W)."""
+        return running_maximum(self.lines.pixels, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,16 +101,15 @@ def ground(values: Array, strength: Array, contours: Sequence[Array], regions: R
 
 
 def find_faces(ground: Ground) -> Faces:
-    """Cut the image into faces; see `flooding`."""
-    lines = ground.contours.with_others(ground.barriers).with_others(ground.rims)
-    edges = lines.pixels | (ground.strength > ground.strong)
+    """Cut the image into faces; see `basins`."""
+    edges = ground.lines.pixels | (ground.strength > ground.strong)
     away = np.full(edges.shape, _FAR)
     if edges.any():
         away = np.minimum(scipy.ndimage.distance_transform_cdt(~edges, "chessboard"), _FAR)
     slope = _NECK * (1.0 - away / _FAR)
     largest = max(float(ground.strength.max()), 1e-300)
     level = (np.sqrt(ground.strength / largest) + slope) / (1.0 + _NECK)
-    labels = basins(level, lines, _DEPTH, _AREA)
+    labels = basins(level, ground.lines, _DEPTH, _AREA)
     if not ground.interest.all():
         labels[~ground.interest] = -1
         labels[ground.interest] = np.unique(labels[ground.interest], return_inverse=True)[1]

@@ -10,16 +10,12 @@ from cpm_core.contours.contour import Contour
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import Sides
 from cpm_core.numerics import polyline
-from cpm_core.numerics.maximum_filter import running_maximum
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.faces import Ground
 from cpm_core.objects.outline_tracing import FREE, ON_BORDER, STEPS, placed, trace
 
 SMOOTHING = 1.0
 """Sigma of the edge map of objects [px]."""
-
-_NEAR = 1
-"""Pixels from a contour within which a boundary follows it: up to about 1.5 px."""
 
 _SHORT = 2.0
 """Length up to which a stretch off the contours is no gap [px]."""
@@ -64,17 +60,15 @@ class Outline:
 def outlines(mask: Mask, ground: Ground) -> tuple[Outline, ...]:
     """Closed boundaries of the true pixels of a mask, shape (H, W), the longest first."""
     steps = trace(mask)
-    lines = ground.contours.with_others(ground.barriers).with_others(ground.rims)
-    points, kind = placed(steps, lines, ground.strength, ground.strong)
+    points, kind = placed(steps, ground.lines, ground.strength, ground.strong)
     limit = np.array(mask.shape)[:, None] - 1
-    near = running_maximum(lines.pixels, _NEAR)
     found = []
     for begin, end in zip(steps.begin[:-1].tolist(), steps.begin[1:].tolist(), strict=True):
         part = slice(begin, end)
         row, col, way = steps.row[part], steps.col[part], steps.way[part]
         beyond = np.clip(np.stack([row + STEPS[0][way], col + STEPS[1][way]]), 0, limit)
         bordering = (kind[part] == ON_BORDER) | ~ground.interest[beyond[0], beyond[1]]
-        free = (kind[part] == FREE) & ~near[row, col] & ~bordering
+        free = (kind[part] == FREE) & ~ground.near[row, col] & ~bordering
         vertices = points[part]
         edge = kind[part] == ON_BORDER
         corner = edge & np.roll(edge, -1) & (way != np.roll(way, -1))

@@ -19,11 +19,11 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.basins import Labels
 from cpm_core.objects.boundary import prices
 from cpm_core.objects.clicks import as_places, clicked
 from cpm_core.objects.evidence import evidence
 from cpm_core.objects.faces import Faces, Ground, find_faces, ground
-from cpm_core.objects.flooding import Labels
 from cpm_core.objects.minimum_cut import minimum_cut
 from cpm_core.objects.outline import SMOOTHING, outlines
 from cpm_core.objects.regrouping import connected, filled, kept_where_unconcerned
