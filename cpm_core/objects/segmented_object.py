@@ -79,6 +79,8 @@ class SegmentedObject:
         Stretches of the boundary that follow no contour.
     confidence : float
         How sure the boundary is, from 0 to 1.
+    strength : float
+        Mean edge strength along the boundary [gray levels / px].
     name, color : str
         Given by the user, or empty; the color as ``"#rrggbb"``.
     category : int
@@ -99,6 +101,7 @@ class SegmentedObject:
     boundary: tuple[Line, ...]
     gaps: tuple[Line, ...] = ()
     confidence: float = 0.0
+    strength: float = 0.0
     name: str = ""
     color: str = ""
     category: int = 1

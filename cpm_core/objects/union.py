@@ -35,7 +35,7 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
     -------
     SegmentedObject
         The first one with the boundary of both, the clicks inside of both, the gaps that still belong to the boundary,
-        and the mean of both confidences weighted by perimeter.
+        and the means of confidence and strength weighted by perimeter.
     """
     corners = np.concatenate([np.asarray(curve) for item in (first, second) for curve in item.boundary])
     low = np.floor(corners.min(axis=0)) - _MARGIN
@@ -48,7 +48,7 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
     found = [line[:-1] + low for line in skimage.measure.find_contours(level, 0.0)]  # type: ignore[no-untyped-call]
     found = [line for line in found if polyline.area(line) >= 1.0]
     boundary = tuple(_line(line) for line in sorted(found, key=lambda line: -len(line)))
-    lengths = [sum(polyline.length((*curve, curve[0])) for curve in item.boundary) for item in (first, second)]
+    lengths = [item.perimeter() for item in (first, second)]
     clicks = tuple(said for item in (first, second) for said in item.clicks if said.inside)
     return replace(
         first,
@@ -56,6 +56,7 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
         boundary=boundary,
         gaps=tuple(gap for item in (first, second) for gap in item.gaps if _lies_on(gap, boundary)),
         confidence=float(np.average((first.confidence, second.confidence), weights=lengths)),
+        strength=float(np.average((first.strength, second.strength), weights=lengths)),
     )
 
 

@@ -11,7 +11,10 @@ import numpy as np
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
-from cpm_core.numerics.polyline import thinned
+from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.result import Result
+from cpm_core.image.image import Image
+from cpm_core.numerics.polyline import length, thinned
 from cpm_core.numerics.types import Array
 from cpm_core.objects.segmented_object import Click, Line, ObjectClass, SegmentedObject, SegmentedObjects
 from cpm_core.objects.selection import Selection
@@ -68,18 +71,28 @@ def take(document: Document, taken: Iterable[tuple[Selection, tuple[Click, ...],
     return _with(document, items=tuple(items), clicks=(), edited=0)
 
 
+def replace_boundaries(document: Document, found: Iterable[tuple[Selection, tuple[Click, ...], int]]) -> Document:
+    """The document in which objects have the boundaries of selections, given as in `take`."""
+    selecting = document.objects
+    known = {item.number for item in selecting.items}
+    changed = take(document, [each for each in found if each[2] in known])
+    return _with(changed, clicks=selecting.clicks, edited=selecting.edited)
+
+
 def made(selection: Selection, clicks: tuple[Click, ...], number: int, category: int) -> SegmentedObject:
     """The object of a selection that is not empty."""
     boundary = tuple(_line(contour.points) for contour in selection.contours)
     gaps = tuple(_line(gap) for gap in selection.gaps)
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _DECIMALS)
-    return SegmentedObject(number, clicks, boundary, gaps, confidence, category=category)
+    lengths = [contour.length for contour in selection.contours]
+    strength = float(np.average([contour.strength for contour in selection.contours], weights=lengths))
+    return SegmentedObject(number, clicks, boundary, gaps, confidence, round(strength, _DECIMALS), category=category)
 
 
 def _from_selection(item: SegmentedObject, selection: Selection, clicks: tuple[Click, ...]) -> SegmentedObject:
     """An object with the boundary of a selection; name, class and color stay."""
     found = made(selection, clicks, item.number, item.category)
-    return replace(item, clicks=clicks, boundary=found.boundary, gaps=found.gaps, confidence=found.confidence)
+    return replace(found, name=item.name, color=item.color, frozen=item.frozen, hidden=item.hidden)
 
 
 # The objects
@@ -167,6 +180,38 @@ def _with_shapes(
             few = thinned(curve)
             document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))
     return document
+
+
+# Exports
+
+
+def objects_result(document: Document, image: Image) -> Result:
+    """The objects as a result, for writers: the curves of each boundary with its name, or its class, and its color.
+
+    Gaps are bridges. Hidden objects are left out.
+    """
+    objects = document.objects
+    shown = [item for item in objects.items if not item.hidden]
+    contours = tuple(
+        Contour(np.array(curve), True, item.strength, name=title(objects, item), color=objects.color(item))
+        for item in shown
+        for curve in item.boundary
+    )
+    gaps = [np.array(gap) for item in shown for gap in item.gaps]
+    return Result(
+        particles=np.zeros((0, 2)),
+        contours=contours,
+        surface=None,
+        steps=0,
+        converged=True,
+        stop_reason="selected by clicks",
+        shape=image.shape,
+        spacing=image.spacing,
+        unit=image.unit,
+        source=image.source,
+        bridges=tuple(Bridge(gap, length(gap), 0.0) for gap in gaps),
+        image=image,
+    )
 
 
 # Texts

@@ -114,7 +114,7 @@ def selection_of(item: SegmentedObject, shape: tuple[int, ...]) -> Selection:
     """The selection that an object is, in an image of this shape."""
     return Selection(
         mask=item.mask(shape),
-        contours=tuple(Contour(np.array(curve), True) for curve in item.boundary),
+        contours=tuple(Contour(np.array(curve), True, item.strength) for curve in item.boundary),
         gaps=tuple(np.array(gap) for gap in item.gaps),
         confidence=item.confidence,
         inside=item.inside,
