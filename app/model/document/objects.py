@@ -16,9 +16,9 @@ from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import length, thinned
 from cpm_core.numerics.types import Array
-from cpm_core.objects.segmented_object import Click, Line, ObjectClass, SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.segmented_object import Click, Line, ObjectClass, SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.union import union
 from cpm_core.objects.selection import Selection
-from cpm_core.objects.union import union
 from cpm_core.shapes import Barrier, Polygon, Region
 
 _DECIMALS = 3

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.session.storage.session_file import DocumentFile
-from cpm_core.objects.segmented_object import Click
+from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
 KEY, NONE = Qt.Key, Qt.KeyboardModifier.NoModifier

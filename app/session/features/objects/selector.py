@@ -10,7 +10,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.segmented_object import Click, SegmentedObject, places_of
+from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, places_of
 from cpm_core.objects.selection import Selection
 
 _SAME_OBJECT = 0.5

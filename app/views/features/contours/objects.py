@@ -49,7 +49,7 @@ class ObjectsFeature(Feature):
         change = ActionSpec(name="change_object", menu="Objects", text=tr("&Change by clicks"), do=self._change,
                             tip=tr("Select the object anew, beginning with what it is."), when=self._one)  # fmt: skip
         fit = ActionSpec(name="fit_objects", menu="Objects", text=tr("F&it to the contours"),
-                         do=lambda: self._selection.fit(self._list.chosen),
+                         do=lambda: self.context.workspace.object_fitting.fit(self._list.chosen),
                          tip=tr("Select the chosen objects anew by their own clicks, on the contours of the last run."),
                          when=self._any_chosen)  # fmt: skip
         every = ActionSpec(name="all_objects", menu="Objects", text=tr("Choose all ob&jects"),
