@@ -12,7 +12,8 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.exchange.mailbox import Latest
 from app.session.features.objects.partitions import Partitions
-from app.session.features.objects.selector import Proposal, Selector
+from app.session.features.objects.selector import Selector
+from app.session.scene import Proposal
 from app.session.session import Session
 from cpm_core.contours.result import Result
 from cpm_core.numerics.types import Array, Position
@@ -120,7 +121,7 @@ class ObjectSelection(QObject):
     def click(self, places: tuple[Position, ...], inside: bool = True) -> None:
         """Say that places are inside of the object, or outside of it."""
         said = Click(places, inside)
-        first = self._corrected(said)
+        first = None if self.selecting else corrected(self.proposals, said)
         words = tr("select") if inside else tr("select without")
 
         def edit(document: Document) -> Document:
@@ -175,25 +176,12 @@ class ObjectSelection(QObject):
         ended = result is not None and bool(result.stop_reason) and result is not self._dismissed
         if not ended or document.mode != "shape":
             return ()
-        drawn = [start for start in document.starts if not isinstance(start, Everywhere | ImageStart)]
-        return tuple(start.seeds() for start in drawn)
+        return tuple(start.seeds() for start in document.starts if not isinstance(start, Everywhere | ImageStart))
 
     @property
     def _wanted(self) -> bool:
         """Whether a partition is needed."""
         return self._in_use or self.selecting or bool(self._starts)
-
-    def _corrected(self, said: Click) -> Proposal | None:
-        """The offered object of a start that a first click corrects: the one it lies in, or the only one."""
-        if self.selecting:
-            return None
-        offered = self.proposals
-        row, col = (round(place) for place in said.places[0])
-        for each in offered:
-            rows, cols = each.selection.mask.shape
-            if 0 <= row < rows and 0 <= col < cols and each.selection.mask[row, col]:
-                return each
-        return offered[0] if len(offered) == 1 else None
 
     def _use_partition(self) -> None:
         self._follow()
@@ -263,3 +251,13 @@ class ObjectSelection(QObject):
     def _forget(self) -> None:
         self._latest.forget()
         self._selector = self._asked = self._pointed = self._dismissed = None
+
+
+def corrected(offered: tuple[Proposal, ...], said: Click) -> Proposal | None:
+    """The offered object of a start that a first click corrects: the one it lies in, or the only one."""
+    row, col = (round(place) for place in said.places[0])
+    for each in offered:
+        rows, cols = each.selection.mask.shape
+        if 0 <= row < rows and 0 <= col < cols and each.selection.mask[row, col]:
+            return each
+    return offered[0] if len(offered) == 1 else None
