@@ -3,5 +3,6 @@
 from cpm_core.objects.objects_result import objects_result
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.similar import similar
 
-__all__ = ["Partition", "Selection", "objects_result", "partition"]
+__all__ = ["Partition", "Selection", "objects_result", "partition", "similar"]

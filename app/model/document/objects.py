@@ -78,6 +78,16 @@ def take(document: Document, taken: Iterable[tuple[Selection, tuple[Click, ...],
     return _with(document, items=tuple(items), clicks=(), edited=0)
 
 
+def add(document: Document, selections: Iterable[Selection], category: int) -> Document:
+    """The document with one more object of a class for each selection; the selection in progress stays."""
+    items = list(document.objects.items)
+    number = document.objects.next_number
+    for count, selection in enumerate(selections):
+        places = tuple((row, col) for row, col in selection.inside.tolist())
+        items.append(made(selection, (Click(places),), number + count, category))
+    return _with(document, items=tuple(items))
+
+
 def replace_boundaries(document: Document, found: Iterable[tuple[Selection, tuple[Click, ...], int]]) -> Document:
     """The document in which objects have the boundaries of selections, given as in `take`."""
     selecting = document.objects

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from cpm_core import Regions
 from cpm_core.numerics import polyline
-from cpm_core.objects.basins import basins
-from cpm_core.objects.crossings import Crossings, crossings
-from cpm_core.objects.face_graph import face_graph
-from cpm_core.objects.faces import find_faces, ground, split
+from cpm_core.objects.faces.basins import basins
+from cpm_core.objects.faces.crossings import Crossings, crossings
+from cpm_core.objects.faces.face_graph import face_graph
+from cpm_core.objects.faces.faces import find_faces, ground, split
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -21,7 +21,7 @@ from cpm_core.numerics.types import Array
 from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
 from cpm_core.objects.selection import Selection
 
-_OFFERED, _PREVIEW = 0.38, 0.22
+_OFFERED, _PREVIEW = 0.4, 0.3
 """Opacity of the area of what is offered, and of what a click would take."""
 
 _MOST_MARKS = 60

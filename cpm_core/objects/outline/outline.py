@@ -11,8 +11,8 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import Sides
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.faces import Ground
-from cpm_core.objects.outline_tracing import FREE, ON_BORDER, STEPS, placed, trace
+from cpm_core.objects.faces.faces import Ground
+from cpm_core.objects.outline.outline_tracing import FREE, ON_BORDER, STEPS, placed, trace
 
 SMOOTHING = 1.0
 """Sigma of the edge map of objects [px]."""
