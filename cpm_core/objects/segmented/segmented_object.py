@@ -288,9 +288,12 @@ def places_of(clicks: tuple[Click, ...], *, inside: bool) -> Array:
 
 def selection_of(item: SegmentedObject, shape: tuple[int, ...]) -> Selection:
     """The selection that an object is, in an image of this shape."""
+    outer = item.outer
     return Selection(
         mask=item.mask(shape),
-        contours=tuple(Contour(np.array(curve), True, item.strength) for curve in item.boundary),
+        contours=tuple(
+            Contour(np.array(curve), True, item.strength, hole=curve not in outer) for curve in item.boundary
+        ),
         gaps=tuple(np.array(gap) for gap in item.gaps),
         confidence=item.confidence,
         inside=item.inside,
