@@ -32,7 +32,8 @@ NOTHING_TO_START_FROM = tr(
 class ImageReference:
     """The image of a document without its gray values: name, file, (rows, cols), contrast and SHA-256 of the file.
 
-    The contrast is the largest minus the smallest gray value; the hash is empty where it is not known.
+    The contrast is the largest minus the smallest gray value; the hash is empty where it is not known. `spacing` is the
+    size of a pixel along rows and columns in `unit`, which is None where the image gives none.
     """
 
     name: str
@@ -40,6 +41,8 @@ class ImageReference:
     shape: tuple[int, ...]
     contrast: float
     sha256: str = ""
+    spacing: tuple[float, ...] = (1.0, 1.0)
+    unit: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

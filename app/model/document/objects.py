@@ -11,18 +11,17 @@ import numpy as np
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
+from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
-from cpm_core.image.image import Image
-from cpm_core.numerics.polyline import thinned
+from cpm_core.numerics.polyline import length, thinned
 from cpm_core.numerics.types import Array
-from cpm_core.objects.objects_result import objects_result as core_result
 from cpm_core.objects.segmented.segmented_object import (
     Click,
     Line,
     ObjectClass,
     SegmentedObject,
     SegmentedObjects,
-    selection_of,
+    contours_of,
 )
 from cpm_core.objects.segmented.union import union
 from cpm_core.objects.selection import Selection
@@ -202,21 +201,36 @@ def _with_shapes(
 # Exports
 
 
-def objects_result(document: Document, image: Image) -> Result:
+def objects_result(document: Document) -> Result | None:
     """The objects as a result, for writers: each with its name, or its class and number, and its color.
 
-    The contours of an object have its number as their group, so that a label mask has one label for it and none in its
-    holes. Gaps are bridges. Hidden objects are left out.
+    The contours of an object have its number as their group, and holes are marked, so that a label mask has one label
+    for it and none in its holes. Gaps are bridges, whose strength is not known and 0. Hidden objects are left out; None
+    when there is no other. Nothing is computed from the image, so that it can be asked for at any time.
     """
-    objects = document.objects
+    objects, image = document.objects, document.image
     shown = [item for item in objects.items if not item.hidden]
-    names = [title(objects, item) for item in shown]
-    result = core_result([selection_of(item, image.shape) for item in shown], image, names)
-    contours = (
-        replace(contour, group=shown[contour.group - 1].number, color=objects.color(shown[contour.group - 1]))
-        for contour in result.contours
+    if image is None or not shown:
+        return None
+    return Result(
+        particles=np.empty((0, 2)),
+        contours=tuple(contour for item in shown for contour in _contours(objects, item)),
+        surface=None,
+        steps=0,
+        converged=True,
+        stop_reason="the objects have been chosen",
+        shape=image.shape,
+        spacing=image.spacing,
+        unit=image.unit,
+        source=image.name,
+        bridges=tuple(Bridge(np.array(gap), length(gap), 0.0) for item in shown for gap in item.gaps),
     )
-    return replace(result, contours=tuple(contours))
+
+
+def _contours(objects: SegmentedObjects, item: SegmentedObject) -> list[Contour]:
+    """The boundary of an object as contours with its name and color."""
+    name, color = title(objects, item), objects.color(item)
+    return [replace(contour, name=name, color=color, group=item.number) for contour in contours_of(item)]
 
 
 # Texts

@@ -288,14 +288,17 @@ def places_of(clicks: tuple[Click, ...], *, inside: bool) -> Array:
 
 def selection_of(item: SegmentedObject, shape: tuple[int, ...]) -> Selection:
     """The selection that an object is, in an image of this shape."""
-    outer = item.outer
     return Selection(
         mask=item.mask(shape),
-        contours=tuple(
-            Contour(np.array(curve), True, item.strength, hole=curve not in outer) for curve in item.boundary
-        ),
+        contours=contours_of(item),
         gaps=tuple(np.array(gap) for gap in item.gaps),
         confidence=item.confidence,
         inside=item.inside,
         outside=item.outside,
     )
+
+
+def contours_of(item: SegmentedObject) -> tuple[Contour, ...]:
+    """The boundary of an object as closed contours, holes marked as such."""
+    outer = item.outer
+    return tuple(Contour(np.array(curve), True, item.strength, hole=curve not in outer) for curve in item.boundary)

@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 
 from app.model.document import objects
-from app.model.document.document import Document
+from app.model.document.document import Document, ImageReference
 from cpm_core.contours.contour import Contour
 from cpm_core.formats import encoded
 from cpm_core.formats.masks.labels import labels_of
-from cpm_core.image.image import Image
 from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.objects.selection import Selection
 from cpm_core.shapes import Polygon
 
 HERE, THERE, NOT_THERE = Click(((15.0, 15.0),)), Click(((30.0, 30.0),)), Click(((1.0, 1.0),), inside=False)
-IMAGE = Image(np.arange(40.0 * 40).reshape(40, 40))
+IMAGE = ImageReference("a.png", "a.png", (40, 40), 1.0, spacing=(0.5, 0.5), unit="mm")
 
 
 def square(low: float, high: float) -> np.ndarray:
@@ -40,7 +39,7 @@ FRAME, DOT = selected((4.5, 25.5), (9.5, 20.5)), selected((11.5, 18.5))
 @pytest.fixture
 def document() -> Document:
     """A document with a frame, and a dot of another class in its hole."""
-    one = objects.take(Document(), [(FRAME, (HERE,), 0)])
+    one = objects.take(Document(IMAGE), [(FRAME, (HERE,), 0)])
     return objects.take(objects.classify(one, (), 2), [(DOT, (THERE,), 0)])
 
 
@@ -115,19 +114,20 @@ def test_the_start_from_an_object_is_its_outer_boundary(document) -> None:
 
 def test_exported_labels_are_the_numbers_of_the_objects_and_holes_have_none(document) -> None:
     rest = objects.delete(objects.take(document, [(selected((30.5, 36.5)), (HERE,), 0)]), (2,))
-    labels = labels_of(objects.objects_result(rest, IMAGE))
+    labels = labels_of(objects.objects_result(rest))
     assert labels[7, 7] > 0
     assert labels[15, 15] == 0
     assert labels[33, 33] not in (0, labels[7, 7])
 
 
 def test_an_export_names_the_objects_and_tells_what_was_bridged(document) -> None:
-    result = objects.objects_result(objects.name_class(document, 2, "nucleus"), IMAGE)
+    result = objects.objects_result(objects.name_class(document, 2, "nucleus"))
     assert {contour.name for contour in result.contours} == {"object 1", "nucleus 2"}
     assert {contour.group for contour in result.contours} == {1, 2}
     assert [bridge.length for bridge in result.bridges] == [21.0, 7.0]
     text = encoded(result, ".geojson").decode()
     assert "nucleus 2" in text
     assert "ridged" in text
+    assert "Area mm^2" in text
     hidden = objects.hide(document, (1, 2), True)
-    assert objects.objects_result(hidden, IMAGE).contours == ()
+    assert objects.objects_result(hidden) is None

@@ -331,6 +331,23 @@ def test_clicks_on_an_image_that_is_not_prepared_yet_are_answered_later(window, 
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
 
 
+def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    before = objects.proposals[0].selection
+    session = window.session
+    session.edit("draw", lambda d: replace(d, shapes=(Circle(LARGE[0], 4.0),)))
+    session.run()
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.scene.contours.result is not None and session.scene.contours.result.stop_reason != "")
+    hand.wait(lambda: objects.partitions.source is session.scene.contours.result)
+    hand.wait(lambda: objects.proposals[0].selection is not before)
+    assert overlap(offered(objects), disk(*SMALL)) > 0.85
+    session.reset()
+    hand.wait(lambda: objects.partitions.source is not None and objects.partitions.partition.contours != ())
+    hand.wait(lambda: objects.idle)
+    np.testing.assert_array_equal(offered(objects), before.mask)
+
+
 def test_the_proposal_stays_while_another_tool_is_used(window, hand, objects) -> None:
     click(hand, 18, 18)
     hand.key(KEY.Key_C)
