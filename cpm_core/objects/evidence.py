@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.boundary import nearness
 from cpm_core.objects.faces.face_graph import FaceGraph
 
 RIM, RIM_WITH_OUTSIDE = 2.0, 2.0
@@ -12,10 +13,10 @@ RIM, RIM_WITH_OUTSIDE = 2.0, 2.0
 outside, and afterwards."""
 
 
-def evidence(graph: FaceGraph, inside: Mask, outside: Mask) -> tuple[Array, Array]:
+def evidence(graph: FaceGraph, inside: Mask, outside: Mask, places: Array) -> tuple[Array, Array]:
     """Price of each face being outside, and of its being inside, two arrays of shape (F,), infinite for what is sure.
 
-    `inside` and `outside`, shape (F,), are the faces that have been clicked.
+    `inside` and `outside`, shape (F,), are the faces that have been clicked, `places`, shape (M, 2), those inside.
     """
-    rim = graph.rim * (RIM_WITH_OUTSIDE if outside.any() else RIM)
+    rim = graph.rim * (RIM_WITH_OUTSIDE if outside.any() else RIM) * nearness(graph.center, places)
     return np.where(inside, np.inf, 0.0), np.where(outside, np.inf, np.where(inside, 0.0, rim))

@@ -127,8 +127,9 @@ class Partition:
         graph = found.faces.graph
         chosen = np.zeros(graph.count, np.bool_)
         if found.inside.any():
-            leaving, entering = evidence(graph, found.inside, found.outside)
-            price = prices(graph, self._ground.strong)
+            near = np.clip(within, 0.0, np.array(self.shape) - 1.0)
+            leaving, entering = evidence(graph, found.inside, found.outside, near)
+            price = prices(graph, self._ground.strong, near)
             chosen = minimum_cut(graph.arcs, price, leaving, entering)
             if previous is not None:
                 new = ~_among(within, previous.inside), ~_among(beyond, previous.outside)
