@@ -41,6 +41,7 @@ class CanvasArea(QWidget):
         super().__init__()
         self._session = session = workspace.session
         self._review = review = workspace.review
+        self._selection = workspace.object_selection
         self.canvas = Canvas(session)
         self.messages = MessageBar(self.canvas)
         self.hint = QLabel(self.canvas)
@@ -90,6 +91,7 @@ class CanvasArea(QWidget):
             self.messages.hide()
             self._session.select(None)
             self._review.select(())
+            self._selection.dismiss()
 
     def refresh(self) -> None:
         """Update the hint."""

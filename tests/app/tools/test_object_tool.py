@@ -221,11 +221,25 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait_for_phase("finished")
     hand.wait(lambda: bool(selection.proposals))
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
-    hand.key(KEY.Key_W)
+    assert "Enter takes the object" in window.canvas_area.messages.text
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
     assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
     hand.wait(lambda: selection.idle and not selection.proposals)
+
+
+def test_escape_drops_what_is_offered_around_a_start_until_a_run_ends_again(window, hand) -> None:
+    selection, session = window.workspace.object_selection, window.session
+    session.edit("draw", lambda d: replace(d, shapes=(Circle(SMALL[0], 4.0),)))
+    session.run()
+    hand.wait(lambda: bool(selection.proposals))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Escape)
+    hand.wait(lambda: not selection.proposals)
+    session.reset()
+    session.run()
+    hand.wait(lambda: bool(selection.proposals))
+    assert taken(window) == ()
 
 
 def test_each_start_offers_its_own_object_and_all_are_taken_in_one_step(window, hand) -> None:

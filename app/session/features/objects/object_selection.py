@@ -140,7 +140,12 @@ class ObjectSelection(QObject):
         """Give up the proposals."""
         if self.selecting:
             self._session.edit(tr("drop the selection"), objects.drop)
-        elif self.proposals:
+        else:
+            self.dismiss()
+
+    def dismiss(self) -> None:
+        """Offer the objects of the starts no longer, until a run ends again."""
+        if self.proposals and not self.selecting:
             self._dismissed = self._result
             self._follow()
 
@@ -235,6 +240,8 @@ class ObjectSelection(QObject):
             return
         self._was_ready = ready
         self._show(proposals=proposals)
+        if proposals and not before and not self._in_use and not self.selecting:
+            self._session.say(tr("Enter takes the object around the start; Objects (W) corrects it, Esc drops it."))
         self.changed.emit()
 
     def _say_remark(self, remark: str) -> None:

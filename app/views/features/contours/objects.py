@@ -128,10 +128,16 @@ class ObjectsFeature(Feature):
 
     def take_key(self, event: QKeyEvent) -> bool:
         """Handle the keys for chosen objects on the canvas; return whether the key was one of them."""
-        tool = self.context.canvas_area.canvas.tool
-        if tool is None or tool.name != "objects" or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
+        tool, crosshair = self.context.canvas_area.canvas.tool, self.context.canvas_area.crosshair
+        if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
         key, digit = event.key(), event.key() - Qt.Key.Key_0
+        if tool.name != "objects":
+            offered = bool(self._selection.proposals) and not (self._selection.selecting or tool.drafting)
+            if key in _ENTER and offered and crosshair.at is None:
+                self._selection.take()
+                return True
+            return False
         if 1 <= digit <= len(self._list.objects.classes):
             self._list.classify(digit)
             return True
@@ -140,7 +146,7 @@ class ObjectsFeature(Feature):
         if key == Qt.Key.Key_Delete:
             self._list.delete()
             return True
-        if key in _ENTER and not tool.drafting and self.context.canvas_area.crosshair.at is None:
+        if key in _ENTER and not tool.drafting and crosshair.at is None:
             self.ask_name()
             return True
         return False
