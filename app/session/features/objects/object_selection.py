@@ -78,7 +78,8 @@ class ObjectSelection(QObject):
         self._latest.done.connect(self._use)
         self.partitions = Partitions(session, lambda: self._wanted)
         self.partitions.changed.connect(self._use_partition)
-        session.document_changed.connect(self._follow_document)
+        session.document_changed.connect(lambda _: self.partitions.look())
+        session.document_changed.connect(lambda _: self._follow())
         session.image_changed.connect(self._forget)
 
     # State
@@ -192,10 +193,6 @@ class ObjectSelection(QObject):
         self._follow()
         self.changed.emit()
 
-    def _follow_document(self, document: Document) -> None:
-        self.partitions.look()
-        self._follow()
-
     def _follow(self) -> None:
         """Ask for what has changed."""
         partition, document = self.partitions.partition, self._session.document
@@ -219,10 +216,9 @@ class ObjectSelection(QObject):
     def _same(self, question: Question) -> bool:
         """Whether this has been asked for last."""
         last = self._asked
-        if last is None or last.selector is not question.selector:
+        if last is None or last.selector is not question.selector or len(last.starts) != len(question.starts):
             return False
-        starts = len(last.starts) == len(question.starts)
-        return starts and (last.clicks, last.pointed) == (question.clicks, question.pointed)
+        return (last.clicks, last.pointed) == (question.clicks, question.pointed)
 
     def _use(self, found: Answer) -> None:
         question = found.question
