@@ -19,6 +19,7 @@ from app.views.canvas.tools.tool import Tool, ToolContext
 from cpm_core.shapes import Circle
 
 FIRST_TOOL = "circle"
+OFFERED = tr("Enter takes the object around the start, the tool Objects (W) corrects it, Esc drops it.")
 
 _ARROWS = {
     Qt.Key.Key_Up: (-1.0, 0.0),
@@ -102,7 +103,8 @@ class CanvasArea(QWidget):
         self._hint = text
         tool = self.canvas.tool
         if tool is not None and self._session.document.image is not None:
-            text = self.crosshair.advice or tool.advice or text
+            offered = OFFERED if self._selection.proposals and not self._selection.selecting else ""
+            text = self.crosshair.advice or tool.advice or offered or text
         if self.hint.text() != text or self.hint.isHidden() == bool(text):
             self.hint.setText(text)
             self.hint.setVisible(bool(text))

@@ -221,7 +221,7 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait_for_phase("finished")
     hand.wait(lambda: bool(selection.proposals))
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
-    assert "Enter takes the object" in window.canvas_area.messages.text
+    assert "Enter takes the object" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
     assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9

@@ -236,8 +236,6 @@ class ObjectSelection(QObject):
             return
         self._was_ready = ready
         self._show(proposals=proposals)
-        if proposals and not before and not self._in_use and not self.selecting:
-            self._session.say(tr("Enter takes the object around the start; Objects (W) corrects it, Esc drops it."))
         self.changed.emit()
 
     def _say_remark(self, remark: str) -> None:
