@@ -71,6 +71,8 @@ class CanvasArea(QWidget):
         session.said.connect(self.messages.say)
         session.status_changed.connect(self.refresh)
         session.scene_changed.connect(self._draw)
+        self._selection.changed.connect(self.refresh)
+        workspace.object_list.selection_changed.connect(self.refresh)
         self.canvas.layers.contours.changed.connect(self._follow_contours)
         self._draw()
 

@@ -40,8 +40,6 @@ class ObjectTool(Tool):
         self._drawing = context.drawing
         self._path: list[Position] = []
         self._inside = True
-        self._selection.changed.connect(context.advised)
-        self._list.selection_changed.connect(context.advised)
 
     @property
     def drafting(self) -> bool:
