@@ -31,6 +31,8 @@ from cpm_core.contours.review import Mark, ReviewedContour, learned, reviewed
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
+from cpm_core.objects.segmented.segmented_object import Click
+from cpm_core.objects.selection import Selection
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds
 
 
@@ -104,6 +106,47 @@ NO_CONTOURS = ReviewedContours()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Proposal:
+    """An object that is offered.
+
+    Attributes
+    ----------
+    selection : Selection
+        The object.
+    clicks : tuple of Click
+        What it was selected by.
+    number : int
+        Number of the object that it would replace; 0 for a new one.
+    """
+
+    selection: Selection
+    clicks: tuple[Click, ...]
+    number: int = 0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ShownObjects:
+    """What is shown of the selection of objects beside those of the document.
+
+    Attributes
+    ----------
+    proposals : tuple of Proposal
+        Objects that are offered: that of the clicks, or those of the starts of the run.
+    preview : Selection or None
+        What a click under the pointer would take.
+    chosen : frozenset of int
+        Numbers of the chosen objects.
+    hovered : int
+        Number of the object under the pointer; 0 for none.
+    """
+
+    proposals: tuple[Proposal, ...] = ()
+    preview: Selection | None = None
+    chosen: frozenset[int] = frozenset()
+    hovered: int = 0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Scene:
     """What is shown on the canvas.
 
@@ -143,6 +186,8 @@ class Scene:
         Ground truth.
     differences : tuple of Difference
         Where the contours differ from it.
+    objects : ShownObjects
+        The selection of objects.
     """
 
     image: Image | None = None
@@ -162,6 +207,7 @@ class Scene:
     compared: Compared | None = None
     truth: Truth | None = None
     differences: tuple[Difference, ...] = ()
+    objects: ShownObjects = field(default_factory=ShownObjects)
 
     @property
     def skeleton(self) -> Skeleton | None:

@@ -95,7 +95,7 @@ def _document(opened: Opened, mode: Mode) -> Document:
     """The document that an image or a session begins with; the mode stays unless it is a sample or a session."""
     image, path, sample = opened.image, opened.path, sample_at(opened.path)
     contrast = float(image.values.max() - image.values.min())
-    reference = ImageReference(path.name, str(path), image.shape, contrast, opened.sha256)
+    reference = ImageReference(path.name, str(path), image.shape, contrast, opened.sha256, image.spacing, image.unit)
     if opened.saved is not None:
         return restored(opened.saved.file, reference, opened.parameters)
     if sample is not None:

@@ -6,6 +6,9 @@ from app.session.core_functions import Core
 from app.session.features.contour_learning import ContourLearning
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
+from app.session.features.objects.object_fitting import ObjectFitting
+from app.session.features.objects.object_list import ObjectList
+from app.session.features.objects.object_selection import ObjectSelection
 from app.session.features.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
 from app.session.features.timeline_navigation import TimelineNavigation
@@ -22,6 +25,9 @@ class Workspace:
         self.learning = ContourLearning(self.session, self.review)
         self.hand_editing = HandEditing(self.session, self.review)
         self.truth = GroundTruth(self.session, self.review)
+        self.object_list = ObjectList(self.session)
+        self.object_selection = ObjectSelection(self.session)
+        self.object_fitting = ObjectFitting(self.session, self.object_selection.partitions)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
         self.sweep = Sweep(self.session, self.truth)
@@ -30,4 +36,6 @@ class Workspace:
         """Stop everything and wait for the threads to end."""
         self.learning.close()
         self.truth.close()
+        self.object_list.close()
+        self.object_selection.close()
         self.session.close()

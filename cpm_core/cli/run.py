@@ -33,9 +33,10 @@ from cpm_core.contours.review import apply
 from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import export, left_out, load_image, load_points, suffix_of
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
+from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.objects import Selection
-from cpm_core.parameters import PRESETS
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.initialization import circle, stroke
 from cpm_core.reconstruction.curve.closing import close_contours
 from cpm_core.segmentation.segment import segment, with_hand_edits
@@ -92,17 +93,12 @@ def _run(arguments: argparse.Namespace) -> None:
     image = load_image(path)
     for note in (*session.notes, *notes):
         print(f"cpm: {note}", file=sys.stderr)
-    seeds = [seeds_on(image, session.shapes, parameters.smoothing), *drawn]
-    if arguments.auto:
-        seeds.append(seeds_on(image, (Everywhere(arguments.auto),), parameters.smoothing))
-    elif arguments.object and not any(map(len, seeds)):
-        seeds.append(seeds_on(image, (Everywhere("grid"),), parameters.smoothing))
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
         found = segment(
             image,
-            np.concatenate(seeds),
+            _seeds(arguments, session, image, parameters, drawn),
             parameters,
             max_steps=max_steps,
             progress=progress,
@@ -137,6 +133,22 @@ def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, t
     if arguments.image is not None or session.image is None:
         return Path(arguments.image), ()
     return find_image(session.image, Path(arguments.session).absolute().parent)
+
+
+def _seeds(
+    arguments: argparse.Namespace,
+    session: SessionFile,
+    image: Image,
+    parameters: Parameters,
+    drawn: list[NDArray[np.float64]],
+) -> NDArray[np.float64]:
+    """All seeds on an image: those drawn, those of the session, and those that are placed by themselves."""
+    seeds = [seeds_on(image, session.shapes, parameters.smoothing), *drawn]
+    if arguments.auto:
+        seeds.append(seeds_on(image, (Everywhere(arguments.auto),), parameters.smoothing))
+    elif arguments.object and not any(map(len, seeds)):
+        seeds.append(seeds_on(image, (Everywhere("grid"),), parameters.smoothing))
+    return np.concatenate(seeds)
 
 
 def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[NDArray[np.float64]]:
@@ -178,7 +190,7 @@ def _regions(arguments: argparse.Namespace, session: SessionFile) -> Regions | N
     """Regions of interest and barriers of the session and on the command line."""
     regions = [Region(_line("--region", text, 3)) for text in arguments.region]
     barriers = [Barrier(_line("--barrier", text, 2)) for text in arguments.barrier]
-    return regions_of((*session.shapes, *regions, *barriers))
+    return regions_of((*session.shapes, *regions, *barriers), session.objects.barriers)
 
 
 def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:

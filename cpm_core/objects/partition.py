@@ -35,7 +35,7 @@ from cpm_core.segmentation.segment import segment
 NOWHERE = np.empty((0, 2))
 """No places."""
 
-_RUN = Parameters(smoothing=1.5)
+EVERYWHERE = Parameters(smoothing=1.5)
 """Parameters of the run from everywhere that finds the contours of an image."""
 
 
@@ -61,7 +61,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     """
     if not isinstance(values, Result):
         image = as_plane(values)
-        return partition(segment(image, uniform_grid(image.shape), params or _RUN))
+        return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE))
     if values.image is None:
         raise ValueError("the result does not know its image: make a partition of the image itself.")
     return Partition(values.image, tuple(values.contours), values.regions)

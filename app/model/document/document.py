@@ -15,6 +15,7 @@ from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
+from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.shapes import Points, Region, Shape, Start
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
@@ -32,7 +33,8 @@ NOTHING_TO_START_FROM = tr(
 class ImageReference:
     """The image of a document without its gray values: name, file, (rows, cols), contrast and SHA-256 of the file.
 
-    The contrast is the largest minus the smallest gray value; the hash is empty where it is not known.
+    The contrast is the largest minus the smallest gray value; the hash is empty where it is not known. `spacing` is the
+    size of a pixel along rows and columns in `unit`, which is None where the image gives none.
     """
 
     name: str
@@ -40,6 +42,8 @@ class ImageReference:
     shape: tuple[int, ...]
     contrast: float
     sha256: str = ""
+    spacing: tuple[float, ...] = (1.0, 1.0)
+    unit: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +66,8 @@ class Document:
         Purpose of the run.
     hand_edits : tuple of HandEdit
         Edits of the contours by hand, in the order in which they were made.
+    objects : SegmentedObjects
+        The objects that have been selected, and the selection that is being made.
     """
 
     image: ImageReference | None = None
@@ -71,6 +77,7 @@ class Document:
     learning: bool = False
     mode: Mode = "shape"
     hand_edits: tuple[HandEdit, ...] = ()
+    objects: SegmentedObjects = field(default_factory=SegmentedObjects)
 
     @property
     def starts(self) -> tuple[Start, ...]:
@@ -89,12 +96,13 @@ class Document:
             return ()
         limits = tuple(shape for shape in self.shapes if isinstance(shape, Region))
         followed = any(start.follows_smoothing for start in self.image_starts)
-        return (self.image, self.image_starts, limits, self.parameters.smoothing if followed else None)
+        barriers = self.objects.barriers
+        return (self.image, self.image_starts, limits, barriers, self.parameters.smoothing if followed else None)
 
     @property
     def regions(self) -> Regions | None:
-        """Regions of interest and barriers; None if there are none."""
-        return regions_of(self.shapes)
+        """Regions of interest and barriers, boundaries of frozen objects among them; None if there are none."""
+        return regions_of(self.shapes, self.objects.barriers)
 
     def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> NDArray[np.float64]:
         """Seeds of the starts, shape (N, 2) [px of the image], given those of each of `image_starts`.

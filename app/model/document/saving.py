@@ -27,6 +27,7 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
         learning=document.learning,
         mode=document.mode,
         hand_edits=document.hand_edits,
+        objects=document.objects,
         view=view,
         notes=(),
     )
@@ -35,4 +36,13 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
 def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
     """The document of a session file on its image, with parameters that suit the image."""
     mode = mode_called(file.mode)
-    return Document(image, file.shapes, parameters, file.marks, file.learning, mode, hand_edits=file.hand_edits)
+    return Document(
+        image,
+        file.shapes,
+        parameters,
+        file.marks,
+        file.learning,
+        mode,
+        hand_edits=file.hand_edits,
+        objects=file.objects,
+    )

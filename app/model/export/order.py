@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from app.model.document.document import Document
+from app.model.document.objects import objects_result
 from app.model.text.language import tr
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
@@ -92,6 +93,13 @@ SOURCES: tuple[Source, ...] = (
     Source("all", tr("All that are not rejected"), _all),
     Source("kept", tr("Kept ones only"), _kept),
     Source("selected", tr("The selection"), _selected),
+    Source(
+        "objects",
+        tr("Objects"),
+        lambda given: objects_result(given.document),
+        needs_run=False,
+        without_run=lambda document: any(not item.hidden for item in document.objects.items),
+    ),
 )
 """What can be exported, in the order shown."""
 

@@ -9,9 +9,7 @@ from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 from app.model.document import edits
 from app.model.document.naming import describe
 from app.model.text.language import tr
-from app.session.features.contour_review import ContourReview
-from app.session.features.hand_editing import HandEditing
-from app.session.session import Session
+from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
 from app.views.canvas.message_bar import MessageBar
@@ -21,6 +19,7 @@ from app.views.canvas.tools.tool import Tool, ToolContext
 from cpm_core.shapes import Circle
 
 FIRST_TOOL = "circle"
+OFFERED = tr("Enter takes the object around the start, the tool Objects (W) corrects it, Esc drops it.")
 
 _ARROWS = {
     Qt.Key.Key_Up: (-1.0, 0.0),
@@ -39,10 +38,11 @@ _BESIDE_HINT = 16
 class CanvasArea(QWidget):
     """Shows the scene of a session on the canvas, and lets the tools edit its document and select contours."""
 
-    def __init__(self, session: Session, review: ContourReview, hand_editing: HandEditing) -> None:
+    def __init__(self, workspace: Workspace) -> None:
         super().__init__()
-        self._session = session
-        self._review = review
+        self._session = session = workspace.session
+        self._review = review = workspace.review
+        self._selection = workspace.object_selection
         self.canvas = Canvas(session)
         self.messages = MessageBar(self.canvas)
         self.hint = QLabel(self.canvas)
@@ -56,7 +56,15 @@ class CanvasArea(QWidget):
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
         drawing = self.canvas.layers.drawing
-        tools = ToolContext(session, review, hand_editing, drawing, advised=lambda: self.show_hint(self._hint))
+        tools = ToolContext(
+            session,
+            review,
+            workspace.hand_editing,
+            workspace.object_selection,
+            workspace.object_list,
+            drawing,
+            advised=lambda: self.show_hint(self._hint),
+        )
         self._tools: dict[str, Tool] = {entry.name: entry.make(tools) for entry in TOOLS}
         self.canvas.grip = SelectTool(tools)
         self.canvas.installEventFilter(self)
@@ -64,6 +72,8 @@ class CanvasArea(QWidget):
         session.said.connect(self.messages.say)
         session.status_changed.connect(self.refresh)
         session.scene_changed.connect(self._draw)
+        self._selection.changed.connect(self.refresh)
+        workspace.object_list.selection_changed.connect(self.refresh)
         self.canvas.layers.contours.changed.connect(self._follow_contours)
         self._draw()
 
@@ -85,6 +95,7 @@ class CanvasArea(QWidget):
             self.messages.hide()
             self._session.select(None)
             self._review.select(())
+            self._selection.dismiss()
 
     def refresh(self) -> None:
         """Update the hint."""
@@ -95,7 +106,8 @@ class CanvasArea(QWidget):
         self._hint = text
         tool = self.canvas.tool
         if tool is not None and self._session.document.image is not None:
-            text = self.crosshair.advice or tool.advice or text
+            offered = OFFERED if self._selection.proposals and not self._selection.selecting else ""
+            text = self.crosshair.advice or tool.advice or offered or text
         if self.hint.text() != text or self.hint.isHidden() == bool(text):
             self.hint.setText(text)
             self.hint.setVisible(bool(text))
@@ -151,6 +163,7 @@ class CanvasArea(QWidget):
             (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
             return True
         if key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.canvas.bend(held)
             (self.crosshair.enter if keyed else self.crosshair.show)()
             return True
         factor = 10.0 if held & Qt.KeyboardModifier.ShiftModifier else 1.0

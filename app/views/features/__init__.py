@@ -5,6 +5,7 @@ from __future__ import annotations
 from app.views.features.contours.contours import ContoursFeature
 from app.views.features.contours.hand_editing import HandEditingFeature
 from app.views.features.contours.learning import LearningFeature
+from app.views.features.contours.objects import ObjectsFeature
 from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
@@ -41,6 +42,7 @@ FEATURES: tuple[type[Feature], ...] = (
     LearningFeature,
     HandEditingFeature,
     TruthFeature,
+    ObjectsFeature,
     MosaicFeature,
     HistoryFeature,
     LayersFeature,

@@ -44,6 +44,8 @@ _FIRST = Page(
                 "open contours are orange.")),
         Step(tr("<b>Steer</b>: every slider acts at the next step. The illustration below the sliders shows its "
                 "effect.")),
+        Step(tr("<b>Select</b> objects: {objects}, then click in one; Alt-click what does not belong to it, and press "
+                "Enter to take it. {object_table} lists them.")),
         Step(tr("<b>Export</b> the contours: {export}. A preview shows what the chosen format holds and what it leaves "
                 "out.")),
     ),

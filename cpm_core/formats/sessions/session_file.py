@@ -27,13 +27,14 @@ from cpm_core.formats.sessions.plain_values import (
     to_plain,
 )
 from cpm_core.formats.sessions.session_json import MARK, VERSION, Plain, parsed, text_of
+from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Shape
 
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
-_KNOWN = (MARK, "image", "shapes", "parameters", "marks", "learning", "mode", "view", "hand_edits")
+_KNOWN = (MARK, "image", "shapes", "parameters", "marks", "learning", "mode", "objects", "view", "hand_edits")
 _LARGEST = 64 * 2**20
 _LARGEST_SIDE = 10**6
 
@@ -78,6 +79,8 @@ class SessionFile:
         Whether contours that resemble rejected ones are left out.
     mode : str
         Mode of the window; empty for the default.
+    objects : SegmentedObjects
+        The objects that have been selected, with their classes.
     view : mapping
         View of the window, as plain JSON; without effect on a run.
     extra : mapping
@@ -94,6 +97,7 @@ class SessionFile:
     marks: tuple[Mark, ...] = ()
     learning: bool = False
     mode: str = ""
+    objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     view: Plain = field(default_factory=dict)
     extra: Plain = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -143,6 +147,7 @@ def encode(session: SessionFile, folder: Path) -> bytes:
     if session.hand_edits:
         plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
     plain["mode"] = session.mode
+    plain["objects"] = to_plain(session.objects)
     plain["view"] = dict(session.view)
     plain.update(session.extra)
     return text_of(plain).encode()
@@ -193,6 +198,7 @@ def decode(content: bytes, name: str) -> SessionFile:
             marks=tuple(_mark(mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
             learning=_truth_of(plain.get("learning", False), "learning"),
             mode=_text_of(plain.get("mode", ""), "mode"),
+            objects=from_plain(SegmentedObjects, plain.get("objects", {}), "objects"),
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
             notes=(left_out,) if unknown else (),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from app.views.export.dialog import ExportDialog
 from app.views.features.file.export import ExportFeature
 from app.views.main_window import MainWindow
 from cpm_core.formats import WRITABLE
+from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
 
@@ -215,3 +217,17 @@ def test_every_format_is_offered_once_with_images_first() -> None:
     assert {listed(suffix) for suffix in WRITABLE} == set(offered)
     assert [one.group for one in formats()][:4] == [formats()[0].group] * 4
     assert offered[0] == ".png"
+
+
+def test_objects_are_offered_and_written_without_a_run(window, hand, tmp_path) -> None:
+    session = window.session
+    square = ((4.0, 4.0), (4.0, 20.0), (20.0, 20.0), (20.0, 4.0))
+    item = SegmentedObject(number=7, clicks=(), boundary=(square,), gaps=(), confidence=1.0, strength=1.0, name="cell")
+    session.edit("take", lambda document: replace(document, objects=replace(document.objects, items=(item,))))
+    dialog = asked(hand, window)
+    assert [name for name, button in dialog.sources.items() if button.isEnabled()] == ["objects"]
+    assert dialog.order.source == "objects"
+    type_into(hand, dialog.file.folder, str(tmp_path))
+    type_into(hand, dialog.file.name, "objects.json")
+    (contour,) = json.loads(write(hand, window, dialog).read_text(encoding="utf-8"))["contours"]
+    assert (contour["name"], contour["closed"]) == ("cell", True)

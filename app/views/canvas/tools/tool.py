@@ -12,6 +12,8 @@ from app.model.document import edits
 from app.model.text.language import tr
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
+from app.session.features.objects.object_list import ObjectList
+from app.session.features.objects.object_selection import ObjectSelection
 from app.session.session import Session
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
 from cpm_core.numerics.types import Position
@@ -34,6 +36,10 @@ class ToolContext:
         Selects contours.
     hand_editing : HandEditing
         Edits contours by hand.
+    selection : ObjectSelection
+        Selects objects.
+    object_list : ObjectList
+        The objects.
     drawing : DrawingLayer
         Shows drafts and rings.
     advised : callable
@@ -43,6 +49,8 @@ class ToolContext:
     session: Session
     review: ContourReview
     hand_editing: HandEditing
+    selection: ObjectSelection
+    object_list: ObjectList
     drawing: DrawingLayer
     advised: Callable[[], None]
 
@@ -65,6 +73,8 @@ class Tool:
     """Whether Enter is a click; otherwise Enter presses the button, and the next Enter releases it."""
     sized = False
     """Whether it works with something that has a size."""
+    lasting = False
+    """Whether its draft stays while another tool is used."""
 
     def __init__(self, context: ToolContext) -> None:
         self._session = context.session
@@ -106,6 +116,9 @@ class Tool:
 
     def cancel(self) -> None:
         """Undo the gesture."""
+
+    def set_in_use(self, in_use: bool) -> None:
+        """It is the tool in use from now on, or no longer."""
 
     def put_away(self) -> None:
         """Hide its marks: the pointer has left, or another tool is used."""

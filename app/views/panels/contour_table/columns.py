@@ -39,7 +39,7 @@ def _likely(item: Item) -> str:
     return "–" if chance is None else f"{chance:.0%}"
 
 
-def _number(value: float) -> str:
+def number_text(value: float) -> str:
     """A number with three significant digits, or all digits before the point."""
     return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}" if value < 100 else f"{value:.0f}"
 
@@ -66,14 +66,14 @@ COLUMNS: tuple[Column, ...] = (
            lambda i: tr("closed") if i.contour.closed else tr("open"), lambda i: float(not i.contour.closed), "closed",
            False),
     Column("length", tr("Length [{unit}]"), tr("Length along the contour."),
-           lambda i: _number(i.measures.length_in_units), lambda i: i.measures.length_in_units, "000,000"),
+           lambda i: number_text(i.measures.length_in_units), lambda i: i.measures.length_in_units, "000,000"),
     Column("area", tr("Area [{unit}²]"), tr("Enclosed area, including the area of contours inside."),
-           lambda i: _number(i.measures.area_in_units) if i.contour.closed else "–",
+           lambda i: number_text(i.measures.area_in_units) if i.contour.closed else "–",
            lambda i: i.measures.area_in_units, "00,000,000"),
     Column("likely", tr("Likely"), tr("Probability that it counts, as learned from kept and rejected contours."),
            _likely, lambda i: -1.0 if i.reviewed.probability is None else i.reviewed.probability, "100%"),
     Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
-           lambda i: _number(i.measures.strength), lambda i: i.measures.strength, "000.0"),
+           lambda i: number_text(i.measures.strength), lambda i: i.measures.strength, "000.0"),
     Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
            lambda i: str(i.measures.inside) if i.measures.inside else "–", lambda i: i.measures.inside, "0000"),
     Column("junctions", tr("Junctions"), tr("Number of ends at which it meets other contours."), _ends,
@@ -81,7 +81,8 @@ COLUMNS: tuple[Column, ...] = (
     Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
            _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
     Column("by_hand", tr("By hand [px]"), tr("Length that was drawn by hand."),
-           lambda i: _number(i.measures.by_hand) if i.contour.by_hand else "–", lambda i: i.measures.by_hand, "000.0"),
+           lambda i: number_text(i.measures.by_hand) if i.contour.by_hand else "–",
+           lambda i: i.measures.by_hand, "000.0"),
 )  # fmt: skip
 """All columns in the order shown."""
 

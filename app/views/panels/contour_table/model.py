@@ -149,13 +149,28 @@ class ContourModel(QAbstractTableModel):
 
 
 class Sorted(QSortFilterProxyModel):
-    """The same rows in the order of a column, equal ones by their number; only those of a verdict, if one is chosen."""
+    """The same rows in the order of a column; equal ones by their number."""
 
-    def __init__(self, model: ContourModel, parent: QObject) -> None:
+    def __init__(self, model: QAbstractTableModel, parent: QObject) -> None:
         super().__init__(parent)
         self.setSourceModel(model)
         self.setSortRole(VALUE)
         self.setDynamicSortFilter(True)
+
+    def lessThan(self, left: Index, right: Index) -> bool:
+        """Whether one row comes before another."""
+        model = self.sourceModel()
+        one, other = model.data(left, VALUE), model.data(right, VALUE)
+        if one != other:
+            return bool(one < other)
+        return bool(model.data(model.index(left.row(), 0), VALUE) < model.data(model.index(right.row(), 0), VALUE))
+
+
+class SortedContours(Sorted):
+    """Contours in the order of a column; only those of a verdict, if one is chosen."""
+
+    def __init__(self, model: ContourModel, parent: QObject) -> None:
+        super().__init__(model, parent)
         self._contours = model
         self._verdict: str | None = None
 
@@ -167,11 +182,3 @@ class Sorted(QSortFilterProxyModel):
     def filterAcceptsRow(self, row: int, parent: Index) -> bool:
         """Whether a row is shown."""
         return self._verdict is None or self._contours.verdict(row) == self._verdict
-
-    def lessThan(self, left: Index, right: Index) -> bool:
-        """Whether one row comes before another."""
-        model = self.sourceModel()
-        one, other = model.data(left, VALUE), model.data(right, VALUE)
-        if one != other:
-            return bool(one < other)
-        return bool(model.data(model.index(left.row(), 0), VALUE) < model.data(model.index(right.row(), 0), VALUE))

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate,
 from app.model.text.language import tr
 from app.session.features.contour_review import ContourReview
 from app.views.panels.contour_table.columns import COLUMNS, NAME
-from app.views.panels.contour_table.model import ContourModel, Sorted
+from app.views.panels.contour_table.model import ContourModel, SortedContours
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
@@ -34,7 +34,7 @@ class ContourTable(QTableView):
         self._showing = False
         self._stale = False
         self._rows = ContourModel(review, self)
-        self._sorted = Sorted(self._rows, self)
+        self._sorted = SortedContours(self._rows, self)
         self.setModel(self._sorted)
         self.setItemDelegate(NameDelegate(self))
         self.setAccessibleName(tr("Contours"))

@@ -1,0 +1,133 @@
+"""Edits of objects are pure, and what is exported is what the objects are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.model.document import objects
+from app.model.document.document import Document, ImageReference
+from cpm_core.contours.contour import Contour
+from cpm_core.formats import encoded
+from cpm_core.formats.masks.labels import labels_of
+from cpm_core.objects.segmented.segmented_object import Click
+from cpm_core.objects.selection import Selection
+from cpm_core.shapes import Polygon
+
+HERE, THERE, NOT_THERE = Click(((15.0, 15.0),)), Click(((30.0, 30.0),)), Click(((1.0, 1.0),), inside=False)
+IMAGE = ImageReference("a.png", "a.png", (40, 40), 1.0, spacing=(0.5, 0.5), unit="mm")
+
+
+def square(low: float, high: float) -> np.ndarray:
+    return np.array([[low, low], [low, high], [high, high], [high, low]])
+
+
+def selected(*squares: tuple[float, float], confidence: float = 0.5) -> Selection:
+    """A selection bounded by squares, each inside the one before it; the first side of the first is a gap."""
+    row, col = np.indices((40, 40))
+    mask = np.zeros((40, 40), bool)
+    for low, high in squares:
+        mask ^= (np.minimum(row, col) > low) & (np.maximum(row, col) < high)
+    curves = tuple(Contour(square(*each), True, 3.0) for each in squares)
+    gap = square(*squares[0])[:2]
+    return Selection(mask, curves, (gap,), confidence, np.array([[15.0, 15.0]]), np.empty((0, 2)))
+
+
+FRAME, DOT = selected((4.5, 25.5), (9.5, 20.5)), selected((11.5, 18.5))
+
+
+@pytest.fixture
+def document() -> Document:
+    """A document with a frame, and a dot of another class in its hole."""
+    one = objects.take(Document(IMAGE), [(FRAME, (HERE,), 0)])
+    return objects.take(objects.classify(one, (), 2), [(DOT, (THERE,), 0)])
+
+
+def numbers(document: Document) -> list[int]:
+    return [item.number for item in document.objects.items]
+
+
+def test_clicks_are_taken_back_one_by_one(document) -> None:
+    twice = objects.click(objects.click(document, HERE), NOT_THERE)
+    assert twice.objects.clicks == (HERE, NOT_THERE)
+    assert objects.take_back(twice).objects.clicks == (HERE,)
+    assert objects.take_back(objects.take_back(twice)) == document
+    assert objects.drop(twice) == document
+
+
+def test_what_is_taken_has_the_boundary_of_the_selection_and_a_number_of_its_own(document) -> None:
+    frame, dot = document.objects.items
+    assert (frame.number, dot.number) == (1, 2)
+    assert [np.array(curve).tolist() for curve in frame.boundary] == [c.points.tolist() for c in FRAME.contours]
+    assert (frame.clicks, frame.confidence, frame.strength, dot.category) == ((HERE,), 0.5, 3.0, 2)
+    assert numbers(objects.take(objects.delete(document, (1,)), [(FRAME, (HERE,), 0)])) == [2, 3]
+
+
+def test_an_empty_selection_is_not_taken(document) -> None:
+    nothing = Selection(np.zeros((40, 40), bool), (), (), 0.0, np.empty((0, 2)), np.empty((0, 2)))
+    assert objects.take(document, [(nothing, (HERE,), 0)]) == document
+
+
+def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
+    named = objects.rename(document, 2, " dot ")
+    changing = objects.begin_change(named, 2)
+    assert (changing.objects.clicks, changing.objects.edited, changing.objects.category) == ((THERE,), 2, 2)
+    changed = objects.take(changing, [(FRAME, (THERE, HERE), 2)])
+    item = changed.objects[2]
+    assert (item.name, item.category, len(item.boundary), item.clicks) == ("dot", 2, 2, (THERE, HERE))
+    assert changed.objects.edited == 0
+
+
+def test_deleting_the_object_that_is_being_changed_ends_the_change(document) -> None:
+    rest = objects.delete(objects.begin_change(document, 2), (2,))
+    assert (numbers(rest), rest.objects.edited, rest.objects.clicks) == ([1], 0, ())
+
+
+def test_names_colors_classes_and_states_are_those_of_the_objects_given(document) -> None:
+    changed = objects.paint(objects.freeze(objects.hide(document, (1,), True), (2,), True), (1,), "#123456")
+    frame, dot = changed.objects.items
+    assert (frame.hidden, frame.frozen, dot.hidden, dot.frozen) == (True, False, False, True)
+    assert (changed.objects.color(frame), changed.objects.color(dot)) == ("#123456", changed.objects.classes[1].color)
+    again = objects.classify(changed, (1,), 3)
+    assert again.objects.color(again.objects[1]) == again.objects.classes[2].color
+
+
+def test_an_object_is_called_by_its_name_or_by_its_class_and_number(document) -> None:
+    named = objects.name_class(document, 2, "nucleus")
+    assert [objects.title(named.objects, item) for item in named.objects.items] == ["object 1", "nucleus 2"]
+    named = objects.rename(named, 2, "pupil")
+    assert objects.title(named.objects, named.objects[2]) == "pupil"
+
+
+def test_frozen_objects_are_barriers_of_a_run(document) -> None:
+    assert document.regions is None
+    frozen = objects.freeze(document, (1,), True)
+    assert len(frozen.regions.barriers) == 2
+    assert frozen.regions.barriers[0][0] == frozen.regions.barriers[0][-1]
+
+
+def test_the_start_from_an_object_is_its_outer_boundary(document) -> None:
+    (shape,) = objects.as_starts(document, (1,)).shapes
+    assert isinstance(shape, Polygon)
+    assert set(shape.points) == {tuple(corner) for corner in square(4.5, 25.5).tolist()}
+
+
+def test_exported_labels_are_the_numbers_of_the_objects_and_holes_have_none(document) -> None:
+    rest = objects.delete(objects.take(document, [(selected((30.5, 36.5)), (HERE,), 0)]), (2,))
+    labels = labels_of(objects.objects_result(rest))
+    assert labels[7, 7] > 0
+    assert labels[15, 15] == 0
+    assert labels[33, 33] not in (0, labels[7, 7])
+
+
+def test_an_export_names_the_objects_and_tells_what_was_bridged(document) -> None:
+    result = objects.objects_result(objects.name_class(document, 2, "nucleus"))
+    assert {contour.name for contour in result.contours} == {"object 1", "nucleus 2"}
+    assert {contour.group for contour in result.contours} == {1, 2}
+    assert [bridge.length for bridge in result.bridges] == [21.0, 7.0]
+    text = encoded(result, ".geojson").decode()
+    assert "nucleus 2" in text
+    assert "ridged" in text
+    assert "Area mm^2" in text
+    hidden = objects.hide(document, (1, 2), True)
+    assert objects.objects_result(hidden) is None
