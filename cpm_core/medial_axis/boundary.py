@@ -33,8 +33,8 @@ _ROOM = 0.67
 _ON_BORDER = 0.75
 """Distance from the sides of the image up to which an outline follows its border [px]."""
 
-_SHORTEST = 4.0
-"""Least length of a boundary, in d_min."""
+_SHORTEST = 8.0
+"""Least length of a boundary [px]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
     of the image, so that an object cut off by the border has no edge there.
     """
     pixels = np.argwhere(scale_field.edge_map >= scale_field.floor).astype(float)
-    shortest = max(parameters.min_length, _SHORTEST * parameters.d_min)
+    shortest = max(parameters.min_length, _SHORTEST)
     dense = replace(parameters, d_min=_SPACING, d_max=_SPACING, min_length=shortest)
     contours = _closing_off(find_contours(pixels, scale_field, dense)[0], scale_field.shape)
     return _joined(contours, [_continued(_evenly(contour), scale_field.shape) for contour in contours], scale_field)

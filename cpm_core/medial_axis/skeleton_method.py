@@ -125,7 +125,7 @@ class SkeletonMethod(ImageFields):
     name: ClassVar[str] = "skeleton"
     title: ClassVar[str] = "Skeleton"
     parameters: ClassVar[tuple[str, ...]] = tuple(
-        name for name, info in PARAMETERS.items() if info.invalidates in ("field", "contours") or name == "d_min"
+        name for name, info in PARAMETERS.items() if info.invalidates in ("field", "contours")
     )
     seeded: ClassVar[bool] = False
 
@@ -259,36 +259,25 @@ def skeleton(
 ) -> Skeleton:
     """Find the skeleton of the objects in a binary or gray image, from which they can be rebuilt.
 
-    The skeleton is the medial axis: the positions with more than one nearest point on the boundary. The boundary is the
-    ridge of the edge map, found with the subpixel accuracy of the contours of a run. Contours come from the Delaunay
-    triangulation of points on the boundary, by the crust; the edges of its dual, the Voronoi diagram, that do not cross
-    a contour are the medial axis (`cpm_core.medial_axis`). It is then shortened from its tips (`pruning`).
+    It is the medial axis of the edges (`cpm_core.medial_axis`), shortened from its tips.
 
     Parameters
     ----------
     values : array_like, shape (H, W), or Image
-        Image. The image border is no edge: an object continues beyond it, and one whose center line lies outside has no
-        skeleton in the image.
+        Image. The image border is no edge: an object continues beyond it.
     params : Parameters, optional
-        For `smoothing`, `edge_floor`, `min_strength` and `min_length`, which define the edges, and for `polarity`,
-        `max_width` and `pruning`; by default the preset "noisy", which chooses the smoothing from the image's noise.
+        For the edges, and what the following do not say; by default the preset "noisy".
     of : {"dark", "light", "auto"}, optional
-        What has a skeleton, in place of `polarity`: what is darker, or lighter, than its surroundings on both sides.
-        "auto" takes what has the polarity that most of an image shares. Where outlines are closed and there is no such
-        polarity, it is the regions that differ from the image border in gray level, brighter or darker; in a gray image
-        an object may then lie in another.
+        What is darker, or lighter, than its surroundings on both sides; "auto" is what most of the image shares, or, if
+        outlines are closed and nothing is shared, regions that differ from the image border in gray level.
     max_width : float, optional
-        Width above which a part has no skeleton [px], in place of that of `params`. What remains are strips between two
-        edges of the same polarity, at least two widths long. With 0 any width counts if most outlines are closed;
-        otherwise the widths of the strips in the image decide, up to an eighth of its shorter side.
+        Width above which a part has no skeleton [px]; what remains are strips between two edges, two widths long or
+        more. At 0 any width counts if outlines are closed, else one that the strips themselves tell.
     pruning : float, optional
-        How far a part of the shape may extend beyond the disks of the rest for its branch to be left out [px], in place
-        of that of `params`. A larger value leaves fewer and shorter branches, and a rounder shape; connected parts stay
-        connected. At the default of one pixel neither the steps of a binary image nor moderate noise cause short
-        branches (at 0.25 they do).
+        How far a part of the shape may extend beyond the disks of the rest for its branch to be left out [px]. At one
+        pixel neither the steps of a binary image nor moderate noise cause short branches (at 0.25 they do).
     within : sequence of Contour, or array_like of bool, shape (H, W), optional
-        Closed outlines of objects and their holes, or a mask of objects: these have a skeleton, and their outlines are
-        the boundary. Then `of` has no effect.
+        Closed outlines of objects and holes, or a mask: the skeleton is theirs, and `of` has no effect.
     outside : bool, optional
         Whether to include the skeleton of the background, whatever `of` is.
 
@@ -302,20 +291,24 @@ def skeleton(
     ValueError
         For an unusable image or value; the message says what to do.
     """
-    chosen = params or PRESETS["noisy"]
-    if of is not None:
-        if of not in _POLARITIES:
-            raise ValueError(f'of is "{of}" but must be one of {", ".join(_POLARITIES)}.')
-        chosen = replace(chosen, polarity=_POLARITIES[of])
-    if max_width is not None:
-        chosen = replace(chosen, max_width=max_width)
-    if pruning is not None:
-        chosen = replace(chosen, pruning=pruning)
+    chosen = _chosen(params or PRESETS["noisy"], of, max_width, pruning)
     method = SkeletonMethod(values, chosen, within=within, outside=outside)
     state = method.start()
     while not state.stop_reason:
         state = method.step(state, chosen)
     return method.result(state, chosen)
+
+
+def _chosen(params: Parameters, of: str | None, max_width: float | None, pruning: float | None) -> Parameters:
+    """Parameters with what is given in place of their values."""
+    if of is not None and of not in _POLARITIES:
+        raise ValueError(f'of is "{of}" but must be one of {", ".join(_POLARITIES)}.')
+    return replace(
+        params,
+        polarity=params.polarity if of is None else _POLARITIES[of],
+        max_width=params.max_width if max_width is None else max_width,
+        pruning=params.pruning if pruning is None else pruning,
+    )
 
 
 _POLARITIES = {"dark": -1.0, "light": 1.0, "auto": 0.0}

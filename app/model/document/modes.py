@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import cast
 
 from app.model.document.document import Document, Mode
+from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.method import METHODS
@@ -72,6 +73,11 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
 def needs_start(mode: Mode) -> bool:
     """Whether a run in a mode needs an initialization."""
     return METHODS[MODES[mode].method].seeded
+
+
+def acting_in(mode: Mode) -> frozenset[str]:
+    """Names of the controls that have an effect in a mode."""
+    return frozenset(RATIO if name == "w1" else name for name in METHODS[MODES[mode].method].parameters)
 
 
 def mode_called(name: object) -> Mode:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 from app.model.text.language import tr
@@ -42,6 +44,8 @@ class Control:
         Whether the program can choose it (``"auto"``).
     whole : bool
         Whether it takes only whole numbers.
+    words : tuple of (float, str)
+        Words for some of its values, shown in their place.
     """
 
     name: str
@@ -61,6 +65,7 @@ class Control:
     acts: str
     automatic: bool = False
     whole: bool = False
+    words: tuple[tuple[float, str], ...] = ()
 
     @property
     def intuitive(self) -> str:
@@ -104,6 +109,14 @@ class Control:
         """Symbol, equation, range and default in one line."""
         return " · ".join(part for part in (self.symbol, self.equation, self.span) if part)
 
+
+_WORDS: Mapping[str, tuple[tuple[float, str], ...]] = MappingProxyType(
+    {
+        "polarity": ((-1.0, tr("dark")), (0.0, tr("by the image")), (1.0, tr("light"))),
+        "max_width": ((0.0, tr("by the image")),),
+    }
+)
+"""Words for values by the names of their controls."""
 
 _ACTS = {
     "contours": tr("Acts at once, on particles at rest too."),
@@ -173,6 +186,7 @@ def _from_core(name: str) -> Control:
         acts=_ACTS[info.invalidates],
         automatic=name == "smoothing",
         whole=name == "scales",
+        words=_WORDS.get(name, ()),
     )
 
 

@@ -23,6 +23,7 @@ from PySide6.QtWidgets import (
 from app.model.display.display_image import DisplayImage
 from app.model.display.mosaic import COUNTS, Axis, Plan, Tile, in_text, pick, plan, read_values, sensible_values
 from app.model.document.document import NOTHING_TO_START_FROM
+from app.model.document.modes import acting_in
 from app.model.parameters.controls import Control, controls
 from app.model.state.time_left import in_words
 from app.model.text.language import tr
@@ -47,7 +48,7 @@ class MosaicDialog(QDialog):
         self._sweep = sweep
         self._picture = Picture(display, crop)
         self._plan: Plan | None = None
-        offered = controls()
+        offered = tuple(control for control in controls() if control.name in acting_in("shape"))
         self.down = AxisRow(tr("Rows"), offered, "beta")
         self.across = AxisRow(tr("Columns"), offered, "ratio")
         self.count = QComboBox()
