@@ -28,6 +28,7 @@ from app.session.worker.commands.intensity_window import Shaded, WindowFound
 from app.session.worker.commands.timeline import Compared
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
+from cpm_core.medial_axis.skeleton import Skeleton
 
 _FIGURES_EVERY = 0.1
 """Time between two updates of the numbers in the window [s]."""
@@ -86,6 +87,14 @@ class Progress:
                 bridges=len(bridges),
                 longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
             )
+            if isinstance(result, Skeleton):
+                self._known = replace(
+                    self._known,
+                    length=result.length,
+                    thickness=result.thickness,
+                    width=result.width,
+                    polarity=result.polarity,
+                )
             reviewed = ReviewedContours.of(contours.tracked, self._session.scene.document.marks)
             self._show(reconstruction=contours, contours=reviewed)
             self._session.show_status()

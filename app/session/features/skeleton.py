@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject
 
 from app.model.document.document import Document
+from app.model.state.resolve import skeleton_of
 from app.model.text.language import tr
 from app.session.session import Session
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -46,6 +47,12 @@ class Skeletons(QObject):
 
 
 def _description(found: Skeleton) -> str:
-    thickest = max(float(radii.max()) for radii in found.radii)
-    message = tr("Skeleton: {branches} branches, {length} px long together, up to {thick} px thick.")
-    return message.format(branches=len(found.contours), length=f"{found.length:,.0f}", thick=f"{2 * thickest:.1f}")
+    message = tr(
+        "Skeleton of {what}: {branches} branches, {length} px long together; 95 % of it is at most {thick} px thick."
+    )
+    return message.format(
+        what=skeleton_of(found.polarity, found.width),
+        branches=len(found.contours),
+        length=f"{found.length:,.0f}",
+        thick=f"{found.thickness:.1f}",
+    )

@@ -17,7 +17,7 @@ from app.model.state.situation import Situation, can_step
 from app.model.state.status import RunStatus
 from app.session.worker.commands.timeline import Seek
 from app.views.canvas.layers.contours.skeleton import by_thickness, disks
-from app.views.features.edit import modes as modes_part
+from app.views.features.file import export as export_part
 from cpm_core.formats import encoded
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Barrier, Circle, Everywhere
@@ -97,20 +97,20 @@ def test_the_mode_stays_when_another_image_is_opened(window, hand, image_file) -
 def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypatch, tmp_path) -> None:
     session, layer = window.session, window.canvas_area.canvas.layers["skeleton"]
     hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
-    assert not window.actions_by_name["export_skeleton"].isEnabled()
+    assert not window.actions_by_name["export"].isEnabled()
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     first = session.scene.skeleton
     assert (session.status.phase, session.status.method, session.status.step) == ("finished", "skeleton", 3)
-    assert "Skeleton:" in window.canvas_area.messages.text
+    assert "Skeleton of" in window.canvas_area.messages.text
     # The medial axis of a disc of radius 18 is its center.
     middle, radius = first.contours[0].points, first.radii[0]
     assert np.hypot(*(middle - 32.0).T).max() < 2.0
     assert radius.max() == pytest.approx(18.0, abs=1.0)
     assert layer.counts[1] >= 1
     path = tmp_path / "middle.csv"
-    monkeypatch.setattr(modes_part, "ask_for_export", lambda parent, suggestion: str(path))
-    window.actions_by_name["export_skeleton"].trigger()
+    monkeypatch.setattr(export_part, "ask_for_export", lambda parent, suggestion: str(path))
+    window.actions_by_name["export"].trigger()
     hand.wait(path.exists)
     assert path.read_bytes() == encoded(first, ".csv")
     session.edit("change of smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))

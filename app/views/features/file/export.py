@@ -9,7 +9,8 @@ from pathlib import Path
 from PySide6.QtCore import QMimeData
 from PySide6.QtWidgets import QApplication
 
-from app.model.state.situation import has_contours, has_image
+from app.model.document.modes import needs_start
+from app.model.state.situation import Situation, has_contours, has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Opened
 from app.session.worker.commands.run import Copied
@@ -34,8 +35,8 @@ class ExportFeature(Feature):
         """Export, and export again to the same file."""
         return (
             ActionSpec(name="export", menu="File", text=tr("&Export contours…"), short=tr("Export"), do=self._export,
-                       shortcuts=("Ctrl+E",), tip=tr("Export the contours to a file."), icon="export", gap=True,
-                       when=has_contours),
+                       shortcuts=("Ctrl+E", "Ctrl+Shift+K"), tip=tr("Export the contours, or the skeleton, to a file."),
+                       icon="export", gap=True, when=has_contours, worded=_export_text),
             ActionSpec(name="export_again", menu="File", text=tr("Export a&gain"), do=self._export_again,
                        shortcuts=("Ctrl+Shift+E",), tip=tr("Export the contours to the last file again."),
                        when=lambda situation: has_contours(situation) and self._exported is not None,
@@ -52,7 +53,8 @@ class ExportFeature(Feature):
         suffix = "".join(last.suffixes[-1:]) if last else ".svg"
         stem = Path(image.name).stem if image else "contours"
         folder = Path(self.context.preferences.get(_FOLDER, ""))
-        chosen = ask_for_export(self.context.window, str(folder / f"{stem}_contours{suffix}"))
+        what = "contours" if needs_start(self.context.session.document.mode) else "skeleton"
+        chosen = ask_for_export(self.context.window, str(folder / f"{stem}_{what}{suffix}"))
         if chosen:
             self.context.session.export(chosen)
 
@@ -67,6 +69,10 @@ class ExportFeature(Feature):
         self._exported = exported.path
         self.context.preferences.put(_FOLDER, str(exported.path.absolute().parent))
         self.context.refresh()
+
+
+def _export_text(situation: Situation) -> str:
+    return tr("&Export contours…") if needs_start(situation.document.mode) else tr("&Export skeleton…")
 
 
 _KINDS = (

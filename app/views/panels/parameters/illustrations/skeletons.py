@@ -23,7 +23,8 @@ def max_width(sketch: Sketch, value: float, t: float) -> None:
         across = 3.0 + 0.3 * width
         sketch.block(x - across / 2, 8, across, 46, 0.3, LOST)
         kept = value == 0.0 or width <= value
-        sketch.line([(x, 12), (x, 50)], CONTOUR, 2.4, ink=1.0 if kept else 1.0 - ease(t, 0.25, 0.6))
+        grown = 12 + 38 * ease(t, 0.1, 0.6) if kept else 50
+        sketch.line([(x, 12), (x, grown)], CONTOUR, 2.4, ink=1.0 if kept else 1.0 - ease(t, 0.25, 0.6))
     right = 8.0 + (WIDTH - 16.0) * max(0.0, min(1.0, value / 100.0))
     sketch.line([(8, 65), (WIDTH - 8, 65)], LOST, 1.0)
     sketch.line([(8, 65), (right, 65)], MARK, 2.4)
