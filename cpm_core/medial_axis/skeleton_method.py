@@ -183,11 +183,10 @@ class SkeletonMethod(ImageFields):
         state = replace(state, step=state.step + 1, steering=self.steering(parameters))
         if state.structure is None or state.made_of != made_of:
             found = self._structure(parameters)
-            return replace(state, made_of=made_of, structure=found, points=found.boundary.points)
+            return replace(state, made_of=made_of, structure=found, points=self._inside(found.boundary.points))
         if state.structure.axis is None:
             found, axis = self._with_axis(state.structure, parameters)
-            points = axis.points[np.unique(axis.edges)]
-            return replace(state, structure=found, points=points[inside_image(points, self.image.shape)])
+            return replace(state, structure=found, points=self._inside(axis.points[np.unique(axis.edges)]))
         return self._with_branches(state, state.structure, state.structure.axis, parameters.pruning)
 
     def result(self, state: SkeletonState, parameters: Parameters) -> Skeleton:
@@ -206,6 +205,10 @@ class SkeletonMethod(ImageFields):
     def positions(self, state: SkeletonState) -> Array:
         """Points of the next step, shape (N, 2) [px]."""
         return state.position
+
+    def _inside(self, points: Array) -> Array:
+        """Those of points that lie in the image; boundary and axis continue beyond it."""
+        return points[inside_image(points, self.image.shape)]
 
     def _structure(self, parameters: Parameters) -> Structure:
         """The edges that count."""
@@ -271,7 +274,7 @@ def skeleton(
         What is darker, or lighter, than its surroundings on both sides; "auto" is what most of the image shares, or, if
         outlines are closed and nothing is shared, regions that differ from the image border in gray level.
     max_width : float, optional
-        Width above which a part has no skeleton [px]; what remains are strips between two edges, two widths long or
+        Width above which a part has no skeleton [px]; what remains are strips between two edges, three widths long or
         more. At 0 any width counts if outlines are closed, else one that the strips themselves tell.
     pruning : float, optional
         How far a part of the shape may extend beyond the disks of the rest for its branch to be left out [px]. At one

@@ -19,11 +19,12 @@ _OPPOSITE = 0.5
 """Greatest change of the radius along the axis, per length, between edges that count as opposite: the cosine of the
 angle between the axis and the directions to the two sides."""
 
-_LONG, _MOSTLY = 2.0, 0.3
+_LONG, _MOSTLY = 3.0, 0.3
 """Least length between opposite sure edges, in mean widths of a part of the axis, and its least share of the part."""
 
 _WIDEST, _ROOM = 0.95, 1.5
-"""Fraction of the strips, by length and strength, that the image's own width exceeds, and by what factor."""
+"""Fraction of the strips, by length and strength, that the image's own width exceeds, and by what factor: forks are
+wider than their arms."""
 
 
 def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:

@@ -9,7 +9,7 @@ from typing import Any
 
 from app.model.text.language import tr
 from app.model.text.wording import WORDS, Wording, rich
-from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 
 RATIO = "ratio"
 HIGHEST_RATIO = 0.99
@@ -112,8 +112,8 @@ class Control:
 
 _WORDS: Mapping[str, tuple[tuple[float, str], ...]] = MappingProxyType(
     {
-        "polarity": ((-1.0, tr("dark")), (0.0, tr("by the image")), (1.0, tr("light"))),
-        "max_width": ((0.0, tr("by the image")),),
+        "polarity": ((-1.0, tr("dark")), (0.0, tr("auto")), (1.0, tr("light"))),
+        "max_width": ((0.0, tr("auto")),),
     }
 )
 """Words for values by the names of their controls."""
@@ -183,7 +183,7 @@ def _from_core(name: str) -> Control:
         more=tr(info.more),
         equation=tr(info.equation) if info.equation else "",
         advanced=info.advanced,
-        acts=_ACTS[info.invalidates],
+        acts=tr("Acts at once.") if name in OF_SKELETONS else _ACTS[info.invalidates],
         automatic=name == "smoothing",
         whole=name == "scales",
         words=_WORDS.get(name, ()),

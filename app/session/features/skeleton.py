@@ -20,7 +20,7 @@ class Skeletons(QObject):
         self._session = session
         self._parameters: Parameters | None = None
         self._changed = False
-        self._described = False
+        self._described: Skeleton | None = None
         session.document_changed.connect(self._use_document)
         session.status_changed.connect(self._follow)
         session.scene_changed.connect(self._describe)
@@ -41,9 +41,9 @@ class Skeletons(QObject):
 
     def _describe(self) -> None:
         found = self._session.scene.skeleton
-        if found is not None and not self._described:
+        if found is not None and found is not self._described:
             self._session.say(_description(found))
-        self._described = found is not None
+        self._described = found
 
 
 def _description(found: Skeleton) -> str:

@@ -86,6 +86,8 @@ class ParameterRow(QWidget):
         self.slider.setEnabled(by_hand)
         if not isinstance(value, str):
             self.slider.show_value(value)
+            spoken = value in dict(self.control.words)
+            self.number.setSuffix(f" {self.control.unit}" if self.control.unit and not spoken else "")
             if not math.isclose(self.number.value(), value, abs_tol=0.5 * 10.0 ** -self.number.decimals()):
                 self.number.blockSignals(True)
                 self.number.setValue(value)
