@@ -18,6 +18,7 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import TrackedContours
 from app.session.exchange.messages import Reconstruction, Snapshot
+from app.session.features.objects.selector import Proposal
 from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.intensity_window import Shaded, WindowFound
 from app.session.worker.commands.timeline import Compared
@@ -28,6 +29,7 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark, ReviewedContour, reviewed
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.objects.selection import Selection
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds
 
 
@@ -75,6 +77,28 @@ NO_CONTOURS = ReviewedContours()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class ShownObjects:
+    """What is shown of the selection of objects beside those of the document.
+
+    Attributes
+    ----------
+    proposals : tuple of Proposal
+        Objects that are offered: that of the clicks, or those of the starts of the run.
+    preview : Selection or None
+        What a click under the pointer would take.
+    chosen : frozenset of int
+        Numbers of the chosen objects.
+    hovered : int
+        Number of the object under the pointer; 0 for none.
+    """
+
+    proposals: tuple[Proposal, ...] = ()
+    preview: Selection | None = None
+    chosen: frozenset[int] = frozenset()
+    hovered: int = 0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Scene:
     """What is shown on the canvas.
 
@@ -114,6 +138,8 @@ class Scene:
         Ground truth.
     differences : tuple of Difference
         Where the contours differ from it.
+    objects : ShownObjects
+        The selection of objects.
     """
 
     image: Image | None = None
@@ -133,6 +159,7 @@ class Scene:
     compared: Compared | None = None
     truth: Truth | None = None
     differences: tuple[Difference, ...] = ()
+    objects: ShownObjects = field(default_factory=ShownObjects)
 
     @property
     def skeleton(self) -> Skeleton | None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from app.session.core_functions import Core
 from app.session.features.contour_review import ContourReview
+from app.session.features.objects.object_list import ObjectList
+from app.session.features.objects.object_selection import ObjectSelection
 from app.session.features.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
 from app.session.features.timeline_navigation import TimelineNavigation
@@ -18,6 +20,8 @@ class Workspace:
         self.session = Session(core)
         self.review = ContourReview(self.session)
         self.truth = GroundTruth(self.session, self.review)
+        self.object_list = ObjectList(self.session)
+        self.object_selection = ObjectSelection(self.session)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
         self.sweep = Sweep(self.session, self.truth)
@@ -25,4 +29,6 @@ class Workspace:
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""
         self.truth.close()
+        self.object_list.close()
+        self.object_selection.close()
         self.session.close()

@@ -59,7 +59,7 @@ class MainWindow(QMainWindow):
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
-        self.canvas_area = CanvasArea(session, workspace.review)
+        self.canvas_area = CanvasArea(workspace)
         self.setCentralWidget(self.canvas_area)
         context = FeatureContext(
             window=self,
@@ -71,6 +71,7 @@ class MainWindow(QMainWindow):
             reveal=self._reveal,
             use_theme=self.use_theme,
             refresh=self.refresh,
+            show_menu=lambda name, at: self.menus[name].popup(at),  # the menus are made after the features
         )
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
         specs = [spec for feature in self.features.values() for spec in feature.action_specs()]

@@ -47,7 +47,7 @@ def do(job: Job) -> Done:
             seeds,
             job.parameters,
             max_steps=job.max_steps,
-            regions=regions_of(shapes),
+            regions=regions_of(shapes, job.session.objects.barriers),
             charges=charges_of(shapes),
         )
         result = apply(found, job.session.marks)

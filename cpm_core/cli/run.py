@@ -151,7 +151,7 @@ def _regions(arguments: argparse.Namespace, session: SessionFile) -> Regions | N
     """Regions of interest and barriers of the session and on the command line."""
     regions = [Region(_line("--region", text, 3)) for text in arguments.region]
     barriers = [Barrier(_line("--barrier", text, 2)) for text in arguments.barrier]
-    return regions_of((*session.shapes, *regions, *barriers))
+    return regions_of((*session.shapes, *regions, *barriers), session.objects.barriers)
 
 
 def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +40,10 @@ class Result:
         Name of the image for the user.
     bridges : tuple of Bridge
         Gaps that were bridged in the contours.
+    image : Image or None
+        The image in which the contours were found; None for contours that were not found in one.
+    regions : Regions or None
+        Regions of interest and barriers of the run.
     """
 
     particles: NDArray[np.float64]
@@ -51,3 +57,5 @@ class Result:
     unit: str | None
     source: str
     bridges: tuple[Bridge, ...] = ()
+    image: Image | None = field(default=None, repr=False)
+    regions: Regions | None = None

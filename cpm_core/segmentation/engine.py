@@ -56,6 +56,8 @@ def reconstruction(state: State, image: Image, scale_field: ScaleField, paramete
         unit=image.unit,
         source=image.source,
         bridges=bridges,
+        image=image,
+        regions=state.regions,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.regions import Line, Regions
 from cpm_core.numerics.types import Array
 from cpm_core.shapes import Barrier, Charge, Region, Shape, Start
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
@@ -19,11 +19,11 @@ def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
     return tuple(shape for shape in shapes if isinstance(shape, Start))
 
 
-def regions_of(shapes: Iterable[Shape]) -> Regions | None:
-    """Regions of interest and barriers; None when there are none."""
+def regions_of(shapes: Iterable[Shape], barriers: tuple[Line, ...] = ()) -> Regions | None:
+    """Regions of interest, and barriers with those that are given besides; None when there are none."""
     drawn = tuple(shapes)
     interest = tuple(shape.points for shape in drawn if isinstance(shape, Region))
-    barriers = tuple(shape.points for shape in drawn if isinstance(shape, Barrier))
+    barriers = (*(shape.points for shape in drawn if isinstance(shape, Barrier)), *barriers)
     return Regions(interest=interest, barriers=barriers) if interest or barriers else None
 
 

@@ -14,6 +14,7 @@ from app.model.text.language import tr
 from cpm_core.contours.review import Mark
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
+from cpm_core.objects.segmented_object import SegmentedObjects
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.shapes import Points, Region, Shape, Start
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
@@ -57,6 +58,8 @@ class Document:
         Review of contours.
     mode : {"shape", "automatic", "skeleton"}
         Purpose of the run.
+    objects : SegmentedObjects
+        The objects that have been selected, and the selection that is being made.
     """
 
     image: ImageReference | None = None
@@ -64,6 +67,7 @@ class Document:
     parameters: Parameters = field(default_factory=Parameters)
     marks: tuple[Mark, ...] = ()
     mode: Mode = "shape"
+    objects: SegmentedObjects = field(default_factory=SegmentedObjects)
 
     @property
     def starts(self) -> tuple[Start, ...]:
@@ -82,12 +86,13 @@ class Document:
             return ()
         limits = tuple(shape for shape in self.shapes if isinstance(shape, Region))
         followed = any(start.follows_smoothing for start in self.image_starts)
-        return (self.image, self.image_starts, limits, self.parameters.smoothing if followed else None)
+        barriers = self.objects.barriers
+        return (self.image, self.image_starts, limits, barriers, self.parameters.smoothing if followed else None)
 
     @property
     def regions(self) -> Regions | None:
-        """Regions of interest and barriers; None if there are none."""
-        return regions_of(self.shapes)
+        """Regions of interest and barriers, boundaries of frozen objects among them; None if there are none."""
+        return regions_of(self.shapes, self.objects.barriers)
 
     def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> NDArray[np.float64]:
         """Seeds of the starts, shape (N, 2) [px of the image], given those of each of `image_starts`.

@@ -25,6 +25,7 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
         parameters=document.parameters,
         marks=document.marks,
         mode=document.mode,
+        objects=document.objects,
         view=view,
         notes=(),
     )
@@ -32,4 +33,4 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
 
 def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
     """The document of a session file on its image, with parameters that suit the image."""
-    return Document(image, file.shapes, parameters, file.marks, mode_called(file.mode))
+    return Document(image, file.shapes, parameters, file.marks, mode_called(file.mode), file.objects)

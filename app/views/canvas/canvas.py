@@ -63,10 +63,13 @@ class Canvas(ImageView):
 
     def use(self, tool: Tool) -> None:
         """Pass the left button to another tool."""
-        self.cancel()
+        if self.dragging or not (self.tool is not None and self.tool.lasting):
+            self.cancel()
         if self.tool is not None:
             self.tool.put_away()
+            self.tool.set_in_use(False)
         self.tool = tool
+        tool.set_in_use(True)
         if self._pointer is not None:
             tool.hover(self._pointer)
         self.viewport().setCursor(tool.cursor((-1e9, -1e9), 0.0))

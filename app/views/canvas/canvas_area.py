@@ -9,8 +9,7 @@ from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 from app.model.document import edits
 from app.model.document.naming import describe
 from app.model.text.language import tr
-from app.session.features.contour_review import ContourReview
-from app.session.session import Session
+from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
 from app.views.canvas.message_bar import MessageBar
@@ -38,10 +37,10 @@ _BESIDE_HINT = 16
 class CanvasArea(QWidget):
     """Shows the scene of a session on the canvas, and lets the tools edit its document and select contours."""
 
-    def __init__(self, session: Session, review: ContourReview) -> None:
+    def __init__(self, workspace: Workspace) -> None:
         super().__init__()
-        self._session = session
-        self._review = review
+        self._session = session = workspace.session
+        self._review = review = workspace.review
         self.canvas = Canvas(session)
         self.messages = MessageBar(self.canvas)
         self.hint = QLabel(self.canvas)
@@ -55,7 +54,14 @@ class CanvasArea(QWidget):
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
         drawing = self.canvas.layers.drawing
-        tools = ToolContext(session, review, drawing, advised=lambda: self.show_hint(self._hint))
+        tools = ToolContext(
+            session,
+            review,
+            workspace.object_selection,
+            workspace.object_list,
+            drawing,
+            advised=lambda: self.show_hint(self._hint),
+        )
         self._tools: dict[str, Tool] = {entry.name: entry.make(tools) for entry in TOOLS}
         self.canvas.grip = SelectTool(tools)
         self.canvas.installEventFilter(self)
@@ -150,6 +156,7 @@ class CanvasArea(QWidget):
             (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
             return True
         if key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.canvas.bend(held)
             (self.crosshair.enter if keyed else self.crosshair.show)()
             return True
         factor = 10.0 if held & Qt.KeyboardModifier.ShiftModifier else 1.0

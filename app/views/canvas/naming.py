@@ -1,44 +1,48 @@
-"""A field on the canvas for the name of a contour."""
+"""A field on the canvas for the name of a contour or an object."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QLineEdit
 
-from app.model.text.language import tr
-from app.session.features.contour_review import ContourReview
 from app.views.canvas.canvas import Canvas
-from cpm_core.contours.review import middle
+from cpm_core.numerics.types import Position
 
 _WIDTH = 170
 
 
 class NameField(QLineEdit):
-    """Asks for the name of one contour of a review: Enter accepts it, Esc changes nothing."""
+    """Asks for the name of something on the canvas: Enter accepts it, Esc changes nothing.
 
-    def __init__(self, canvas: Canvas, review: ContourReview) -> None:
+    `title` says what is named.
+    """
+
+    def __init__(self, canvas: Canvas, title: str) -> None:
         super().__init__(canvas)
         self._canvas = canvas
-        self._review = review
-        self._key: int | None = None
+        self._accept: Callable[[str], None] | None = None
         self.setFixedWidth(_WIDTH)
-        self.setPlaceholderText(tr("Name of the contour"))
-        self.setAccessibleName(tr("Name of the contour"))
+        self.setPlaceholderText(title)
+        self.setAccessibleName(title)
         self.hide()
         self.returnPressed.connect(self._give)
 
-    def ask(self, key: int) -> None:
-        """Ask for the name of a contour, beside it."""
-        self._key = key
-        contour = self._review[key].contour
-        at = self._canvas.point(middle(contour)).toPoint()
+    def ask(self, place: Position, name: str, accept: Callable[[str], None], *, above: bool = False) -> None:
+        """Ask for a name at a place (row, col) of the image, or above it.
+
+        `name` is the present one, and `accept` takes the new one.
+        """
+        self._accept = accept
+        at = self._canvas.point(place).toPoint()
         room = self._canvas.size() - self.sizeHint()
         self.move(
             min(max(at.x() - _WIDTH // 2, 4), max(4, self._canvas.width() - _WIDTH - 4)),
-            min(max(at.y() - 12, 4), max(4, room.height() - 4)),
+            min(max(at.y() - (12 + self.sizeHint().height() if above else 12), 4), max(4, room.height() - 4)),
         )
-        self.setText(contour.name)
+        self.setText(name)
         self.selectAll()
         self.show()
         self.raise_()
@@ -67,13 +71,13 @@ class NameField(QLineEdit):
             self._give()
 
     def _give(self) -> None:
-        key, self._key = self._key, None
-        if key is not None:
-            self._review.rename(key, self.text())
+        accept, self._accept = self._accept, None
+        if accept is not None:
+            accept(self.text())
         self._leave()
 
     def _leave(self) -> None:
-        self._key = None
+        self._accept = None
         had = self.hasFocus()
         self.hide()
         if had:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.views.features.contours.contours import ContoursFeature
+from app.views.features.contours.objects import ObjectsFeature
 from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
@@ -37,6 +38,7 @@ FEATURES: tuple[type[Feature], ...] = (
     ParametersFeature,
     ContoursFeature,
     TruthFeature,
+    ObjectsFeature,
     MosaicFeature,
     HistoryFeature,
     LayersFeature,

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from PySide6.QtCore import QPoint
 from PySide6.QtWidgets import QMainWindow, QWidget
 
 from app.session.session import Session
@@ -46,6 +47,8 @@ class FeatureContext:
         Sets the theme of the window.
     refresh : callable
         Updates the window after a change that the session does not report.
+    show_menu : callable
+        Opens a menu of the menu bar, given by name, at a point of the screen.
     """
 
     window: QMainWindow
@@ -57,6 +60,7 @@ class FeatureContext:
     reveal: Callable[[str], None]
     use_theme: Callable[[Theme], None]
     refresh: Callable[[], None]
+    show_menu: Callable[[str, QPoint], None]
 
     @property
     def session(self) -> Session:

@@ -19,6 +19,7 @@ MENUS = {
     "View": tr("&View"),
     "Run": tr("&Run"),
     "Contours": tr("&Contours"),
+    "Objects": tr("&Objects"),
     "Help": tr("&Help"),
 }
 """Titles of the menus by the names that the specifications use, in their order."""

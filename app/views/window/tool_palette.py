@@ -9,12 +9,13 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QSizePolicy, QToolBar, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
-from app.views.canvas.tools import START, TOOLS
+from app.views.canvas.tools import OBJECT, START, TOOLS
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import Actions
 from cpm_core.shapes import KINDS
 
+_WIDEST = 16_777_215
 _COLUMNS, _BUTTON = 2, 34
 """Buttons in a row, and side of a button [px], such that all tools fit in a window 720 px high."""
 
@@ -35,12 +36,15 @@ class ToolPalette(QToolBar):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(2)
         for number, (group, tools) in enumerate(groupby(TOOLS, lambda tool: tool.group)):
+            buttons = [self._make(actions[tool.name], tool.name) for tool in tools]
+            if group == OBJECT:
+                column.addWidget(self._widened(buttons[0], group))
+                continue
             heading = QLabel(group)
             heading.setObjectName("heading")
             heading.setAlignment(Qt.AlignmentFlag.AlignHCenter)
             heading.setContentsMargins(0, 6 if number else 0, 0, 0)
             column.addWidget(heading)
-            buttons = [self._make(actions[tool.name], tool.name) for tool in tools]
             grid = QGridLayout()
             grid.setSpacing(2)
             for index, button in enumerate(buttons):
@@ -62,6 +66,14 @@ class ToolPalette(QToolBar):
         button.setAccessibleName(action.text().replace("&", ""))
         self._set_style(button, name)
         self.buttons[name] = button
+        return button
+
+    def _widened(self, button: QToolButton, text: str) -> QToolButton:
+        """A button as wide as the palette, with a short text beside its icon."""
+        button.defaultAction().setIconText(text)
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        button.setMaximumWidth(_WIDEST)
+        button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         return button
 
     def _make_starts(self, actions: list[QAction]) -> QToolButton:

@@ -26,13 +26,14 @@ from cpm_core.formats.sessions.plain_values import (
     to_plain,
 )
 from cpm_core.formats.sessions.session_json import MARK, VERSION, Plain, parsed, text_of
+from cpm_core.objects.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Shape
 
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
-_KNOWN = (MARK, "image", "shapes", "parameters", "marks", "mode", "view")
+_KNOWN = (MARK, "image", "shapes", "parameters", "marks", "mode", "objects", "view")
 _LARGEST = 64 * 2**20
 _LARGEST_SIDE = 10**6
 
@@ -75,6 +76,8 @@ class SessionFile:
         Review of the contours.
     mode : str
         Mode of the window; empty for the default.
+    objects : SegmentedObjects
+        The objects that have been selected, with their classes.
     view : mapping
         View of the window, as plain JSON; without effect on a run.
     extra : mapping
@@ -88,6 +91,7 @@ class SessionFile:
     parameters: Parameters = field(default_factory=Parameters)
     marks: tuple[Mark, ...] = ()
     mode: str = ""
+    objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     view: Plain = field(default_factory=dict)
     extra: Plain = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -132,6 +136,7 @@ def encode(session: SessionFile, folder: Path) -> bytes:
     plain["parameters"] = to_plain(session.parameters)
     plain["marks"] = [to_plain(mark) for mark in session.marks]
     plain["mode"] = session.mode
+    plain["objects"] = to_plain(session.objects)
     plain["view"] = dict(session.view)
     plain.update(session.extra)
     return text_of(plain).encode()
@@ -181,6 +186,7 @@ def decode(content: bytes, name: str) -> SessionFile:
             parameters=parameters,
             marks=tuple(_mark(mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
             mode=_text_of(plain.get("mode", ""), "mode"),
+            objects=from_plain(SegmentedObjects, plain.get("objects", {}), "objects"),
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
             notes=(left_out,) if unknown else (),

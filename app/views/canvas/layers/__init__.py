@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.session.scene import Scene
 from app.views.canvas.layers.contours.contours import ContourLayer
+from app.views.canvas.layers.contours.objects import ObjectLayer
 from app.views.canvas.layers.contours.skeleton import SkeletonLayer
 from app.views.canvas.layers.contours.truth import TruthLayer
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
@@ -32,6 +33,7 @@ LAYERS: tuple[type[Layer], ...] = (
     TrailLayer,
     ForceLayer,
     ContourLayer,
+    ObjectLayer,
     GhostLayer,
     TruthLayer,
     SkeletonLayer,

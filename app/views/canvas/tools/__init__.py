@@ -10,12 +10,14 @@ from app.model.text.language import tr
 from app.views.canvas.tools.charge import AttractTool, RepelTool
 from app.views.canvas.tools.contours import ContourTool
 from app.views.canvas.tools.drawn import CircleTool, EllipseTool, PointTool
+from app.views.canvas.tools.objects import ObjectTool
 from app.views.canvas.tools.path import BARRIER, GRID, POLYGON, REGION, STROKE, THRESHOLD, PathKind, PathTool
 from app.views.canvas.tools.ringed import EraserTool, SprayTool
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext
 
-SELECT, START, LIMIT, CHARGE, CONTOUR = tr("Select"), tr("Start"), tr("Limit"), tr("Charge"), tr("Contour")
+OBJECT, SELECT, START = tr("Objects"), tr("Select"), tr("Start")
+LIMIT, CHARGE, CONTOUR = tr("Limit"), tr("Charge"), tr("Contour")
 """Groups of tools by purpose."""
 
 
@@ -47,6 +49,7 @@ def _entry(made: type[Tool] | PathKind, text: str, shortcut: str, group: str) ->
 
 
 TOOLS: tuple[ToolEntry, ...] = (
+    _entry(ObjectTool, tr("Select ob&jects"), "W", OBJECT),
     _entry(SelectTool, tr("&Select tool"), "S", SELECT),
     _entry(EraserTool, tr("&Eraser"), "E", SELECT),
     _entry(CircleTool, tr("&Circle tool"), "C", START),

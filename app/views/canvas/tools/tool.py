@@ -11,6 +11,8 @@ from PySide6.QtCore import Qt
 from app.model.document import edits
 from app.model.text.language import tr
 from app.session.features.contour_review import ContourReview
+from app.session.features.objects.object_list import ObjectList
+from app.session.features.objects.object_selection import ObjectSelection
 from app.session.session import Session
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
 from cpm_core.numerics.types import Position
@@ -31,6 +33,10 @@ class ToolContext:
         Its document is edited.
     review : ContourReview
         Selects contours.
+    selection : ObjectSelection
+        Selects objects.
+    object_list : ObjectList
+        The objects.
     drawing : DrawingLayer
         Shows drafts and rings.
     advised : callable
@@ -39,6 +45,8 @@ class ToolContext:
 
     session: Session
     review: ContourReview
+    selection: ObjectSelection
+    object_list: ObjectList
     drawing: DrawingLayer
     advised: Callable[[], None]
 
@@ -61,6 +69,8 @@ class Tool:
     """Whether Enter is a click; otherwise Enter presses the button, and the next Enter releases it."""
     sized = False
     """Whether it works with something that has a size."""
+    lasting = False
+    """Whether its draft stays while another tool is used."""
 
     def __init__(self, context: ToolContext) -> None:
         self._session = context.session
@@ -102,6 +112,9 @@ class Tool:
 
     def cancel(self) -> None:
         """Undo the gesture."""
+
+    def set_in_use(self, in_use: bool) -> None:
+        """It is the tool in use from now on, or no longer."""
 
     def put_away(self) -> None:
         """Hide its marks: the pointer has left, or another tool is used."""

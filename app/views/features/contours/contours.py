@@ -16,6 +16,7 @@ from app.views.panels.contour_table import ContourPanel
 from app.views.theme.contour_colors import fill_colors
 from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
+from cpm_core.contours.review import middle
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
@@ -30,7 +31,7 @@ class ContoursFeature(Feature):
         self._review = context.workspace.review
         self._layer = canvas.layers.contours
         self.panel = ContourPanel(session, self._review, self._fill_colors)
-        self.name_field = NameField(canvas, self._review)
+        self.name_field = NameField(canvas, tr("Name of the contour"))
         self._keys = _CanvasKeys(self)
         canvas.installEventFilter(self._keys)
         canvas.pointed.connect(lambda at: self._review.hover(None) if at is None else None)
@@ -87,7 +88,8 @@ class ContoursFeature(Feature):
         if self.panel.table.hasFocus():
             self.panel.table.name_selected()
         elif chosen:
-            self.name_field.ask(chosen[0].key)
+            key, contour = chosen[0].key, chosen[0].contour
+            self.name_field.ask(middle(contour), contour.name, lambda name: self._review.rename(key, name))
 
     def take_key(self, key: int) -> bool:
         """Name the contour selected on the canvas on Enter, reject it on Delete; return whether the key was handled."""

@@ -28,7 +28,7 @@ class Column:
     numeric: bool = True
 
 
-def _number(value: float) -> str:
+def number_text(value: float) -> str:
     """A number with three significant digits, or all digits before the point."""
     return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}" if value < 100 else f"{value:.0f}"
 
@@ -53,12 +53,12 @@ COLUMNS: tuple[Column, ...] = (
            lambda i: tr("closed") if i.contour.closed else tr("open"), lambda i: float(not i.contour.closed), "closed",
            False),
     Column("length", tr("Length [{unit}]"), tr("Length along the contour."),
-           lambda i: _number(i.measures.length_in_units), lambda i: i.measures.length_in_units, "000,000"),
+           lambda i: number_text(i.measures.length_in_units), lambda i: i.measures.length_in_units, "000,000"),
     Column("area", tr("Area [{unit}²]"), tr("Enclosed area, including the area of contours inside."),
-           lambda i: _number(i.measures.area_in_units) if i.contour.closed else "–",
+           lambda i: number_text(i.measures.area_in_units) if i.contour.closed else "–",
            lambda i: i.measures.area_in_units, "00,000,000"),
     Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
-           lambda i: _number(i.measures.strength), lambda i: i.measures.strength, "000.0"),
+           lambda i: number_text(i.measures.strength), lambda i: i.measures.strength, "000.0"),
     Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
            lambda i: str(i.measures.inside) if i.measures.inside else "–", lambda i: i.measures.inside, "0000"),
     Column("junctions", tr("Junctions"), tr("Number of ends at which it meets other contours."), _ends,

@@ -147,7 +147,7 @@ class ContourModel(QAbstractTableModel):
 class Sorted(QSortFilterProxyModel):
     """The same rows in the order of a column; equal ones by their number."""
 
-    def __init__(self, model: ContourModel, parent: QObject) -> None:
+    def __init__(self, model: QAbstractTableModel, parent: QObject) -> None:
         super().__init__(parent)
         self.setSourceModel(model)
         self.setSortRole(VALUE)

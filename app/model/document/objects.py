@@ -1,0 +1,246 @@
+"""Objects of a document: pure edits, and the object that a selection gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import reduce
+
+import numpy as np
+
+from app.model.document import edits
+from app.model.document.document import Document
+from app.model.text.language import tr
+from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.result import Result
+from cpm_core.image.image import Image
+from cpm_core.numerics.polyline import length, thinned
+from cpm_core.numerics.types import Array
+from cpm_core.objects.segmented_object import Click, Line, ObjectClass, SegmentedObject, SegmentedObjects
+from cpm_core.objects.selection import Selection
+from cpm_core.objects.union import union
+from cpm_core.shapes import Barrier, Polygon, Region
+
+_DECIMALS = 3
+"""Decimals of what a session keeps of a selection, such as vertices [px], which are accurate to about a tenth."""
+
+
+# Selecting
+
+
+def click(document: Document, said: Click) -> Document:
+    """The document with one more click on the object that is being selected."""
+    return _with(document, clicks=(*document.objects.clicks, said))
+
+
+def take_back(document: Document) -> Document:
+    """The document without the last click; no object is being changed any more when it was the only one."""
+    objects = document.objects
+    left = objects.clicks[:-1]
+    return _with(document, clicks=left, edited=objects.edited if left else 0)
+
+
+def drop(document: Document) -> Document:
+    """The document in which no object is being selected."""
+    return _with(document, clicks=(), edited=0)
+
+
+def begin_change(document: Document, number: int) -> Document:
+    """The document in which an object is being selected anew, beginning with its own clicks."""
+    item = document.objects[number]
+    return _with(document, clicks=item.clicks or (Click((item.innermost,)),), edited=number, category=item.category)
+
+
+def take(document: Document, taken: Iterable[tuple[Selection, tuple[Click, ...], int]]) -> Document:
+    """The document with objects of selections, and no selection in progress.
+
+    Each selection comes with its clicks and the number of the object that it replaces, 0 for a new one. Empty
+    selections are left out.
+    """
+    objects = document.objects
+    items = list(objects.items)
+    for selection, clicks, number in taken:
+        if not selection.contours:
+            continue
+        at = next((index for index, item in enumerate(items) if item.number == number), None)
+        if at is not None:
+            items[at] = _from_selection(items[at], selection, clicks)
+        else:
+            fresh = max((item.number for item in items), default=0) + 1
+            items.append(made(selection, clicks, fresh, objects.category))
+    return _with(document, items=tuple(items), clicks=(), edited=0)
+
+
+def replace_boundaries(document: Document, found: Iterable[tuple[Selection, tuple[Click, ...], int]]) -> Document:
+    """The document in which objects have the boundaries of selections, given as in `take`."""
+    selecting = document.objects
+    known = {item.number for item in selecting.items}
+    changed = take(document, [each for each in found if each[2] in known])
+    return _with(changed, clicks=selecting.clicks, edited=selecting.edited)
+
+
+def made(selection: Selection, clicks: tuple[Click, ...], number: int, category: int) -> SegmentedObject:
+    """The object of a selection that is not empty."""
+    boundary = tuple(_line(contour.points) for contour in selection.contours)
+    gaps = tuple(_line(gap) for gap in selection.gaps)
+    confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _DECIMALS)
+    lengths = [contour.length for contour in selection.contours]
+    strength = float(np.average([contour.strength for contour in selection.contours], weights=lengths))
+    return SegmentedObject(number, clicks, boundary, gaps, confidence, round(strength, _DECIMALS), category=category)
+
+
+def _from_selection(item: SegmentedObject, selection: Selection, clicks: tuple[Click, ...]) -> SegmentedObject:
+    """An object with the boundary of a selection; name, class and color stay."""
+    found = made(selection, clicks, item.number, item.category)
+    return replace(found, name=item.name, color=item.color, frozen=item.frozen, hidden=item.hidden)
+
+
+# The objects
+
+
+def delete(document: Document, numbers: Iterable[int]) -> Document:
+    """The document without some objects."""
+    gone, objects = frozenset(numbers), document.objects
+    left = tuple(item for item in objects.items if item.number not in gone)
+    if objects.edited in gone:
+        return _with(document, items=left, clicks=(), edited=0)
+    return _with(document, items=left)
+
+
+def rename(document: Document, number: int, name: str) -> Document:
+    """The document in which an object has a name; none when it is empty."""
+    return _amended(document, (number,), lambda item: replace(item, name=name.strip()))
+
+
+def classify(document: Document, numbers: Iterable[int], category: int) -> Document:
+    """The document in which objects have a class, as the next ones will; own colors are removed."""
+    changed = _amended(document, numbers, lambda item: replace(item, category=category, color=""))
+    return _with(changed, category=category)
+
+
+def paint(document: Document, numbers: Iterable[int], color: str) -> Document:
+    """The document in which objects have a color; that of their class when it is empty."""
+    return _amended(document, numbers, lambda item: replace(item, color=color))
+
+
+def freeze(document: Document, numbers: Iterable[int], frozen: bool) -> Document:
+    """The document in which objects keep their boundaries and hold particles back, or do so no longer."""
+    return _amended(document, numbers, lambda item: replace(item, frozen=frozen))
+
+
+def hide(document: Document, numbers: Iterable[int], hidden: bool) -> Document:
+    """The document in which objects are hidden, or shown again."""
+    return _amended(document, numbers, lambda item: replace(item, hidden=hidden))
+
+
+def merge(document: Document, numbers: Iterable[int]) -> Document:
+    """The document in which several objects are one: the first of them, with all their places inside."""
+    chosen = frozenset(numbers)
+    merged = [item for item in document.objects.items if item.number in chosen]
+    rest = delete(document, [item.number for item in merged[1:]])
+    whole = reduce(union, merged)
+    return _amended(rest, (whole.number,), lambda _: whole)
+
+
+def name_class(document: Document, category: int, name: str, color: str = "") -> Document:
+    """The document in which a class has a name, and another color unless that is empty."""
+    classes = list(document.objects.classes)
+    before = classes[category - 1]
+    classes[category - 1] = ObjectClass(name.strip(), color or before.color)
+    return _with(document, classes=tuple(classes))
+
+
+# Objects as shapes of the next run
+
+
+def as_starts(document: Document, numbers: Iterable[int]) -> Document:
+    """The document in which the outlines of objects are starts too."""
+    return _with_shapes(document, numbers, Polygon)
+
+
+def as_regions(document: Document, numbers: Iterable[int]) -> Document:
+    """The document in which objects are regions of interest too; their holes count as inside."""
+    return _with_shapes(document, numbers, Region)
+
+
+def as_barriers(document: Document, numbers: Iterable[int]) -> Document:
+    """The document in which the boundaries of objects are barriers too."""
+    return _with_shapes(document, numbers, lambda curve: Barrier((*curve, curve[0])), holes=True)
+
+
+def _with_shapes(
+    document: Document,
+    numbers: Iterable[int],
+    shape: Callable[[Line], Polygon | Region | Barrier],
+    holes: bool = False,
+) -> Document:
+    for number in numbers:
+        item = document.objects[number]
+        for curve in item.boundary if holes else item.outer:
+            few = thinned(curve)
+            document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))
+    return document
+
+
+# Exports
+
+
+def objects_result(document: Document, image: Image) -> Result:
+    """The objects as a result, for writers: the curves of each boundary with its name, or its class, and its color.
+
+    Gaps are bridges. Hidden objects are left out.
+    """
+    objects = document.objects
+    shown = [item for item in objects.items if not item.hidden]
+    contours = tuple(
+        Contour(np.array(curve), True, item.strength, name=title(objects, item), color=objects.color(item))
+        for item in shown
+        for curve in item.boundary
+    )
+    gaps = [np.array(gap) for item in shown for gap in item.gaps]
+    return Result(
+        particles=np.zeros((0, 2)),
+        contours=contours,
+        surface=None,
+        steps=0,
+        converged=True,
+        stop_reason="selected by clicks",
+        shape=image.shape,
+        spacing=image.spacing,
+        unit=image.unit,
+        source=image.source,
+        bridges=tuple(Bridge(gap, length(gap), 0.0) for gap in gaps),
+        image=image,
+    )
+
+
+# Texts
+
+
+def title(objects: SegmentedObjects, item: SegmentedObject) -> str:
+    """Name of an object, or its class and number."""
+    return item.name or f"{class_title(objects, item.category)} {item.number}"
+
+
+def class_title(objects: SegmentedObjects, category: int) -> str:
+    """Name of a class, or "object" for the first one and "class" with its number for others."""
+    name = objects.classes[category - 1].name
+    if name:
+        return name
+    return tr("object") if category == 1 else tr("class {number}").format(number=category)
+
+
+def _amended(
+    document: Document, numbers: Iterable[int], amend: Callable[[SegmentedObject], SegmentedObject]
+) -> Document:
+    chosen = frozenset(numbers)
+    items = tuple(amend(item) if item.number in chosen else item for item in document.objects.items)
+    return _with(document, items=items)
+
+
+def _with(document: Document, **parts: object) -> Document:
+    return replace(document, objects=replace(document.objects, **parts))  # type: ignore[arg-type]
+
+
+def _line(points: Array) -> Line:
+    return tuple((row, col) for row, col in np.round(points, _DECIMALS).tolist())

@@ -1,0 +1,209 @@
+"""The objects of the document: which are chosen, and what is done to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from app.model.document import objects
+from app.model.document.document import Document
+from app.model.text.language import tr
+from app.session.exchange.mailbox import Latest
+from app.session.session import Session
+from cpm_core.image.image import Image
+from cpm_core.numerics.types import Position
+from cpm_core.objects.segmented_object import Line, SegmentedObject, SegmentedObjects
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Grays:
+    """Boundary and mean gray value of objects, by their numbers, in an image; NaN for one without a pixel."""
+
+    image: Image
+    known: Mapping[int, tuple[tuple[Line, ...], float]]
+
+    def of(self, item: SegmentedObject) -> float | None:
+        """Mean gray value of an object; None if it is not known, or the object has another boundary by now."""
+        boundary, mean = self.known.get(item.number, (None, 0.0))
+        return mean if boundary is item.boundary else None
+
+
+class ObjectList(QObject):
+    """Chooses objects of the document and edits them; what is not said otherwise is done to the chosen ones."""
+
+    changed = Signal()
+    """The objects, their classes or their gray values have changed."""
+    selection_changed = Signal()
+    """Other objects are chosen."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self._known = session.document.objects
+        self._grays: Grays | None = None
+        self._latest = Latest("cpm-object-measures", self)
+        self._latest.done.connect(self._use_grays)
+        session.document_changed.connect(self._follow)
+
+    # State
+
+    @property
+    def objects(self) -> SegmentedObjects:
+        """The objects of the document and their classes."""
+        return self._session.document.objects
+
+    @property
+    def chosen(self) -> frozenset[int]:
+        """Numbers of the chosen objects."""
+        return self._session.scene.objects.chosen
+
+    @property
+    def items(self) -> tuple[SegmentedObject, ...]:
+        """The chosen objects, in the order in which they were taken."""
+        return tuple(item for item in self.objects.items if item.number in self.chosen)
+
+    def gray(self, item: SegmentedObject) -> float | None:
+        """Mean gray value of an object; None while it is not known."""
+        return self._grays.of(item) if self._grays is not None else None
+
+    def title(self, item: SegmentedObject) -> str:
+        """Name of an object, or its class and number."""
+        return objects.title(self.objects, item)
+
+    def under(self, at: Position) -> int:
+        """Number of the smallest shown object at a place (row, col) [px]; 0 when there is none."""
+        place = np.array([at], dtype=float)
+        around = [item for item in self.objects.items if not item.hidden and item.encloses(place)[0]]
+        return min(around, key=lambda item: item.area).number if around else 0
+
+    # Choosing
+
+    def choose(self, numbers: Iterable[int]) -> None:
+        """Choose only these objects."""
+        chosen = frozenset(numbers)
+        if chosen != self.chosen:
+            scene = self._session.scene
+            self._session.show(replace(scene, objects=replace(scene.objects, chosen=chosen)))
+            self.selection_changed.emit()
+
+    def hover(self, number: int) -> None:
+        """Highlight an object; 0 for none."""
+        scene = self._session.scene
+        if number != scene.objects.hovered:
+            self._session.show(replace(scene, objects=replace(scene.objects, hovered=number)))
+
+    # Editing
+
+    def begin_change(self, number: int) -> None:
+        """Select an object anew, beginning with what it is."""
+        self._edit(tr("change {what}"), [self.objects[number]], lambda d: objects.begin_change(d, number))
+        self.choose((number,))
+
+    def rename(self, number: int, name: str) -> None:
+        """Name an object."""
+        self._edit(tr("name {what}"), [self.objects[number]], lambda d: objects.rename(d, number, name))
+
+    def classify(self, category: int) -> None:
+        """Give the chosen objects, and the next ones, a class."""
+        chosen = self.chosen
+        self._session.edit(
+            tr("class {title}").format(title=objects.class_title(self.objects, category)),
+            lambda document: objects.classify(document, chosen, category),
+        )
+
+    def name_class(self, category: int, name: str, color: str = "") -> None:
+        """Name a class, and change its color unless that is empty."""
+        self._session.edit(tr("name class"), lambda document: objects.name_class(document, category, name, color))
+
+    def paint(self, color: str) -> None:
+        """Color objects; an empty color is that of their class."""
+        self._edit_chosen(tr("color {what}"), lambda d, chosen: objects.paint(d, chosen, color))
+
+    def toggle_frozen(self) -> None:
+        """Freeze objects, or release them when all are frozen."""
+        frozen = not all(item.frozen for item in self.items)
+        words = tr("freeze {what}") if frozen else tr("release {what}")
+        self._edit_chosen(words, lambda d, chosen: objects.freeze(d, chosen, frozen))
+
+    def toggle_hidden(self) -> None:
+        """Hide objects, or show them again when all are hidden."""
+        hidden = not all(item.hidden for item in self.items)
+        words = tr("hide {what}") if hidden else tr("show {what}")
+        self._edit_chosen(words, lambda d, chosen: objects.hide(d, chosen, hidden))
+
+    def delete(self) -> None:
+        """Remove objects."""
+        self._edit_chosen(tr("delete {what}"), objects.delete)
+
+    def merge(self) -> None:
+        """Make one object of several."""
+        if len(self.chosen) > 1:
+            first = self.items[0].number
+            self._edit_chosen(tr("merge {what}"), objects.merge)
+            self.choose((first,))
+
+    def as_starts(self) -> None:
+        """Start the next run on their outlines too."""
+        self._edit_chosen(tr("start from {what}"), objects.as_starts)
+
+    def as_regions(self) -> None:
+        """Hold the particles inside of them."""
+        self._edit_chosen(tr("region of interest of {what}"), objects.as_regions)
+
+    def as_barriers(self) -> None:
+        """Hold the particles back at their boundaries."""
+        self._edit_chosen(tr("barrier around {what}"), objects.as_barriers)
+
+    def close(self) -> None:
+        """End the thread."""
+        self._latest.close()
+
+    # Internal
+
+    def _edit_chosen(self, words: str, edit: Callable[[Document, frozenset[int]], Document]) -> None:
+        chosen = self.chosen
+        if chosen:
+            self._edit(words, self.items, lambda document: edit(document, chosen))
+
+    def _edit(self, words: str, items: Iterable[SegmentedObject], edit: Callable[[Document], Document]) -> None:
+        items = list(items)
+        what = self.title(items[0]) if len(items) == 1 else tr("{count} objects").format(count=len(items))
+        self._session.edit(words.format(what=what), edit)
+
+    def _follow(self, document: Document) -> None:
+        image = self._session.image
+        if document.objects is self._known and (self._grays is None or self._grays.image is image):
+            return
+        self._known = document.objects
+        self.choose(self.chosen & {item.number for item in document.objects.items})
+        self._measure(image, document.objects.items)
+        self.changed.emit()
+
+    def _measure(self, image: Image | None, items: tuple[SegmentedObject, ...]) -> None:
+        """Measure gray values on another thread: large objects have many pixels."""
+        if image is None:
+            return
+        grays = self._grays if self._grays is not None and self._grays.image is image else Grays(image, {})
+        if all(grays.of(item) is not None for item in items):
+            return
+
+        def work() -> Grays:
+            means = ((item, grays.of(item)) for item in items)
+            found = {item.number: (item.boundary, _mean(image, item) if mean is None else mean) for item, mean in means}
+            return Grays(image, found)
+
+        self._latest.ask(work)
+
+    def _use_grays(self, grays: Grays) -> None:
+        if grays.image is self._session.image:
+            self._grays = grays
+            self.changed.emit()
+
+
+def _mean(image: Image, item: SegmentedObject) -> float:
+    """Mean gray value of the pixels of an object; NaN when it has none."""
+    inside = item.mask(image.shape)
+    return float(image.values[inside].mean()) if inside.any() else float("nan")

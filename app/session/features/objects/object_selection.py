@@ -1,0 +1,300 @@
+"""Selecting objects by clicks: the proposal that follows the clicks, the pointer, the run and the sliders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from PySide6.QtCore import QObject, Signal
+
+from app.model.document import objects
+from app.model.document.document import Document
+from app.model.text.language import tr
+from app.session.exchange.mailbox import Latest
+from app.session.exchange.messages import Report
+from app.session.features.objects.partitions import Partitions
+from app.session.features.objects.selector import Proposal, Selector
+from app.session.session import Session
+from app.session.tasks.tasks import Task
+from cpm_core.contours.result import Result
+from cpm_core.numerics.types import Array, Position
+from cpm_core.objects.partition import Partition
+from cpm_core.objects.segmented_object import Click
+from cpm_core.objects.selection import Selection
+from cpm_core.shapes import Everywhere
+from cpm_core.shapes.image_starts import ImageStart
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Question:
+    """What is asked for: the object of some clicks, what one more click would make of it, or the objects of starts."""
+
+    selector: Selector
+    clicks: tuple[Click, ...]
+    pointed: Click | None
+    starts: tuple[Array, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Answer:
+    """The objects that are offered, and what a click under the pointer would take."""
+
+    question: Question
+    proposals: tuple[Proposal, ...]
+    preview: Selection | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Fitted(Report):
+    """Selections of objects on a partition, with their clicks and their numbers."""
+
+    partition: Partition
+    found: tuple[tuple[Selection, tuple[Click, ...], int], ...]
+
+
+def answer(question: Question) -> Answer:
+    """Select; takes some milliseconds for each click that is new."""
+    selector, clicks = question.selector, question.clicks
+    selection = selector.selection(clicks) if clicks else None
+    if selection is not None:
+        proposals: tuple[Proposal, ...] = (Proposal(selection, clicks, selector.edited),)
+    else:
+        proposals = selector.proposals(question.starts)
+    preview = None
+    if question.pointed is not None:
+        preview = selector.selection((*clicks, question.pointed))
+    return Answer(question, proposals, preview)
+
+
+class ObjectSelection(QObject):
+    """Keeps the proposal and the preview of the scene up to date, and takes proposals as objects of the document."""
+
+    changed = Signal()
+    """The proposals have changed, or whether one can be made."""
+    taken = Signal(object)
+    """Proposals have become objects of these numbers: tuple of int."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self._in_use = False
+        self._pointed: Click | None = None
+        self._dismissed: Result | None = None
+        self._selector: Selector | None = None
+        self._asked: Question | None = None
+        self._remark = ""
+        self._was_ready = False
+        self._latest = Latest("cpm-objects", self)
+        self._latest.done.connect(self._use)
+        self.partitions = Partitions(session, lambda: self._wanted)
+        self.partitions.changed.connect(self._use_partition)
+        session.listen(Fitted, self._use_fitted)
+        session.document_changed.connect(self._follow_document)
+        session.image_changed.connect(self._forget)
+
+    # State
+
+    @property
+    def selecting(self) -> bool:
+        """Whether an object is being selected: there are clicks."""
+        return bool(self._session.document.objects.clicks)
+
+    @property
+    def proposals(self) -> tuple[Proposal, ...]:
+        """The objects that are offered."""
+        return self._session.scene.objects.proposals
+
+    @property
+    def ready(self) -> bool:
+        """Whether objects can be selected at once."""
+        return self.partitions.partition is not None
+
+    @property
+    def idle(self) -> bool:
+        """Whether the proposals are up to date."""
+        return self._latest.idle and not self.partitions.preparing
+
+    def set_in_use(self, in_use: bool) -> None:
+        """Whether the tool is in use, so that the partition is kept up to date."""
+        self._in_use = in_use
+        self.partitions.look()
+        self._follow()
+
+    # Clicks
+
+    def point(self, at: Position | None, inside: bool = True) -> None:
+        """Show what a click at a place would take; None for no place."""
+        self._pointed = Click((at,), inside) if at is not None else None
+        if at is None:
+            self._show(preview=None)
+        self._follow()
+
+    def click(self, places: tuple[Position, ...], inside: bool = True) -> None:
+        """Say that places are inside of the object, or outside of it."""
+        said = Click(places, inside)
+        first = self._corrected(said)
+        words = tr("select") if inside else tr("select without")
+
+        def edit(document: Document) -> Document:
+            for one in (*(first.clicks if first else ()), said):
+                document = objects.click(document, one)
+            return document
+
+        self._session.edit(words, edit)
+
+    def take_back(self) -> None:
+        """Take back the last click."""
+        if self.selecting:
+            self._session.edit(tr("take back a click"), objects.take_back)
+
+    def drop(self) -> None:
+        """Give up the proposals."""
+        if self.selecting:
+            self._session.edit(tr("drop the selection"), objects.drop)
+        elif self.proposals:
+            self._dismissed = self._result
+            self._follow()
+
+    def take(self) -> None:
+        """Make objects of the proposals."""
+        offered = [each for each in self.proposals if each.selection.contours]
+        if not offered:
+            self._session.say(tr("There is nothing to take: click in an object first."))
+            return
+        before = {item.number for item in self._session.document.objects.items}
+        taken = [(each.selection, each.clicks, each.number) for each in offered]
+        self._session.edit(tr("take object"), lambda document: objects.take(document, taken))
+        self._session.seal()
+        changed = {each.number for each in offered} - {0}
+        now = self._session.document.objects.items
+        self.taken.emit(tuple(item.number for item in now if item.number in changed or item.number not in before))
+
+    def fit(self, numbers: frozenset[int]) -> None:
+        """Select objects anew with their own clicks, on the contours that there are now; frozen ones stay."""
+        partition, items = self.partitions.partition, self._session.document.objects.items
+        fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
+        if partition is None or not fitted:
+            self._session.say(tr("There is nothing to fit: choose objects that are not frozen."))
+            return
+
+        def work(task: Task) -> Report:
+            found = []
+            for done, item in enumerate(fitted):
+                task.advance(done / len(fitted))
+                selection = Selector(partition, items, 0).selection(item.clicks)
+                if selection is not None:
+                    found.append((selection, item.clicks, item.number))
+            return Fitted(partition, tuple(found))
+
+        self._session.tasks.start(tr("Fitting objects to the contours…"), work, "fitting objects")
+
+    def close(self) -> None:
+        """End the threads."""
+        self.partitions.close()
+        self._latest.close()
+
+    # Internal
+
+    def _use_fitted(self, fitted: Fitted) -> None:
+        if fitted.partition.image is self._session.image:
+            self._session.edit(tr("fit objects"), lambda document: objects.replace_boundaries(document, fitted.found))
+
+    @property
+    def _result(self) -> Result | None:
+        return self._session.scene.contours.result
+
+    @property
+    def _starts(self) -> tuple[Array, ...]:
+        """Seeds of the starts drawn on the image, once the run from them has ended; none when they were dismissed."""
+        result, document = self._result, self._session.document
+        ended = result is not None and bool(result.stop_reason) and result is not self._dismissed
+        if not ended or document.mode != "shape":
+            return ()
+        drawn = [start for start in document.starts if not isinstance(start, Everywhere | ImageStart)]
+        return tuple(start.seeds() for start in drawn)
+
+    @property
+    def _wanted(self) -> bool:
+        """Whether a partition is needed."""
+        return self._in_use or self.selecting or bool(self._starts)
+
+    def _corrected(self, said: Click) -> Proposal | None:
+        """The offered object of a start that a first click corrects: the one it lies in, or the only one."""
+        if self.selecting:
+            return None
+        offered = self.proposals
+        row, col = (round(place) for place in said.places[0])
+        for each in offered:
+            rows, cols = each.selection.mask.shape
+            if 0 <= row < rows and 0 <= col < cols and each.selection.mask[row, col]:
+                return each
+        return offered[0] if len(offered) == 1 else None
+
+    def _use_partition(self) -> None:
+        self._follow()
+        self.changed.emit()
+
+    def _follow_document(self, document: Document) -> None:
+        self.partitions.look()
+        self._follow()
+
+    def _follow(self) -> None:
+        """Ask for what has changed."""
+        partition, document = self.partitions.partition, self._session.document
+        if partition is None:
+            self._offer(())
+            return
+        items, edited = document.objects.items, document.objects.edited
+        known = self._selector
+        if known is None or (known.partition, known.items, known.edited) != (partition, items, edited):
+            self._selector = Selector(partition, items, edited)
+        assert self._selector is not None
+        starts = self._starts if not document.objects.clicks else ()
+        question = Question(self._selector, document.objects.clicks, self._pointed, starts)
+        last = self._asked
+        if last is not None and not question.clicks and (last.clicks or last.selector.items is not items):
+            self._offer(())  # what was offered has been taken or dropped
+        if not self._same(question):
+            self._asked = question
+            self._latest.ask(lambda: answer(question))
+
+    def _same(self, question: Question) -> bool:
+        """Whether this has been asked for last."""
+        last = self._asked
+        if last is None or last.selector is not question.selector:
+            return False
+        starts = len(last.starts) == len(question.starts)
+        return starts and (last.clicks, last.pointed) == (question.clicks, question.pointed)
+
+    def _use(self, found: Answer) -> None:
+        question = found.question
+        if question.selector is not self._selector or question.clicks != self._session.document.objects.clicks:
+            return  # the next answer is on its way
+        proposals = found.proposals if question.clicks or self._starts else ()
+        self._show(preview=found.preview if self._pointed is not None else None)
+        self._offer(proposals)
+        self._say_remark(proposals[0].selection.remark if question.clicks and proposals else "")
+
+    def _offer(self, proposals: tuple[Proposal, ...]) -> None:
+        """Show other proposals, or nothing while there is no partition."""
+        before, ready = self.proposals, self.ready
+        if [each.selection for each in before] == [each.selection for each in proposals] and ready == self._was_ready:
+            return
+        self._was_ready = ready
+        self._show(proposals=proposals)
+        self.changed.emit()
+
+    def _say_remark(self, remark: str) -> None:
+        """Pass on once what was unusual about the clicks."""
+        if remark and remark != self._remark:
+            self._session.say(remark)
+        self._remark = remark
+
+    def _show(self, **parts: Any) -> None:
+        scene = self._session.scene
+        if any(getattr(scene.objects, name) != part for name, part in parts.items()):
+            self._session.show(replace(scene, objects=replace(scene.objects, **parts)))
+
+    def _forget(self) -> None:
+        self._latest.forget()
+        self._selector = self._asked = self._pointed = self._dismissed = None

@@ -1,0 +1,122 @@
+"""Selections of growing lists of clicks on one partition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cpm_core.contours.contour import Contour
+from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.partition import Partition
+from cpm_core.objects.segmented_object import Click, SegmentedObject, places_of
+from cpm_core.objects.selection import Selection
+
+_SAME_OBJECT = 0.5
+"""Overlap (intersection over union) from which the selections of two starts are of one object."""
+
+_UNCHANGED = 0.97
+"""Overlap from which a selection is what an object is already."""
+
+_MOST_KEPT = 200
+"""Number of selections that are kept."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Proposal:
+    """An object that is offered.
+
+    Attributes
+    ----------
+    selection : Selection
+        The object.
+    clicks : tuple of Click
+        What it was selected by.
+    number : int
+        Number of the object that it would replace; 0 for a new one.
+    """
+
+    selection: Selection
+    clicks: tuple[Click, ...]
+    number: int = 0
+
+
+class Selector:
+    """Selects on one partition; a list of clicks is selected with the selection without the last one as evidence.
+
+    Parameters
+    ----------
+    partition : Partition
+        The partition.
+    items : sequence of SegmentedObject
+        The objects that there are.
+    edited : int
+        Number of the object that is being changed, 0 for none: with its own clicks it is as it is.
+    """
+
+    def __init__(self, partition: Partition, items: Sequence[SegmentedObject], edited: int) -> None:
+        self.partition = partition
+        self.items = items
+        self.edited = edited
+        self._known: dict[tuple[Click, ...], Selection] = {}
+        self._changed = next((item for item in items if item.number == edited), None)
+        others = [item for item in items if item.frozen and item.number != edited]
+        self._elsewhere = np.concatenate([np.empty((0, 2)), *(item.inside for item in others)])
+
+    def selection(self, clicks: tuple[Click, ...]) -> Selection | None:
+        """The object that clicks select; None while none of them is inside."""
+        inside = places_of(clicks, inside=True)
+        if not len(inside):
+            return None
+        if clicks not in self._known:
+            if self._changed is not None and clicks == self._changed.clicks:
+                return self._known.setdefault(clicks, selection_of(self._changed, self.partition.shape))
+            previous = self.selection(clicks[:-1])
+            outside = np.concatenate([places_of(clicks, inside=False), self._elsewhere])
+            if len(self._known) > _MOST_KEPT:
+                del self._known[next(reversed(self._known))]  # a preview; those of the clicks came first
+            self._known[clicks] = self.partition.select(inside, outside, previous=previous)
+        return self._known[clicks]
+
+    def proposals(self, starts: Sequence[Array]) -> tuple[Proposal, ...]:
+        """The objects in which runs were started, given the seeds of each start; of frozen objects there are none.
+
+        An object that exists already is offered only if it has become another one.
+        """
+        found: list[Proposal] = []
+        for seeds in starts:
+            clicks = (Click(tuple((row, col) for row, col in seeds.tolist())),)
+            selection = self.selection(clicks)
+            if selection is None or not selection.contours:
+                continue
+            if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
+                continue
+            known = self._known_at(seeds)
+            if known is None:
+                found.append(Proposal(selection, clicks))
+            elif not known.frozen and overlap(known.mask(self.partition.shape), selection.mask) < _UNCHANGED:
+                found.append(Proposal(selection, clicks, known.number))
+        return tuple(found)
+
+    def _known_at(self, seeds: Array) -> SegmentedObject | None:
+        """The object that most of some seeds lie in."""
+        return next((item for item in self.items if item.encloses(seeds).mean() > 0.5), None)
+
+
+def overlap(one: Mask, other: Mask) -> float:
+    """Intersection over union of two masks; 0 when both are empty."""
+    whole = np.count_nonzero(one | other)
+    return np.count_nonzero(one & other) / whole if whole else 0.0
+
+
+def selection_of(item: SegmentedObject, shape: tuple[int, ...]) -> Selection:
+    """The selection that an object is, in an image of this shape."""
+    return Selection(
+        mask=item.mask(shape),
+        contours=tuple(Contour(np.array(curve), True, item.strength) for curve in item.boundary),
+        gaps=tuple(np.array(gap) for gap in item.gaps),
+        confidence=item.confidence,
+        inside=item.inside,
+        outside=item.outside,
+    )

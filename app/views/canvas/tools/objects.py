@@ -1,0 +1,136 @@
+"""The tool that selects objects by clicks."""
+
+from __future__ import annotations
+
+import math
+
+from PySide6.QtCore import Qt
+
+from app.model.text.language import tr
+from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
+from app.views.theme import theme
+from cpm_core.numerics.types import Position
+
+_APART = 3.0
+"""Least distance between two places of a stroke [px]."""
+
+_MOST = 200
+"""Largest number of places of a stroke; a longer one is thinned out."""
+
+_NOT = Qt.KeyboardModifier.AltModifier | Qt.KeyboardModifier.ShiftModifier
+
+
+class ObjectTool(Tool):
+    """Selects the object under the pointer; with Alt, or Shift, a click says what does not belong to it.
+
+    A stroke says the same of all that it crosses. Enter takes the object; a click on an object that has been taken
+    changes it.
+    """
+
+    name = "objects"
+    tip = tr("Click in an object to select it, Alt-click on what does not belong to it; Enter takes it.")
+    by_keys = tr("Enter clicks, Alt+Enter says what does not belong to the object; Ctrl+Enter takes it.")
+    clicks = True
+    lasting = True
+
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._selection = context.selection
+        self._list = context.object_list
+        self._drawing = context.drawing
+        self._path: list[Position] = []
+        self._inside = True
+        self._selection.changed.connect(context.advised)
+        self._list.selection_changed.connect(context.advised)
+
+    @property
+    def drafting(self) -> bool:
+        """Whether an object is being selected, or one is offered."""
+        return self._selection.selecting or bool(self._selection.proposals)
+
+    @property
+    def advice(self) -> str:
+        """What to do next."""
+        if not self._selection.ready:
+            if self._selection.partitions.preparing:
+                return tr("Finding contours everywhere. Clicks are answered as soon as that is done.")
+            return ""
+        if self._selection.selecting:
+            return tr("Click what is missing, Alt-click what is too much. Enter takes it, Esc drops it.")
+        if self._selection.proposals:
+            return tr("Enter takes what was found around the start; click and Alt-click correct it, Esc drops it.")
+        if self._list.chosen:
+            return tr("Enter names it, 1 to 9 set its class, Delete removes it. Click in the next object.")
+        return tr("Click in an object, or drag across it.")
+
+    def set_in_use(self, in_use: bool) -> None:
+        """Let the image be prepared while the tool is in use."""
+        self._selection.set_in_use(in_use)
+
+    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+        """With Alt or Shift, a click says what does not belong to the object."""
+        self._inside = not modifiers & _NOT
+
+    def press(self, at: Position, reach: float) -> None:
+        """Begin a click or a stroke, or change the object under the pointer if none is being selected."""
+        self.used = True
+        existing = self._existing(at)
+        if existing:
+            self._list.begin_change(existing)
+            return
+        self._path = [at]
+
+    def drag(self, at: Position) -> None:
+        """Continue a stroke."""
+        if self._path and math.dist(self._path[-1], at) >= _APART:
+            self._path.append(at)
+            color = theme.RESTING if self._inside else theme.BARRIER
+            self._drawing.show_draft((), tuple(self._path), color, closed=False)
+
+    def release(self) -> None:
+        """Say that the places of the click or stroke are inside, or outside."""
+        path = tuple(self._path)
+        self._end_stroke()
+        if not path:
+            return
+        if not self._selection.selecting:
+            self._list.choose(())
+        self._selection.click(path[:: math.ceil(len(path) / _MOST)], self._inside)
+
+    def hover(self, at: Position) -> None:
+        """Show what a click would take."""
+        existing = self._existing(at)
+        self._list.hover(existing)
+        self._selection.point(None if existing else at, self._inside)
+
+    def finish(self) -> None:
+        """Take the object."""
+        self._selection.take()
+
+    def take_back(self) -> None:
+        """Take back the last click."""
+        self._selection.take_back()
+
+    def cancel(self) -> None:
+        """Drop the stroke, or what is being selected."""
+        if self._path:
+            self._end_stroke()
+        else:
+            self._selection.drop()
+
+    def put_away(self) -> None:
+        """Hide what a click would take."""
+        self._list.hover(0)
+        self._selection.point(None)
+
+    def cursor(self, at: Position, reach: float) -> Cursor:
+        """A hand over an object that a click would change."""
+        return Cursor.PointingHandCursor if self._existing(at) else Cursor.CrossCursor
+
+    def _existing(self, at: Position) -> int:
+        """Number of the object that a click would change; 0 while another one is being selected."""
+        return 0 if self._selection.selecting or not self._inside else self._list.under(at)
+
+    def _end_stroke(self) -> None:
+        self._path = []
+        self._drawing.show_draft((), (), theme.RESTING, closed=False)

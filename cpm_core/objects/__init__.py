@@ -1,0 +1,6 @@
+"""Objects: the plane is cut into faces along contours, and an object is a set of faces that clicks choose."""
+
+from cpm_core.objects.partition import Partition, partition
+from cpm_core.objects.selection import Selection
+
+__all__ = ["Partition", "Selection", "partition"]

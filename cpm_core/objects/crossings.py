@@ -1,0 +1,75 @@
+"""Where lines cross the links between neighboring pixels.
+
+A link joins the centers of two pixels with a common side. The links that a closed line crosses are exactly those that
+part the pixels inside it from those outside: the plane is cut to the pixel, and the place of the crossing is known to
+a fraction of one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Mask, Single
+
+_ASIDE = np.array([1.37e-7, 2.61e-7])
+"""Displacement of all lines, so that none runs through the very center of a pixel, where its side would not be defined
+[px]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Crossings:
+    """Links that lines cross.
+
+    Attributes
+    ----------
+    right, down : ndarray of float32, shape (H, W)
+        Where a line crosses the link from each pixel to its right, and to its lower neighbor, as a fraction of the link
+        from 0 to 1; -1 where none does.
+    """
+
+    right: Single
+    down: Single
+
+    def with_others(self, others: Crossings) -> Crossings:
+        """These, and where there are none others."""
+        right, down = (
+            np.where(own >= 0.0, own, other) for own, other in ((self.right, others.right), (self.down, others.down))
+        )
+        return Crossings(right, down)
+
+    @property
+    def pixels(self) -> Mask:
+        """Pixels at one of whose sides a line passes, shape (H, W)."""
+        found = (self.right >= 0.0) | (self.down >= 0.0)
+        found[:, 1:] |= self.right[:, :-1] >= 0.0
+        found[1:] |= self.down[:-1] >= 0.0
+        return found
+
+
+def crossings(paths: Iterable[Array], shape: tuple[int, ...]) -> Crossings:
+    """Find the links that paths, each of shape (K, 2) [px], cross in an image of this shape."""
+    right, down = (np.full(shape, -1.0, dtype=np.float32) for _ in range(2))
+    for path in paths:
+        _cross(np.ascontiguousarray(path + _ASIDE), right, down)
+    return Crossings(right, down)
+
+
+@compiled
+def _cross(path: Array, right: Single, down: Single) -> None:
+    rows, cols = right.shape
+    for k in range(len(path) - 1):
+        (y, x), (v, u) = path[k], path[k + 1]
+        for r in range(max(int(np.ceil(min(y, v))), 0), min(int(np.floor(max(y, v))), rows - 1) + 1):
+            at = x + (u - x) * (r - y) / (v - y)
+            c = int(np.floor(at))
+            if 0 <= c < cols:
+                right[r, c] = at - c
+        for c in range(max(int(np.ceil(min(x, u))), 0), min(int(np.floor(max(x, u))), cols - 1) + 1):
+            at = y + (v - y) * (c - x) / (u - x)
+            r = int(np.floor(at))
+            if 0 <= r < rows:
+                down[r, c] = at - r

@@ -1,0 +1,152 @@
+"""The partition of an image into faces, and the choice of an object among them by clicks.
+
+Contours, closed and open, and the ridges of the edge map between them cut the image into faces (`faces`). An object is
+a set of faces. Its boundary is the cheapest closed one (`boundary`, `minimum_cut`) between what has been said to be
+inside and what to be outside, and what the gray levels say (`evidence`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
+from cpm_core.field.edge_map import edge_map
+from cpm_core.image.image import Image, as_plane
+from cpm_core.image.regions import Regions
+from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.basins import Labels
+from cpm_core.objects.boundary import prices
+from cpm_core.objects.clicks import as_places, clicked
+from cpm_core.objects.evidence import evidence
+from cpm_core.objects.faces import Faces, Ground, find_faces, ground
+from cpm_core.objects.minimum_cut import minimum_cut
+from cpm_core.objects.outline import SMOOTHING, outlines
+from cpm_core.objects.regrouping import connected, filled, kept_where_unconcerned
+from cpm_core.objects.selection import Selection, confidence_of
+from cpm_core.parameters import Parameters
+from cpm_core.particles.initialization import uniform_grid
+from cpm_core.segmentation.segment import segment
+
+EVERYWHERE = Parameters(smoothing=1.5)
+"""Parameters of the run from everywhere that finds the contours of an image."""
+
+
+def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Partition:
+    """Cut an image into faces along its contours.
+
+    Parameters
+    ----------
+    values : array_like, shape (H, W), or Image, or Result
+        An image, in which a run from everywhere finds the contours, or the result of a run.
+    params : Parameters, optional
+        Of the run on an image.
+
+    Returns
+    -------
+    Partition
+        To select objects from.
+
+    Raises
+    ------
+    ValueError
+        For an unusable image, or a result that does not know its image.
+    """
+    if not isinstance(values, Result):
+        image = as_plane(values)
+        return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE))
+    if values.image is None:
+        raise ValueError("the result does not know its image: make a partition of the image itself.")
+    return Partition(values.image, tuple(values.contours), values.regions)
+
+
+@dataclass(frozen=True, eq=False)
+class Partition:
+    """An image that contours cut into faces.
+
+    Attributes
+    ----------
+    image : Image
+        The image.
+    contours : tuple of Contour
+        The contours along which it is cut.
+    regions : Regions or None
+        Outside the regions of interest nothing is selected; barriers are boundaries.
+    """
+
+    image: Image
+    contours: tuple[Contour, ...]
+    regions: Regions | None = None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the image."""
+        return self.image.shape
+
+    @property
+    def labels(self) -> Labels:
+        """Face of every pixel, shape (H, W); -1 outside the regions of interest."""
+        return self._faces.labels
+
+    def select(self, inside: ArrayLike, outside: ArrayLike = (), *, previous: Selection | None = None) -> Selection:
+        """Choose the object that some places lie in, and others do not.
+
+        Parameters
+        ----------
+        inside, outside : array_like, shape (M, 2) and (K, 2)
+            Places (row, col) [px]. A place outside the image counts as the nearest one in it.
+        previous : Selection, optional
+            What was chosen before the last places were added. What does not hang together with a change at one of the
+            new places stays as it was.
+
+        Returns
+        -------
+        Selection
+            The object; empty when no place is inside.
+
+        Raises
+        ------
+        ValueError
+            When the places are not rows and columns.
+        """
+        within, beyond = as_places(inside), as_places(outside)
+        newer = None if previous is None else ~_among(within, previous.inside)
+        found = clicked(self._faces, self._ground, within, beyond, newer)
+        graph = found.faces.graph
+        chosen = np.zeros(graph.count, np.bool_)
+        if found.inside.any():
+            leaving, entering = evidence(graph, found.inside, found.outside)
+            price = prices(graph, self._ground.strong)
+            chosen = minimum_cut(graph.arcs, price, leaving, entering)
+            if previous is not None:
+                new = ~_among(within, previous.inside), ~_among(beyond, previous.outside)
+                changed = np.concatenate([within[new[0]], beyond[new[1]]])
+                chosen = kept_where_unconcerned(chosen, found, previous.mask, changed)
+            chosen = filled(connected(chosen, found.inside, graph), found.outside, graph)
+        return self._selection(np.append(chosen, False)[found.faces.labels], within, beyond, found.remark)
+
+    def _selection(self, mask: Mask, inside: Array, outside: Array, remark: str = "") -> Selection:
+        """What a set of pixels is as an object."""
+        found = outlines(mask, self._ground)
+        contours = tuple(outline.contour for outline in found)
+        gaps = tuple(gap for outline in found for gap in outline.gaps)
+        return Selection(mask, contours, gaps, confidence_of(found, self._ground), inside, outside, remark)
+
+    @cached_property
+    def _ground(self) -> Ground:
+        values = self.image.values
+        paths = [contour.path for contour in self.contours]
+        return ground(values, edge_map(values, SMOOTHING), paths, self.regions)
+
+    @cached_property
+    def _faces(self) -> Faces:
+        return find_faces(self._ground)
+
+
+def _among(places: Array, others: Array) -> Mask:
+    """Which places, shape (N, 2), are among others."""
+    return np.asarray((places[:, None] == others[None]).all(axis=2).any(axis=1))

@@ -1,0 +1,284 @@
+"""Segmented objects: what a person has selected in an image, with classes, as a session keeps it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Mask, Position
+
+Line = tuple[Position, ...]
+
+MOST_CLASSES = 9
+"""Number of classes, one for each digit key."""
+
+
+def _check_color(what: str, color: str) -> None:
+    if not re.fullmatch("#[0-9A-Fa-f]{6}", color):
+        raise ValueError(
+            f'The color of {what} is "{color}" but must be "#rrggbb", two hexadecimal digits each for red, green and '
+            "blue."
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Click:
+    """Places that were said to be inside of an object, or outside of it, in one gesture.
+
+    Attributes
+    ----------
+    places : tuple of tuple of float
+        Positions (row, col) in px of the image, at least one.
+    inside : bool
+        Whether they are inside.
+
+    Raises
+    ------
+    ValueError
+        When there is no place.
+    """
+
+    places: tuple[Position, ...]
+    inside: bool = True
+
+    def __post_init__(self) -> None:
+        if not self.places:
+            raise ValueError("A click has no place: give at least one position (row, col).")
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectClass:
+    """A class of objects: its name, which may be empty, and its color, ``"#rrggbb"``."""
+
+    name: str
+    color: str
+
+    def __post_init__(self) -> None:
+        _check_color("a class", self.color)
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentedObject:
+    """An object of an image with its boundary.
+
+    Attributes
+    ----------
+    number : int
+        Number that stays the same as long as the object exists, from 1.
+    clicks : tuple of Click
+        What it was selected by, in order; empty for one that was found otherwise.
+    boundary : tuple of tuple
+        Closed curves of vertices (row, col) in px of the image, the first vertex not repeated: outer boundaries and
+        holes. A place is inside when an odd number of them encloses it.
+    gaps : tuple of tuple
+        Stretches of the boundary that follow no contour.
+    confidence : float
+        How sure the boundary is, from 0 to 1.
+    strength : float
+        Mean edge strength along the boundary [gray levels / px].
+    name, color : str
+        Given by the user, or empty; the color as ``"#rrggbb"``.
+    category : int
+        Number of its class, 1 to 9.
+    frozen : bool
+        Whether it keeps its boundary and holds particles back.
+    hidden : bool
+        Whether it is not shown.
+
+    Raises
+    ------
+    ValueError
+        When a value is out of range.
+    """
+
+    number: int
+    clicks: tuple[Click, ...]
+    boundary: tuple[Line, ...]
+    gaps: tuple[Line, ...] = ()
+    confidence: float = 0.0
+    strength: float = 0.0
+    name: str = ""
+    color: str = ""
+    category: int = 1
+    frozen: bool = False
+    hidden: bool = False
+
+    def __post_init__(self) -> None:
+        if self.number < 1:
+            raise ValueError(f"The number of an object is {self.number} but must be at least 1.")
+        if not self.boundary or any(len(set(curve)) < 3 for curve in self.boundary):
+            raise ValueError("The boundary of an object needs closed curves of at least three different points each.")
+        if not 1 <= self.category <= MOST_CLASSES:
+            raise ValueError(f"The class of an object is {self.category} but must be from 1 to {MOST_CLASSES}.")
+        if not 0.0 <= self.confidence <= 1.0:
+            raise ValueError(f"The confidence of an object is {self.confidence} but must be from 0 to 1.")
+        if self.color:
+            _check_color("an object", self.color)
+
+    @property
+    def inside(self) -> Array:
+        """Places that were said to be inside, shape (M, 2) [px]."""
+        return places_of(self.clicks, inside=True)
+
+    @property
+    def outside(self) -> Array:
+        """Places that were said to be outside, shape (K, 2) [px]."""
+        return places_of(self.clicks, inside=False)
+
+    def encloses(self, places: Array) -> Mask:
+        """Which of places, shape (N, 2) [px], lie inside, shape (N,)."""
+        found = np.zeros(len(places), np.bool_)
+        for curve in self.boundary:
+            found ^= polyline.inside(curve, places)
+        return found
+
+    def mask(self, shape: tuple[int, ...]) -> Mask:
+        """The pixels of an image of this shape whose centers lie inside."""
+        found = np.zeros(shape, np.bool_)
+        corner, window = self._window()
+        low = np.maximum(corner, 0)
+        high = np.maximum(np.minimum(corner + window.shape, shape), low)
+        (top, left), (bottom, right) = low - corner, high - corner
+        found[low[0] : high[0], low[1] : high[1]] = window[top:bottom, left:right]
+        return found
+
+    @property
+    def outer(self) -> tuple[Line, ...]:
+        """The curves of the boundary that are no holes."""
+        if len(self.boundary) == 1:
+            return self.boundary
+        around = [
+            sum(bool(polyline.inside(other, np.array(curve[:1]))[0]) for other in self.boundary if other is not curve)
+            for curve in self.boundary
+        ]
+        return tuple(curve for curve, count in zip(self.boundary, around, strict=True) if count % 2 == 0)
+
+    @property
+    def area(self) -> float:
+        """Area without holes [px²]."""
+        outer = self.outer
+        return float(sum(polyline.area(curve) * (1.0 if curve in outer else -1.0) for curve in self.boundary))
+
+    def perimeter(self, spacing: tuple[float, ...] = (1.0, 1.0)) -> float:
+        """Length of the boundary, that of holes included, in the unit of the size of a pixel."""
+        curves = (np.array((*curve, curve[0])) * spacing for curve in self.boundary)
+        return sum(polyline.length(curve) for curve in curves)
+
+    def bridged(self, spacing: tuple[float, ...] = (1.0, 1.0)) -> float:
+        """Length of the stretches of the boundary that follow no contour, in the unit of the size of a pixel."""
+        return sum(polyline.length(np.array(gap) * spacing) for gap in self.gaps)
+
+    @property
+    def center(self) -> Position:
+        """Center (row, col) of the box around the boundary [px]."""
+        corners = np.concatenate([np.asarray(curve) for curve in self.boundary])
+        row, col = (0.5 * (corners.min(axis=0) + corners.max(axis=0))).tolist()
+        return row, col
+
+    @property
+    def innermost(self) -> Position:
+        """The pixel (row, col) inside that is farthest from the boundary, or a vertex when none lies inside."""
+        corner, window = self._window()
+        if not window.any():
+            return self.boundary[0][0]
+        depth = scipy.ndimage.distance_transform_edt(np.pad(window, 1))[1:-1, 1:-1]
+        row, col = np.unravel_index(int(np.argmax(depth)), window.shape)
+        return float(row + corner[0]), float(col + corner[1])
+
+    def _window(self) -> tuple[NDArray[np.intp], Mask]:
+        """First row and column of the box around the boundary, and which of its pixels lie inside."""
+        corners = np.concatenate([np.asarray(curve) for curve in self.boundary])
+        low = np.floor(corners.min(axis=0)).astype(np.intp)
+        size = tuple((np.ceil(corners.max(axis=0)).astype(np.intp) - low + 1).tolist())
+        pixels = np.indices(size).reshape(2, -1).T + low
+        return low, self.encloses(pixels.astype(float)).reshape(size)
+
+
+CLASSES: tuple[ObjectClass, ...] = tuple(
+    ObjectClass("", color)
+    for color in (
+        "#56b4e9",
+        "#e69f00",
+        "#009e73",
+        "#cc79a7",
+        "#f0e442",
+        "#d55e00",
+        "#0072b2",
+        "#b48cff",
+        "#c9ced6",
+    )
+)
+"""The classes at first: hues after Okabe and Ito, which color-blind people can distinguish, and two more."""
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentedObjects:
+    """The objects of an image, their classes, and the selection that is being made.
+
+    Attributes
+    ----------
+    items : tuple of SegmentedObject
+        The objects, in the order in which they were taken.
+    classes : tuple of ObjectClass
+        Classes 1 to 9.
+    category : int
+        Number of the class that the next object gets.
+    clicks : tuple of Click
+        Clicks of the selection that is being made.
+    edited : int
+        Number of the object that the selection changes; 0 when it will be a new one.
+
+    Raises
+    ------
+    ValueError
+        When there are not nine classes, a number is out of range, or two objects have the same one.
+    """
+
+    items: tuple[SegmentedObject, ...] = ()
+    classes: tuple[ObjectClass, ...] = CLASSES
+    category: int = 1
+    clicks: tuple[Click, ...] = ()
+    edited: int = 0
+
+    def __post_init__(self) -> None:
+        if len(self.classes) != MOST_CLASSES:
+            raise ValueError(f"There are {len(self.classes)} classes of objects but there must be {MOST_CLASSES}.")
+        if not 1 <= self.category <= MOST_CLASSES:
+            raise ValueError(f"The class is {self.category} but must be from 1 to {MOST_CLASSES}.")
+        numbers = [item.number for item in self.items]
+        if len(set(numbers)) < len(numbers):
+            raise ValueError("Two objects have the same number; each needs one of its own.")
+        if self.edited and self.edited not in numbers:
+            raise ValueError(f"The object being changed is number {self.edited}, but there is none with this number.")
+
+    def __getitem__(self, number: int) -> SegmentedObject:
+        """The object of a number; KeyError when there is none."""
+        for item in self.items:
+            if item.number == number:
+                return item
+        raise KeyError(number)
+
+    @property
+    def next_number(self) -> int:
+        """A number that no object has."""
+        return max((item.number for item in self.items), default=0) + 1
+
+    @property
+    def barriers(self) -> tuple[Line, ...]:
+        """Boundaries of frozen objects, closed, which particles do not cross."""
+        return tuple((*curve, curve[0]) for item in self.items if item.frozen for curve in item.boundary)
+
+    def color(self, item: SegmentedObject) -> str:
+        """Color of an object: its own, or that of its class."""
+        return item.color or self.classes[item.category - 1].color
+
+
+def places_of(clicks: tuple[Click, ...], *, inside: bool) -> Array:
+    """Places of the clicks inside, or of those outside, shape (N, 2) [px]."""
+    found = [place for click in clicks if click.inside == inside for place in click.places]
+    return np.array(found, dtype=float).reshape(-1, 2)

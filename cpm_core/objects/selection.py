@@ -1,0 +1,59 @@
+"""Selection: the object that has been chosen by clicks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cpm_core.contours.contour import Contour
+from cpm_core.field.interpolation import interpolate
+from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.faces import Ground
+from cpm_core.objects.outline import Outline
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """An object: a set of faces with its closed boundary.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (H, W)
+        Pixels whose centers lie in the object.
+    contours : tuple of Contour
+        Its boundary, closed: the outlines of its parts, and those of its holes.
+    gaps : tuple of ndarray, shape (K, 2)
+        Stretches of the boundary that follow no contour [px].
+    confidence : float
+        How well the image supports the boundary, 0 to 1; see `confidence_of`.
+    inside, outside : ndarray, shape (M, 2) and (K, 2)
+        The places that have been said to be inside and outside [px].
+    remark : str
+        One sentence on what was unusual about the places, or empty.
+    """
+
+    mask: Mask
+    contours: tuple[Contour, ...]
+    gaps: tuple[Array, ...]
+    confidence: float
+    inside: Array
+    outside: Array
+    remark: str = ""
+
+
+def confidence_of(outlines: Sequence[Outline], ground: Ground) -> float:
+    """How well the image supports a boundary: mean over its length.
+
+    A stretch that follows a contour counts 1, one on the border of the image a half, and one across a gap
+    ``1 - exp(-s / strong)`` with the edge strength s there. 0 when there is no boundary.
+    """
+    support = length = 0.0
+    for outline in outlines:
+        path = outline.contour.path
+        edge = interpolate(ground.strength[None], 0.5 * (path[1:] + path[:-1]))[:, 0]
+        each = np.where(outline.bridged, 1.0 - np.exp(-edge / ground.strong), 1.0)
+        support += float(np.where(outline.bordering, 0.5, each) @ outline.lengths)
+        length += float(outline.lengths.sum())
+    return support / length if length else 0.0

@@ -1,0 +1,301 @@
+"""The tool for objects: what a click takes is shown before it, and clicks, strokes and keys do what they say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.session.storage.session_file import DocumentFile
+from cpm_core.objects.segmented_object import Click
+from cpm_core.shapes import Barrier, Circle, Polygon, Region
+
+KEY, NONE = Qt.Key, Qt.KeyboardModifier.NoModifier
+ALT, CONTROL = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ControlModifier
+SMALL, LARGE = ((18.0, 18.0), 9.0), ((43.0, 42.0), 12.0)
+
+
+def disk(center: tuple[float, float], radius: float) -> np.ndarray:
+    """Which pixels of the image lie in a disk."""
+    row, col = np.indices((64, 64))
+    return np.hypot(row - center[0], col - center[1]) < radius
+
+
+@pytest.fixture
+def image_file(tmp_path):
+    """A file with two disks of different gray levels."""
+    path = tmp_path / "disks.npy"
+    np.save(path, np.where(disk(*SMALL), 140.0, np.where(disk(*LARGE), 220.0, 20.0)))
+    return path
+
+
+@pytest.fixture
+def objects(window, hand):
+    """The selection of objects of a window in which the tool is in use and ready."""
+    selection = window.workspace.object_selection
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    hand.wait(lambda: selection.ready)
+    return selection
+
+
+@pytest.fixture
+def layer(window):
+    return window.canvas_area.canvas.layers["objects"]
+
+
+def taken(window):
+    return window.session.document.objects.items
+
+
+def overlap(one: np.ndarray, other: np.ndarray) -> float:
+    return (one & other).sum() / (one | other).sum()
+
+
+def click(hand, row: float, col: float, modifier: Qt.KeyboardModifier = NONE) -> None:
+    """A click with the keys held, and the answer to it."""
+    selection = hand.window.workspace.object_selection
+    for act in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
+        act(hand.canvas.viewport(), Qt.MouseButton.LeftButton, modifier, hand.at(row, col))
+    hand.wait(lambda: selection.idle and bool(selection.proposals) == selection.selecting)
+    hand.qtbot.wait(20)
+
+
+def take(hand) -> None:
+    """Take what is offered, and leave the name as it is."""
+    hand.key(KEY.Key_Return)
+    hand.key(KEY.Key_Return)
+
+
+def offered(objects) -> np.ndarray:
+    (proposal,) = objects.proposals
+    return proposal.selection.mask
+
+
+def test_the_pointer_shows_what_a_click_takes_and_the_click_takes_that(window, hand, objects, layer) -> None:
+    hand.move(18, 18)
+    hand.wait(lambda: window.session.scene.objects.preview is not None)
+    preview = window.session.scene.objects.preview.mask
+    assert overlap(preview, disk(*SMALL)) > 0.9
+    assert layer.previewed
+    click(hand, 18, 18)
+    np.testing.assert_array_equal(offered(objects), preview)
+    assert taken(window) == ()
+    hand.canvas.leave()
+    assert not layer.previewed
+
+
+def test_enter_takes_the_object_asks_for_its_name_and_the_next_click_begins_the_next(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    hand.key(KEY.Key_Return)
+    for letter in (KEY.Key_N, KEY.Key_O):
+        hand.key(letter)
+    hand.key(KEY.Key_Return)
+    (item,) = taken(window)
+    assert item.name == "no"
+    assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
+    assert not objects.selecting
+    click(hand, 43, 42)
+    assert overlap(offered(objects), disk(*LARGE)) > 0.9
+    hand.key(KEY.Key_Return)
+    assert [item.number for item in taken(window)] == [1, 2]
+
+
+def test_undo_takes_one_click_back_and_redo_repeats_it(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    one = offered(objects)
+    click(hand, 43, 42)
+    both = offered(objects)
+    assert both[43, 42]
+    assert both[18, 18]
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: objects.idle and not offered(objects)[43, 42])
+    np.testing.assert_array_equal(offered(objects), one)
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: not objects.proposals)
+    assert not objects.selecting
+    hand.key(KEY.Key_Y, CONTROL)
+    hand.wait(lambda: bool(objects.proposals))
+    np.testing.assert_array_equal(offered(objects), one)
+
+
+def test_a_click_with_alt_says_what_does_not_belong_to_the_object(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    click(hand, 43, 42)
+    click(hand, 43, 40, ALT)
+    assert [said.inside for said in window.session.document.objects.clicks] == [True, True, False]
+    assert not offered(objects)[43, 40]
+    assert offered(objects)[18, 18]
+
+
+def test_a_stroke_says_the_same_of_all_that_it_crosses_and_is_one_step_of_undo(window, hand, objects) -> None:
+    hand.drag((18, 18), (26, 26), (34, 33), (43, 42))
+    hand.wait(lambda: bool(objects.proposals))
+    (said,) = window.session.document.objects.clicks
+    assert len(said.places) > 2
+    assert offered(objects)[18, 18]
+    assert offered(objects)[43, 42]
+    hand.key(KEY.Key_Z, CONTROL)
+    assert not objects.selecting
+
+
+def test_escape_drops_the_proposal_and_backspace_takes_a_click_back(window, hand, objects, layer) -> None:
+    click(hand, 18, 18)
+    click(hand, 43, 42)
+    hand.key(KEY.Key_Backspace)
+    assert len(window.session.document.objects.clicks) == 1
+    hand.key(KEY.Key_Escape)
+    hand.wait(lambda: not objects.proposals)
+    assert not objects.selecting
+    assert layer.offered == 0
+
+
+def test_digits_set_the_class_of_the_next_object_and_of_a_chosen_one(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    hand.key(KEY.Key_3)
+    take(hand)
+    assert taken(window)[0].category == 3
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_5)
+    assert taken(window)[0].category == 5
+    assert window.session.document.objects.category == 5
+
+
+def test_delete_removes_the_chosen_object_and_undo_brings_it_back(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    take(hand)
+    before = taken(window)
+    hand.key(KEY.Key_Delete)
+    assert taken(window) == ()
+    hand.key(KEY.Key_Z, CONTROL)
+    assert taken(window) == before
+
+
+def test_a_click_in_an_object_changes_it_and_keeps_its_number(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    take(hand)
+    click(hand, 20, 20)
+    assert window.session.document.objects.edited == 1
+    assert overlap(offered(objects), disk(*SMALL)) > 0.9
+    click(hand, 43, 42)
+    take(hand)
+    (item,) = taken(window)
+    assert item.number == 1
+    assert item.encloses(np.array([[18.0, 18.0], [43.0, 42.0]])).all()
+
+
+def test_escape_leaves_an_object_that_was_being_changed_as_it_was(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    take(hand)
+    before = taken(window)
+    click(hand, 20, 20)
+    click(hand, 43, 42)
+    hand.key(KEY.Key_Escape)
+    assert taken(window) == before
+    assert window.session.document.objects.edited == 0
+
+
+def test_objects_are_selected_by_keys_alone(window, hand, objects) -> None:
+    hand.canvas.leave()
+    crosshair = window.canvas_area.crosshair
+    crosshair.show()
+    crosshair.move(18.0 - crosshair.at[0], 18.0 - crosshair.at[1])
+    hand.key(KEY.Key_Return)
+    crosshair.move(43.0 - 18.0, 42.0 - 18.0)
+    hand.key(KEY.Key_Return, ALT)
+    hand.wait(lambda: objects.idle and bool(objects.proposals))
+    clicks = window.session.document.objects.clicks
+    assert clicks == (Click(((18.0, 18.0),)), Click(((43.0, 42.0),), inside=False))
+    hand.key(KEY.Key_Return, CONTROL)
+    assert len(taken(window)) == 1
+
+
+def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_takes_it(window, hand) -> None:
+    selection, session = window.workspace.object_selection, window.session
+    hand.drag((18, 18), (18, 20), (18, 22))
+    session.select(None)
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: bool(selection.proposals))
+    assert overlap(offered(selection), disk(*SMALL)) > 0.9
+    hand.key(KEY.Key_W)
+    hand.key(KEY.Key_Return)
+    (item,) = taken(window)
+    assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
+    hand.wait(lambda: selection.idle and not selection.proposals)
+
+
+def test_each_start_offers_its_own_object_and_all_are_taken_in_one_step(window, hand) -> None:
+    selection, session = window.workspace.object_selection, window.session
+    for center, _ in (SMALL, LARGE):
+        session.edit("draw", lambda d, at=center: d.__class__(d.image, (*d.shapes, Circle(at, 4.0)), d.parameters))
+    session.run()
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: len(selection.proposals) == 2)
+    selection.take()
+    assert len(taken(window)) == 2
+    session.undo()
+    assert taken(window) == ()
+
+
+def test_what_is_frozen_is_not_offered_again_and_holds_particles_back(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    take(hand)
+    window.actions_by_name["freeze_object"].trigger()
+    (item,) = taken(window)
+    assert item.frozen
+    assert window.session.document.regions.barriers == window.session.document.objects.barriers
+    session, starts = window.session, tuple(Circle(center, 4.0) for center, _ in (SMALL, LARGE))
+    session.edit("draw", lambda d: d.__class__(d.image, starts, d.parameters, objects=d.objects))
+    session.run()
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: bool(objects.proposals))
+    assert overlap(offered(objects), disk(*LARGE)) > 0.9
+
+
+@pytest.mark.parametrize(
+    ("action", "kind"), [("object_start", Polygon), ("object_region", Region), ("object_barrier", Barrier)]
+)
+def test_an_object_becomes_a_start_a_region_or_a_barrier(window, hand, objects, action, kind) -> None:
+    click(hand, 18, 18)
+    take(hand)
+    window.actions_by_name[action].trigger()
+    (shape,) = window.session.document.shapes
+    assert isinstance(shape, kind)
+    away = np.hypot(*(np.array(shape.points) - SMALL[0]).T)
+    assert np.abs(away - SMALL[1]).max() < 2.0
+
+
+def test_a_session_file_keeps_objects_classes_and_the_selection_in_progress(window, hand, objects, tmp_path) -> None:
+    click(hand, 18, 18)
+    take(hand)
+    window.workspace.object_list.name_class(1, "nucleus", "#112233")
+    click(hand, 43, 42)
+    before = window.session.document.objects
+    kept = DocumentFile(window.session, dict)
+    assert kept.save_at_once(tmp_path / "kept.cpm")
+    hand.key(KEY.Key_Escape)
+    window.workspace.object_list.choose((1,))
+    window.workspace.object_list.delete()
+    window.session.open(tmp_path / "kept.cpm")
+    hand.wait(lambda: window.session.document.objects == before)
+    hand.wait(lambda: bool(objects.proposals))
+    assert overlap(offered(objects), disk(*LARGE)) > 0.9
+
+
+def test_clicks_on_an_image_that_is_not_prepared_yet_are_answered_later(window, hand) -> None:
+    selection = window.workspace.object_selection
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    hand.click(18, 18)
+    assert selection.selecting
+    hand.wait(lambda: bool(selection.proposals))
+    assert overlap(offered(selection), disk(*SMALL)) > 0.9
+
+
+def test_the_proposal_stays_while_another_tool_is_used(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    hand.key(KEY.Key_C)
+    assert objects.selecting
+    hand.key(KEY.Key_W)
+    assert objects.selecting

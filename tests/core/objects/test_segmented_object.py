@@ -1,0 +1,128 @@
+"""Objects as a session keeps them: their measures by analytic truth, their limits, and the union of two."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
+from cpm_core.objects.segmented_object import Click, ObjectClass, SegmentedObject, SegmentedObjects
+from cpm_core.objects.union import union
+
+
+def circle(row: float, col: float, radius: float, corners: int = 200) -> tuple[tuple[float, float], ...]:
+    """Corners on a circle."""
+    angle = 2.0 * np.pi * np.arange(corners) / corners
+    return tuple(zip((row + radius * np.sin(angle)).tolist(), (col + radius * np.cos(angle)).tolist(), strict=True))
+
+
+def made(*boundary, **parts) -> SegmentedObject:
+    return SegmentedObject(parts.pop("number", 1), (Click(((20.0, 20.0),)),), boundary, **parts)
+
+
+RING = made(circle(20, 20, 12), circle(20, 20, 5))
+
+
+def test_a_ring_has_the_area_and_the_perimeter_of_a_ring() -> None:
+    assert RING.area == pytest.approx(math.pi * (144 - 25), rel=1e-3)
+    assert RING.perimeter() == pytest.approx(2 * math.pi * 17, rel=1e-3)
+    assert RING.perimeter((2.0, 2.0)) == pytest.approx(4 * math.pi * 17, rel=1e-3)
+    assert RING.outer == RING.boundary[:1]
+
+
+@given(st.floats(10.2, 30.2), st.floats(-4.0, 50.0), st.floats(1.0, 12.0))
+def test_the_mask_holds_the_pixels_whose_centers_lie_inside(row: float, col: float, radius: float) -> None:
+    item = made(circle(row, col, radius), circle(row, col, radius / 2))
+    rows, cols = np.indices((40, 44))
+    away = np.hypot(rows - row, cols - col)
+    sure = np.minimum(np.abs(away - radius), np.abs(away - radius / 2)) > 0.01
+    truth = (away < radius) & (away > radius / 2)
+    np.testing.assert_array_equal(item.mask((40, 44))[sure], truth[sure])
+
+
+def test_the_innermost_pixel_of_a_ring_lies_in_the_middle_between_its_boundaries() -> None:
+    assert math.dist(RING.innermost, (20.0, 20.0)) == pytest.approx(8.5, abs=1.0)
+    assert RING.encloses(np.array([RING.innermost])).all()
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"number": 0}, "number of an object is 0"),
+        ({"category": 10}, "class of an object is 10"),
+        ({"confidence": 1.5}, "confidence of an object is 1.5"),
+        ({"color": "red"}, 'color of an object is "red"'),
+    ],
+)
+def test_a_value_out_of_range_is_named(parts, words) -> None:
+    with pytest.raises(ValueError, match=words):
+        made(circle(20, 20, 5), **parts)
+
+
+def test_a_boundary_needs_three_points_and_a_click_a_place() -> None:
+    with pytest.raises(ValueError, match="three different points"):
+        made(((1.0, 1.0), (2.0, 2.0), (1.0, 1.0)))
+    with pytest.raises(ValueError, match="no place"):
+        Click(())
+
+
+def test_no_two_objects_have_the_same_number_and_only_a_known_one_is_changed() -> None:
+    with pytest.raises(ValueError, match="same number"):
+        SegmentedObjects((RING, RING))
+    with pytest.raises(ValueError, match="number 3"):
+        SegmentedObjects((RING,), edited=3)
+    with pytest.raises(ValueError, match="1 classes"):
+        SegmentedObjects(classes=(ObjectClass("", "#000000"),))
+
+
+def test_frozen_objects_are_barriers_around_which_no_particle_gets() -> None:
+    assert SegmentedObjects((RING,)).barriers == ()
+    lines = SegmentedObjects((replace(RING, frozen=True),)).barriers
+    assert [line[0] == line[-1] for line in lines] == [True, True]
+
+
+def test_the_union_of_two_that_lie_apart_is_both() -> None:
+    both = union(RING, made(circle(20, 50, 8), number=2))
+    assert both.area == pytest.approx(RING.area + math.pi * 64, rel=0.01)
+    assert len(both.boundary) == 3
+
+
+@pytest.mark.parametrize("slit", [0.0, 0.5, 1.0])
+def test_the_union_closes_the_slit_between_two_that_touch(slit: float) -> None:
+    left, right = (((10.0, a), (10.0, a + 10.0), (30.0, a + 10.0), (30.0, a)) for a in (5.0, 15.0 + slit))
+    whole = union(made(left), made(right, number=2))
+    assert len(whole.boundary) == 1
+    assert whole.area == pytest.approx(20.0 * (20.0 + slit), rel=0.02)
+
+
+@given(st.floats(4.0, 12.0), st.floats(4.0, 12.0), st.floats(0.0, 30.0))
+def test_the_union_covers_both_and_nothing_else(one: float, other: float, apart: float) -> None:
+    first, second = made(circle(20, 20, one)), made(circle(20, 20 + apart, other), number=2)
+    shape = (40, 70)
+    found, truth = union(first, second).mask(shape), first.mask(shape) | second.mask(shape)
+    assert (found != truth).sum() <= 8 + 0.02 * truth.sum()
+
+
+def test_the_union_of_an_object_with_itself_is_that_object() -> None:
+    assert union(RING, RING).area == pytest.approx(RING.area, rel=0.01)
+
+
+def test_a_session_file_keeps_every_part_of_the_objects(tmp_path) -> None:
+    item = replace(RING, gaps=(((1.0, 2.0), (3.5, 4.25)),), name="ring", color="#102030", frozen=True, hidden=True)
+    objects = SegmentedObjects((item,), clicks=(Click(((1.0, 2.0),), inside=False),), edited=1, category=4)
+    save_session(SessionFile(objects=objects), tmp_path / "a.cpm")
+    assert load_session(tmp_path / "a.cpm").objects == objects
+
+
+def test_a_session_file_from_before_objects_has_none(tmp_path) -> None:
+    path = tmp_path / "a.cpm"
+    save_session(SessionFile(), path)
+    text = path.read_text()
+    start = text.index('"objects"')
+    path.write_text(text[:start] + text[text.index('"view"') :])
+    assert load_session(path).objects == SegmentedObjects()
