@@ -3,13 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Position
+
+
+@dataclass(frozen=True, slots=True)
+class Outlined:
+    """What has a skeleton in place of what is found in an image; nothing for the image itself.
+
+    Attributes
+    ----------
+    objects : tuple of int
+        Numbers of segmented objects.
+    contours : tuple of lines
+        Closed outlines, as vertices (row, col) [px].
+    """
+
+    objects: tuple[int, ...] = ()
+    contours: tuple[tuple[Position, ...], ...] = ()
 
 
 def outlines_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -> tuple[Contour, ...]:

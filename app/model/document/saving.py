@@ -26,6 +26,7 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
         marks=document.marks,
         mode=document.mode,
         objects=document.objects,
+        outlined=document.outlined,
         view=view,
         notes=(),
     )
@@ -33,4 +34,5 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
 
 def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
     """The document of a session file on its image, with parameters that suit the image."""
-    return Document(image, file.shapes, parameters, file.marks, mode_called(file.mode), file.objects)
+    mode = mode_called(file.mode)
+    return Document(image, file.shapes, parameters, file.marks, mode, file.objects, file.outlined)

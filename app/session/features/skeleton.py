@@ -13,13 +13,14 @@ from cpm_core.parameters import Parameters
 
 
 class Skeletons(QObject):
-    """Resumes a skeleton run that has ended when a parameter changes, which takes only three steps."""
+    """Finds the skeleton again, in three steps at most, when a parameter changes, or what it is of."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
         self._parameters: Parameters | None = None
         self._changed = False
+        self._of: tuple[object, ...] = ()
         self._described: Skeleton | None = None
         session.document_changed.connect(self._use_document)
         session.status_changed.connect(self._follow)
@@ -29,6 +30,13 @@ class Skeletons(QObject):
         if document.parameters is not self._parameters:
             self._changed = document.mode == "skeleton"
             self._parameters = document.parameters
+        regions = document.regions
+        of = (document.outlines, regions.interest if regions is not None else ())
+        before, self._of = self._of, of
+        status = self._session.status
+        if before != of and document.mode == "skeleton" and status.method == "skeleton" and status.started:
+            self._session.reset()
+            self._session.run()
 
     def _follow(self) -> None:
         if not self._changed or self._session.scene.skeleton is None:

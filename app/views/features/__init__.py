@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from app.views.features.contours.contours import ContoursFeature
 from app.views.features.contours.objects import ObjectsFeature
+from app.views.features.contours.skeletons import SkeletonsFeature
 from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
@@ -39,6 +40,7 @@ FEATURES: tuple[type[Feature], ...] = (
     ContoursFeature,
     TruthFeature,
     ObjectsFeature,
+    SkeletonsFeature,
     MosaicFeature,
     HistoryFeature,
     LayersFeature,
