@@ -39,10 +39,10 @@ class Skeletons(QObject):
             self._session.run()
 
     def _follow(self) -> None:
-        if not self._changed or self._session.scene.skeleton is None:
+        if not self._changed:
             return
         status = self._session.status
-        if status.phase == "finished" and not status.stale:
+        if status.method == "skeleton" and status.phase == "finished" and not status.stale:
             self._changed = False
             if status.steered:
                 self._session.run()

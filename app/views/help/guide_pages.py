@@ -66,7 +66,8 @@ _ARTERY = Page(
                 "wall, which is half the width of the vessel.")),
     ),
     (tr("For your own image: choose the tool for strokes, draw a short line inside the vessel, and run. If faint "
-        "branches are missing, lower {=smoothing}; if noise is found as well, raise it."),),
+        "branches are missing, lower {=smoothing}; if noise is found as well, raise it. In the mode Skeleton, set "
+        "{=polarity} and {=max_width} if something else than vessels is found, and {=pruning} against side branches."),),
     "artery.png",
 )  # fmt: skip
 
