@@ -3,10 +3,11 @@
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, load_contours
 from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.readers import READABLE, load_image
-from cpm_core.formats.writers import WRITABLE, check_export, encoded, export, suffix_of
+from cpm_core.formats.writers import FOR_SKELETONS, WRITABLE, check_export, encoded, export, suffix_of
 
 __all__ = [
     "CONTOURS_READABLE",
+    "FOR_SKELETONS",
     "READABLE",
     "WRITABLE",
     "check_export",

@@ -67,7 +67,7 @@ _ARTERY = Page(
     ),
     (tr("For your own image: choose the tool for strokes, draw a short line inside the vessel, and run. If faint "
         "branches are missing, lower {=smoothing}; if noise is found as well, raise it. In the mode Skeleton, set "
-        "{=polarity} and {=max_width} if something else than vessels is found, and {=pruning} against side branches."),),
+        "{=polarity} and {=max_width} if something else is found than vessels; {=pruning} leaves out side branches."),),
     "artery.png",
 )  # fmt: skip
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from app.model.text.language import tr
-from cpm_core.formats import READABLE, WRITABLE
+from cpm_core.formats import READABLE
 from cpm_core.formats.sessions.session_file import SUFFIX
 
 Answer = Literal["save", "discard", "cancel"]
@@ -34,12 +35,15 @@ def ask_where_to_save(parent: QWidget, suggestion: str) -> str:
     return chosen + SUFFIX if chosen and Path(chosen).suffix.lower() != SUFFIX else chosen
 
 
-def ask_for_export(parent: QWidget, suggestion: str) -> str:
-    """Path to export contours to, empty when the user cancels; a missing suffix is added."""
-    filters = {f"{tr(text)} (*{suffix})": suffix for suffix, text in WRITABLE.items()}
-    chosen, used = QFileDialog.getSaveFileName(parent, tr("Export contours"), suggestion, ";;".join(filters))
+def ask_for_export(parent: QWidget, suggestion: str, title: str, formats: Mapping[str, str]) -> str:
+    """Path to export to, empty when the user cancels; a missing suffix is added.
+
+    `formats` are texts by suffix.
+    """
+    filters = {f"{tr(text)} (*{suffix})": suffix for suffix, text in formats.items()}
+    chosen, used = QFileDialog.getSaveFileName(parent, title, suggestion, ";;".join(filters))
     if chosen and not Path(chosen).suffix:
-        chosen += filters.get(used, next(iter(WRITABLE)))
+        chosen += filters.get(used, next(iter(formats)))
     return chosen
 
 

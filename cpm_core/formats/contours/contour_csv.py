@@ -6,6 +6,8 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.rasterize import numbers
 from cpm_core.contours.result import Result
@@ -59,7 +61,8 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     Columns: ``contour`` (from 1), ``label`` (the one in the label mask, 0 when open), ``name``, ``color``, ``closed``
     (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
     none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
-    it in), ``length_px``, ``area_px2`` (0 when open), and the same in the unit of the image where it is known.
+    it in), ``length_px``, ``area_px2`` (0 when open), and the same in the unit of the image where it is known; for a
+    skeleton ``thickness_min_px``, ``thickness_median_px`` and ``thickness_max_px`` of each branch.
     """
     header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
     header += ["length_px", "area_px2", *_in_unit(result, "length_{}", "area_{}2")]
@@ -71,6 +74,10 @@ def encode_measures(result: Result | Skeleton) -> bytes:
         if result.unit:
             line += [f"{row.length_in_units:.7g}", f"{row.area_in_units:.7g}"]
         lines.append(line)
+    if isinstance(result, Skeleton):
+        header += ["thickness_min_px", "thickness_median_px", "thickness_max_px"]
+        for line, radii in zip(lines, result.radii, strict=True):
+            line += [f"{2.0 * of(radii):.4f}" for of in (np.min, np.median, np.max)]
     return _table(header, lines)
 
 

@@ -112,7 +112,7 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypat
     assert radius.max() == pytest.approx(18.0, abs=1.0)
     assert layer.counts[1] >= 1
     path = tmp_path / "middle.csv"
-    monkeypatch.setattr(export_part, "ask_for_export", lambda parent, suggestion: str(path))
+    monkeypatch.setattr(export_part, "ask_for_export", lambda *asked: str(path))
     window.actions_by_name["export"].trigger()
     hand.wait(path.exists)
     assert path.read_bytes() == encoded(first, ".csv")

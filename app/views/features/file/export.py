@@ -17,6 +17,7 @@ from app.session.worker.commands.run import Copied
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.dialogs import ask_for_export
 from app.views.window.feature import Feature, FeatureContext
+from cpm_core.formats import FOR_SKELETONS, WRITABLE
 
 _FOLDER = "files/exports"
 """Preference: folder of the last export."""
@@ -53,8 +54,12 @@ class ExportFeature(Feature):
         suffix = "".join(last.suffixes[-1:]) if last else ".svg"
         stem = Path(image.name).stem if image else "contours"
         folder = Path(self.context.preferences.get(_FOLDER, ""))
-        what = "contours" if needs_start(self.context.session.document.mode) else "skeleton"
-        chosen = ask_for_export(self.context.window, str(folder / f"{stem}_{what}{suffix}"))
+        if needs_start(self.context.session.document.mode):
+            where, title, formats = folder / f"{stem}_contours{suffix}", tr("Export contours"), WRITABLE
+        else:
+            suffix = suffix if suffix in FOR_SKELETONS else ".svg"
+            where, title, formats = folder / f"{stem}_skeleton{suffix}", tr("Export skeleton"), FOR_SKELETONS
+        chosen = ask_for_export(self.context.window, str(where), title, formats)
         if chosen:
             self.context.session.export(chosen)
 
