@@ -18,7 +18,6 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import TrackedContours
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.objects.selector import Proposal
 from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.intensity_window import Shaded, WindowFound
 from app.session.worker.commands.timeline import Compared
@@ -29,6 +28,7 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark, ReviewedContour, reviewed
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.objects.selection import Selection
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds
 
@@ -74,6 +74,25 @@ class ReviewedContours:
 
 
 NO_CONTOURS = ReviewedContours()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Proposal:
+    """An object that is offered.
+
+    Attributes
+    ----------
+    selection : Selection
+        The object.
+    clicks : tuple of Click
+        What it was selected by.
+    number : int
+        Number of the object that it would replace; 0 for a new one.
+    """
+
+    selection: Selection
+    clicks: tuple[Click, ...]
+    number: int = 0
 
 
 @dataclass(frozen=True, eq=False, slots=True)

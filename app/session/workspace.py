@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from app.session.core_functions import Core
 from app.session.features.contour_review import ContourReview
+from app.session.features.objects.object_fitting import ObjectFitting
 from app.session.features.objects.object_list import ObjectList
 from app.session.features.objects.object_selection import ObjectSelection
 from app.session.features.parameter_sweep import Sweep
@@ -22,6 +23,7 @@ class Workspace:
         self.truth = GroundTruth(self.session, self.review)
         self.object_list = ObjectList(self.session)
         self.object_selection = ObjectSelection(self.session)
+        self.object_fitting = ObjectFitting(self.session, self.object_selection.partitions)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
         self.sweep = Sweep(self.session, self.truth)

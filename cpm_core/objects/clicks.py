@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.objects.faces import Faces, Ground, split
+from cpm_core.objects.faces.faces import Faces, Ground, split
 
 _RADIUS = 3.0
 """Distance from a click up to which faces are clicked as well [px]."""
@@ -71,11 +71,7 @@ def clicked(faces: Faces, ground: Ground, inside: Array, outside: Array, newer: 
         remark = "The same place has been said to be inside and outside; what was said last counts."
         kept = newer if newer is not None else np.zeros(len(within), np.bool_)
         within, beyond = within[kept | ~same.any(axis=1)], beyond[~(same & kept[:, None]).any(axis=0)]
-    for _ in range(2):
-        both = np.intersect1d(faces.labels[tuple(within.T)], faces.labels[tuple(beyond.T)])
-        for number in both[both >= 0].tolist():
-            here, there = (places[faces.labels[tuple(places.T)] == number] for places in (within, beyond))
-            faces = split(faces, ground, number, here, there)
+    faces = split(faces, ground, within, beyond)
     tied, barred = _touched(faces, ground, within), _touched(faces, ground, beyond)
     sure_in, sure_out = _at(faces, within), _at(faces, beyond)
     return Clicked(faces, (tied & ~barred) | (sure_in & ~sure_out), (barred & ~tied & ~sure_in) | sure_out, remark)

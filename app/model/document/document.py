@@ -15,7 +15,7 @@ from cpm_core.contours.review import Mark
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.outlines import Outlined
-from cpm_core.objects.segmented_object import Line, SegmentedObjects
+from cpm_core.objects.segmented.segmented_object import Line, SegmentedObjects
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.shapes import Points, Region, Shape, Start
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of

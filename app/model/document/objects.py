@@ -11,14 +11,21 @@ import numpy as np
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
-from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
-from cpm_core.numerics.polyline import length, thinned
+from cpm_core.numerics.polyline import thinned
 from cpm_core.numerics.types import Array
-from cpm_core.objects.segmented_object import Click, Line, ObjectClass, SegmentedObject, SegmentedObjects
+from cpm_core.objects.objects_result import objects_result as core_result
+from cpm_core.objects.segmented.segmented_object import (
+    Click,
+    Line,
+    ObjectClass,
+    SegmentedObject,
+    SegmentedObjects,
+    selection_of,
+)
+from cpm_core.objects.segmented.union import union
 from cpm_core.objects.selection import Selection
-from cpm_core.objects.union import union
 from cpm_core.shapes import Barrier, Polygon, Region
 
 _DECIMALS = 3
@@ -69,6 +76,16 @@ def take(document: Document, taken: Iterable[tuple[Selection, tuple[Click, ...],
             fresh = max((item.number for item in items), default=0) + 1
             items.append(made(selection, clicks, fresh, objects.category))
     return _with(document, items=tuple(items), clicks=(), edited=0)
+
+
+def add(document: Document, selections: Iterable[Selection], category: int) -> Document:
+    """The document with one more object of a class for each selection; the selection in progress stays."""
+    items = list(document.objects.items)
+    number = document.objects.next_number
+    for count, selection in enumerate(selections):
+        places = tuple((row, col) for row, col in selection.inside.tolist())
+        items.append(made(selection, (Click(places),), number + count, category))
+    return _with(document, items=tuple(items))
 
 
 def replace_boundaries(document: Document, found: Iterable[tuple[Selection, tuple[Click, ...], int]]) -> Document:
@@ -186,32 +203,20 @@ def _with_shapes(
 
 
 def objects_result(document: Document, image: Image) -> Result:
-    """The objects as a result, for writers: the curves of each boundary with its name, or its class, and its color.
+    """The objects as a result, for writers: each with its name, or its class and number, and its color.
 
-    Gaps are bridges. Hidden objects are left out.
+    The contours of an object have its number as their group, so that a label mask has one label for it and none in its
+    holes. Gaps are bridges. Hidden objects are left out.
     """
     objects = document.objects
     shown = [item for item in objects.items if not item.hidden]
-    contours = tuple(
-        Contour(np.array(curve), True, item.strength, name=title(objects, item), color=objects.color(item))
-        for item in shown
-        for curve in item.boundary
+    names = [title(objects, item) for item in shown]
+    result = core_result([selection_of(item, image.shape) for item in shown], image, names)
+    contours = (
+        replace(contour, group=shown[contour.group - 1].number, color=objects.color(shown[contour.group - 1]))
+        for contour in result.contours
     )
-    gaps = [np.array(gap) for item in shown for gap in item.gaps]
-    return Result(
-        particles=np.zeros((0, 2)),
-        contours=contours,
-        surface=None,
-        steps=0,
-        converged=True,
-        stop_reason="selected by clicks",
-        shape=image.shape,
-        spacing=image.spacing,
-        unit=image.unit,
-        source=image.source,
-        bridges=tuple(Bridge(gap, length(gap), 0.0) for gap in gaps),
-        image=image,
-    )
+    return replace(result, contours=tuple(contours))
 
 
 # Texts

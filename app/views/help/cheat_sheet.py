@@ -33,6 +33,7 @@ _POINTER: KeyTable = (
     ((tr("wheel"),), tr("zoom")),
     (("Shift",), tr("circle; eight directions")),
     (("Ctrl",), tr("ellipse from its center")),
+    (("Alt",), tr("not part of the object")),
 )
 _IMAGE: KeyTable = (
     (("Enter",), tr("show the cross-hair")),
@@ -42,6 +43,8 @@ _IMAGE: KeyTable = (
     (("Enter", "Enter"), tr("end a path")),
     (("Backspace",), tr("remove the last corner")),
     (("Esc",), tr("cancel")),
+    (("Enter",), tr("take the object that is offered; name it")),
+    (("1 … 9",), tr("class of the object")),
     (("<", ">"), tr("size of shape or ring, strength, spacing")),
 )
 _COLUMNS, _WIDTH, _KEYS = 4, 296, 100

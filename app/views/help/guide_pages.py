@@ -44,6 +44,8 @@ _FIRST = Page(
                 "open contours are orange.")),
         Step(tr("<b>Steer</b>: every slider acts at the next step. The illustration below the sliders shows its "
                 "effect.")),
+        Step(tr("<b>Select</b> objects: {objects}, then click in one; Alt-click what does not belong to it, and press "
+                "Enter to take it. {object_table} lists them.")),
         Step(tr("<b>Export</b> the contours: {export}. The file extension determines the format.")),
     ),
     (tr("Three examples, step by step: <a href='page:artery'>an artery</a>, <a href='page:nuclei'>nuclei</a>, "

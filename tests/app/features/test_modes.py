@@ -21,7 +21,7 @@ from app.session.worker.commands.timeline import Seek
 from app.views.canvas.layers.contours.skeleton import by_thickness, disks
 from app.views.features.file import export as export_part
 from cpm_core.formats import encoded
-from cpm_core.objects.segmented_object import Click, SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Barrier, Circle, Everywhere, Region
 

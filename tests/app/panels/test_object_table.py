@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QLineEdit
 
-from cpm_core.objects.segmented_object import Click, SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 
 KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 SIDE = 40.0

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
 from app.session.storage.session_file import DocumentFile
-from cpm_core.objects.segmented_object import Click
+from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
 KEY, NONE = Qt.Key, Qt.KeyboardModifier.NoModifier
@@ -281,6 +284,41 @@ def test_a_session_file_keeps_objects_classes_and_the_selection_in_progress(wind
     hand.wait(lambda: window.session.document.objects == before)
     hand.wait(lambda: bool(objects.proposals))
     assert overlap(offered(objects), disk(*LARGE)) > 0.9
+
+
+def test_all_like_a_chosen_one_are_added_in_one_step_of_undo(window, hand, objects) -> None:
+    values = np.full((64, 64), 20.0)
+    for center in ((16.0, 16.0), (16.0, 46.0), (46.0, 18.0)):
+        values[disk(center, 8.0)] = 200.0
+    session = window.session
+    path = Path(session.document.image.path).with_name("like.npy")
+    np.save(path, values)
+    session.open(path)
+    hand.wait(lambda: session.document.image.name == "like.npy" and objects.ready)
+    click(hand, 16, 16)
+    take(hand)
+    hand.key(KEY.Key_L, CONTROL)
+    hand.wait(lambda: len(taken(window)) == 3)
+    for item, center in zip(taken(window), ((16.0, 16.0), (16.0, 46.0), (46.0, 18.0)), strict=True):
+        assert overlap(item.mask((64, 64)), disk(center, 8.0)) > 0.85
+    session.undo()
+    assert len(taken(window)) == 1
+
+
+def test_an_object_is_fitted_to_the_contours_of_another_run_unless_it_is_frozen(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    take(hand)
+    click(hand, 43, 42)
+    take(hand)
+    window.workspace.object_list.toggle_frozen()
+    before = taken(window)
+    window.workspace.object_list.choose((1, 2))
+    session = window.session
+    grown = tuple(replace(item, boundary=item.boundary[:1] + item.boundary[:0], confidence=0.1) for item in before)
+    session.edit("spoil", lambda d: replace(d, objects=replace(d.objects, items=grown)))
+    window.actions_by_name["fit_objects"].trigger()
+    hand.wait(lambda: taken(window)[0] == before[0])
+    assert taken(window)[1] == grown[1]
 
 
 def test_clicks_on_an_image_that_is_not_prepared_yet_are_answered_later(window, hand) -> None:

@@ -15,7 +15,7 @@ from app.session.exchange.mailbox import Latest
 from app.session.session import Session
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Position
-from cpm_core.objects.segmented_object import Line, SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject, SegmentedObjects
 
 
 @dataclass(frozen=True, eq=False, slots=True)

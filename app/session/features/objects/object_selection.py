@@ -11,15 +11,13 @@ from app.model.document import objects
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.exchange.mailbox import Latest
-from app.session.exchange.messages import Report
 from app.session.features.objects.partitions import Partitions
-from app.session.features.objects.selector import Proposal, Selector
+from app.session.features.objects.selector import Selector
+from app.session.scene import Proposal
 from app.session.session import Session
-from app.session.tasks.tasks import Task
 from cpm_core.contours.result import Result
 from cpm_core.numerics.types import Array, Position
-from cpm_core.objects.partition import Partition
-from cpm_core.objects.segmented_object import Click
+from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.objects.selection import Selection
 from cpm_core.shapes import Everywhere
 from cpm_core.shapes.image_starts import ImageStart
@@ -42,14 +40,6 @@ class Answer:
     question: Question
     proposals: tuple[Proposal, ...]
     preview: Selection | None
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Fitted(Report):
-    """Selections of objects on a partition, with their clicks and their numbers."""
-
-    partition: Partition
-    found: tuple[tuple[Selection, tuple[Click, ...], int], ...]
 
 
 def answer(question: Question) -> Answer:
@@ -88,7 +78,6 @@ class ObjectSelection(QObject):
         self._latest.done.connect(self._use)
         self.partitions = Partitions(session, lambda: self._wanted)
         self.partitions.changed.connect(self._use_partition)
-        session.listen(Fitted, self._use_fitted)
         session.document_changed.connect(self._follow_document)
         session.image_changed.connect(self._forget)
 
@@ -132,7 +121,7 @@ class ObjectSelection(QObject):
     def click(self, places: tuple[Position, ...], inside: bool = True) -> None:
         """Say that places are inside of the object, or outside of it."""
         said = Click(places, inside)
-        first = self._corrected(said)
+        first = None if self.selecting else corrected(self.proposals, said)
         words = tr("select") if inside else tr("select without")
 
         def edit(document: Document) -> Document:
@@ -169,35 +158,12 @@ class ObjectSelection(QObject):
         now = self._session.document.objects.items
         self.taken.emit(tuple(item.number for item in now if item.number in changed or item.number not in before))
 
-    def fit(self, numbers: frozenset[int]) -> None:
-        """Select objects anew with their own clicks, on the contours that there are now; frozen ones stay."""
-        partition, items = self.partitions.partition, self._session.document.objects.items
-        fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
-        if partition is None or not fitted:
-            self._session.say(tr("There is nothing to fit: choose objects that are not frozen."))
-            return
-
-        def work(task: Task) -> Report:
-            found = []
-            for done, item in enumerate(fitted):
-                task.advance(done / len(fitted))
-                selection = Selector(partition, items, 0).selection(item.clicks)
-                if selection is not None:
-                    found.append((selection, item.clicks, item.number))
-            return Fitted(partition, tuple(found))
-
-        self._session.tasks.start(tr("Fitting objects to the contours…"), work, "fitting objects")
-
     def close(self) -> None:
         """End the threads."""
         self.partitions.close()
         self._latest.close()
 
     # Internal
-
-    def _use_fitted(self, fitted: Fitted) -> None:
-        if fitted.partition.image is self._session.image:
-            self._session.edit(tr("fit objects"), lambda document: objects.replace_boundaries(document, fitted.found))
 
     @property
     def _result(self) -> Result | None:
@@ -210,25 +176,12 @@ class ObjectSelection(QObject):
         ended = result is not None and bool(result.stop_reason) and result is not self._dismissed
         if not ended or document.mode != "shape":
             return ()
-        drawn = [start for start in document.starts if not isinstance(start, Everywhere | ImageStart)]
-        return tuple(start.seeds() for start in drawn)
+        return tuple(start.seeds() for start in document.starts if not isinstance(start, Everywhere | ImageStart))
 
     @property
     def _wanted(self) -> bool:
         """Whether a partition is needed."""
         return self._in_use or self.selecting or bool(self._starts)
-
-    def _corrected(self, said: Click) -> Proposal | None:
-        """The offered object of a start that a first click corrects: the one it lies in, or the only one."""
-        if self.selecting:
-            return None
-        offered = self.proposals
-        row, col = (round(place) for place in said.places[0])
-        for each in offered:
-            rows, cols = each.selection.mask.shape
-            if 0 <= row < rows and 0 <= col < cols and each.selection.mask[row, col]:
-                return each
-        return offered[0] if len(offered) == 1 else None
 
     def _use_partition(self) -> None:
         self._follow()
@@ -298,3 +251,13 @@ class ObjectSelection(QObject):
     def _forget(self) -> None:
         self._latest.forget()
         self._selector = self._asked = self._pointed = self._dismissed = None
+
+
+def corrected(offered: tuple[Proposal, ...], said: Click) -> Proposal | None:
+    """The offered object of a start that a first click corrects: the one it lies in, or the only one."""
+    row, col = (round(place) for place in said.places[0])
+    for each in offered:
+        rows, cols = each.selection.mask.shape
+        if 0 <= row < rows and 0 <= col < cols and each.selection.mask[row, col]:
+            return each
+    return offered[0] if len(offered) == 1 else None

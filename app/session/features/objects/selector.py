@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from app.session.scene import Proposal
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.segmented_object import Click, SegmentedObject, places_of
+from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, places_of, selection_of
 from cpm_core.objects.selection import Selection
 
 _SAME_OBJECT = 0.5
@@ -21,25 +20,6 @@ _UNCHANGED = 0.97
 
 _MOST_KEPT = 200
 """Number of selections that are kept."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Proposal:
-    """An object that is offered.
-
-    Attributes
-    ----------
-    selection : Selection
-        The object.
-    clicks : tuple of Click
-        What it was selected by.
-    number : int
-        Number of the object that it would replace; 0 for a new one.
-    """
-
-    selection: Selection
-    clicks: tuple[Click, ...]
-    number: int = 0
 
 
 class Selector:
@@ -108,15 +88,3 @@ def overlap(one: Mask, other: Mask) -> float:
     """Intersection over union of two masks; 0 when both are empty."""
     whole = np.count_nonzero(one | other)
     return np.count_nonzero(one & other) / whole if whole else 0.0
-
-
-def selection_of(item: SegmentedObject, shape: tuple[int, ...]) -> Selection:
-    """The selection that an object is, in an image of this shape."""
-    return Selection(
-        mask=item.mask(shape),
-        contours=tuple(Contour(np.array(curve), True, item.strength) for curve in item.boundary),
-        gaps=tuple(np.array(gap) for gap in item.gaps),
-        confidence=item.confidence,
-        inside=item.inside,
-        outside=item.outside,
-    )

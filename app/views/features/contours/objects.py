@@ -49,14 +49,19 @@ class ObjectsFeature(Feature):
         change = ActionSpec(name="change_object", menu="Objects", text=tr("&Change by clicks"), do=self._change,
                             tip=tr("Select the object anew, beginning with what it is."), when=self._one)  # fmt: skip
         fit = ActionSpec(name="fit_objects", menu="Objects", text=tr("F&it to the contours"),
-                         do=lambda: self._selection.fit(self._list.chosen),
+                         do=lambda: self.context.workspace.object_fitting.fit(self._list.chosen),
                          tip=tr("Select the chosen objects anew by their own clicks, on the contours of the last run."),
                          when=self._any_chosen)  # fmt: skip
+        alike = ActionSpec(name="objects_alike", menu="Objects", text=tr("All &like this"),
+                           do=lambda: self.context.workspace.object_fitting.find_like(self._list.items[0].number),
+                           shortcuts=("Ctrl+L",),
+                           tip=tr("Find all objects like the chosen one; touching ones are parted."),
+                           when=self._one)  # fmt: skip
         every = ActionSpec(name="all_objects", menu="Objects", text=tr("Choose all ob&jects"),
                            do=lambda: self._list.choose(item.number for item in self._list.objects.items),
                            shortcuts=("Ctrl+Alt+A",), tip=tr("Choose all objects."),
                            when=lambda situation: bool(situation.document.objects.items))  # fmt: skip
-        return (table, take, change, fit, every, *self._states(), *self._uses())
+        return (table, take, change, alike, fit, every, *self._states(), *self._uses())
 
     def _states(self) -> Sequence[ActionSpec | Submenu]:
         chosen = self._list

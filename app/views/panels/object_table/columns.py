@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from app.model.document.objects import class_title
 from app.model.text.language import tr
 from app.views.panels.contour_table.columns import number_text
-from cpm_core.objects.segmented_object import SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 
 
 @dataclass(frozen=True, eq=False, slots=True)

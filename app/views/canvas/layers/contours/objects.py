@@ -18,10 +18,10 @@ from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Amount, Switch
 from app.views.theme import theme
 from cpm_core.numerics.types import Array
-from cpm_core.objects.segmented_object import Line, SegmentedObject
+from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
 from cpm_core.objects.selection import Selection
 
-_OFFERED, _PREVIEW = 0.38, 0.22
+_OFFERED, _PREVIEW = 0.4, 0.3
 """Opacity of the area of what is offered, and of what a click would take."""
 
 _MOST_MARKS = 60

@@ -12,10 +12,10 @@ import skimage
 
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.maximum_filter import running_maximum
-from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.basins import Labels, basins
-from cpm_core.objects.crossings import Crossings, crossings
-from cpm_core.objects.face_graph import FaceGraph, face_graph
+from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.objects.faces.basins import Labels, basins
+from cpm_core.objects.faces.crossings import Crossings, crossings
+from cpm_core.objects.faces.face_graph import FaceGraph, changed_graph, face_graph
 
 STRONG_PERCENTILE = 95.0
 """Percentile of the edge map above which an edge is strong."""
@@ -116,23 +116,50 @@ def find_faces(ground: Ground) -> Faces:
     return _measured(labels, ground)
 
 
-def split(faces: Faces, ground: Ground, number: int, inside: Array, outside: Array) -> Faces:
-    """Cut one face between places in it, two arrays of whole pixels, shape (M, 2) and (K, 2).
+def split(faces: Faces, ground: Ground, inside: Index, outside: Index) -> Faces:
+    """Cut faces that hold both kinds of places, which are whole pixels, shape (M, 2) and (K, 2).
 
-    The border runs along the edge map, and half way between them where that is flat. The part with the places
+    The border runs along the edge map, and half way between the places where that is flat. Each part with places
     `outside` is a new face.
     """
-    own = faces.labels == number
-    markers = np.zeros(own.shape, np.int32)
-    markers[inside[:, 0], inside[:, 1]] = 1
-    markers[outside[:, 0], outside[:, 1]] = 2
-    box = scipy.ndimage.find_objects(own.astype(np.uint8))[0]
-    parts = skimage.segmentation.watershed(  # type: ignore[no-untyped-call]
-        ground.strength[box], markers[box], mask=own[box]
-    )
+    own, other = faces.labels[tuple(inside.T)], faces.labels[tuple(outside.T)]
+    both = np.intersect1d(own, other)
+    both = both[both >= 0]
+    if not len(both):
+        return faces
+    count = faces.graph.count
+    changed = np.zeros(count + len(both) + 1, np.bool_)
+    changed[both] = True
+    concerned = changed[faces.labels]  # of label -1 the last entry, which stays false
+    window = _box(concerned)
     labels = faces.labels.copy()
-    labels[box][parts == 2] = faces.graph.count
-    return _measured(labels, ground)
+    for new, number in enumerate(both.tolist(), start=count):
+        markers = np.zeros(labels.shape, np.int32)
+        markers[tuple(inside[own == number].T)] = 1
+        markers[tuple(outside[other == number].T)] = 2
+        parts = skimage.segmentation.watershed(  # type: ignore[no-untyped-call]
+            ground.strength[window], markers[window], mask=faces.labels[window] == number
+        )
+        labels[window][parts == 2] = new
+        changed[new] = True
+    wide = tuple(slice(max(part.start - 1, 0), part.stop + 1) for part in window)
+    graph = changed_graph(
+        faces.graph,
+        changed[:-1],
+        (wide[0], wide[1]),
+        labels,
+        ground.values,
+        ground.strength,
+        ground.contours,
+        ground.barriers,
+    )
+    return Faces(labels, graph)
+
+
+def _box(chosen: Mask) -> tuple[slice, slice]:
+    """Rows and columns that hold all true pixels of a mask that has some."""
+    rows, cols = np.flatnonzero(chosen.any(axis=1)), np.flatnonzero(chosen.any(axis=0))
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
 
 
 def _measured(labels: Labels, ground: Ground) -> Faces:

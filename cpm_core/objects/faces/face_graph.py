@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Single
-from cpm_core.objects.basins import Labels
-from cpm_core.objects.crossings import Crossings
+from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.objects.faces.basins import Labels
+from cpm_core.objects.faces.crossings import Crossings
 from cpm_core.objects.minimum_cut import Arcs, arcs
 
 _SIDE, _CORNER = np.pi / 8.0, np.pi / 8.0 / np.sqrt(2.0)
@@ -22,6 +22,7 @@ neighbors, which measures straight lines of any direction to within 5 % [px]."""
 _ON_LINE, _ON_BARRIER, _AT_CORNER = 1, 2, 4
 _STEPS = ((0, 1), (1, 0), (1, 1), (1, -1))
 _Pair = tuple[Single, Single]
+Window = tuple[slice, slice]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,19 +86,73 @@ def face_graph(labels: Labels, values: Array, strength: Array, lines: Crossings,
     lines, barriers : Crossings
         Where contours, and barriers, pass between pixels.
     """
-    count = int(labels.max()) + 1
+    whole = (slice(0, labels.shape[0]), slice(0, labels.shape[1]))
+    return _graph_in(whole, int(labels.max()) + 1, labels, values, strength, lines, barriers)
+
+
+def changed_graph(
+    graph: FaceGraph,
+    changed: Mask,
+    window: Window,
+    labels: Labels,
+    values: Array,
+    strength: Array,
+    lines: Crossings,
+    barriers: Crossings,
+) -> FaceGraph:
+    """Measure some faces again; the rest of the graph stays.
+
+    Parameters
+    ----------
+    graph : FaceGraph
+        Of F faces.
+    changed : ndarray of bool, shape (F + N,)
+        Which faces have other pixels, the N new ones among them.
+    window : tuple of slice
+        Rows and columns that hold these faces and the pixels beside them.
+    labels, values, strength, lines, barriers
+        As for `face_graph`.
+    """
+    there = _graph_in(window, len(changed), labels, values, strength, lines, barriers)
+    kept, new = ~_at_either_end(graph, changed), _at_either_end(there, changed)
+    parts = {
+        name: np.concatenate([getattr(graph, name)[kept], getattr(there, name)[new]])
+        for name in ("first", "second", "length", "strength", "along", "barred")
+    }
+    for name in ("area", "mean", "deviation", "rim", "center"):
+        measures = getattr(there, name)
+        unchanged = np.flatnonzero(~changed)
+        measures[unchanged] = getattr(graph, name)[unchanged]
+        parts[name] = measures
+    return FaceGraph(**parts)
+
+
+def _at_either_end(graph: FaceGraph, chosen: Mask) -> Mask:
+    """Pairs of which one face at least is chosen, shape (E,)."""
+    return np.asarray(chosen[graph.first] | chosen[graph.second])
+
+
+def _graph_in(
+    window: Window, count: int, labels: Labels, values: Array, strength: Array, lines: Crossings, barriers: Crossings
+) -> FaceGraph:
+    """Graph of `count` faces by what a window shows of them."""
+    face, edge = np.ascontiguousarray(labels[window]), np.ascontiguousarray(strength[window])
+    on_line, on_barrier = (
+        (np.ascontiguousarray(found.right[window]), np.ascontiguousarray(found.down[window]))
+        for found in (lines, barriers)
+    )
     sums = np.zeros((6, count))
-    _measure(labels, values, sums)
-    area, gray, squares, rows, cols, on_border = sums
-    links = _links(labels, strength, (lines.right, lines.down), (barriers.right, barriers.down))
-    pairs, found = _borders(links, count)
+    rows, cols = labels.shape
+    _measure(face, np.ascontiguousarray(values[window]), window[0].start, window[1].start, rows, cols, sums)
+    area, gray, squares, down, right, on_border = sums
+    pairs, found = _borders(_links(face, edge, on_line, on_barrier), count)
     low, high = pairs.T
     number, strengths, along, barred, corners = found.T
     length = _SIDE * number + _CORNER * corners
     inner = (low >= 0) & (number > 0)
     outer = (low < 0) & (number > 0)
     rim = on_border + np.bincount(high[outer], length[outer], count)
-    number = number[inner]
+    number, pixels = number[inner], np.maximum(area, 1.0)
     return FaceGraph(
         first=low[inner],
         second=high[inner],
@@ -106,16 +161,19 @@ def face_graph(labels: Labels, values: Array, strength: Array, lines: Crossings,
         along=along[inner] / number,
         barred=barred[inner] / number,
         area=area,
-        mean=gray / area,
-        deviation=np.sqrt(squares / area),
+        mean=gray / pixels,
+        deviation=np.sqrt(squares / pixels),
         rim=rim,
-        center=np.stack([rows / area, cols / area], axis=1),
+        center=np.stack([down / pixels, right / pixels], axis=1),
     )
 
 
 @compiled
-def _measure(labels: Labels, values: Array, sums: Array) -> None:
-    """Area, sum of gray levels and of their squared deviations, of rows and columns, and sides on the image border."""
+def _measure(labels: Labels, values: Array, top: int, left: int, high: int, wide: int, sums: Array) -> None:
+    """Area, sum of gray levels and of their squared deviations, of rows and columns, and sides on the image border.
+
+    `labels` and `values` show the image, of `high` rows and `wide` columns, from row `top` and column `left` on.
+    """
     rows, cols = labels.shape
     for r in range(rows):
         for c in range(cols):
@@ -124,9 +182,10 @@ def _measure(labels: Labels, values: Array, sums: Array) -> None:
                 continue
             sums[0, k] += 1.0
             sums[1, k] += values[r, c]
-            sums[3, k] += r
-            sums[4, k] += c
-            sums[5, k] += (r == 0) + (r == rows - 1) + (c == 0) + (c == cols - 1)
+            y, x = r + top, c + left
+            sums[3, k] += y
+            sums[4, k] += x
+            sums[5, k] += (y == 0) + (y == high - 1) + (x == 0) + (x == wide - 1)
     for r in range(rows):
         for c in range(cols):
             k = labels[r, c]

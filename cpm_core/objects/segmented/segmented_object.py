@@ -9,8 +9,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from cpm_core.contours.contour import Contour
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask, Position
+from cpm_core.objects.selection import Selection
 
 Line = tuple[Position, ...]
 
@@ -282,3 +284,15 @@ def places_of(clicks: tuple[Click, ...], *, inside: bool) -> Array:
     """Places of the clicks inside, or of those outside, shape (N, 2) [px]."""
     found = [place for click in clicks if click.inside == inside for place in click.places]
     return np.array(found, dtype=float).reshape(-1, 2)
+
+
+def selection_of(item: SegmentedObject, shape: tuple[int, ...]) -> Selection:
+    """The selection that an object is, in an image of this shape."""
+    return Selection(
+        mask=item.mask(shape),
+        contours=tuple(Contour(np.array(curve), True, item.strength) for curve in item.boundary),
+        gaps=tuple(np.array(gap) for gap in item.gaps),
+        confidence=item.confidence,
+        inside=item.inside,
+        outside=item.outside,
+    )

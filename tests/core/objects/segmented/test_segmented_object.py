@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
-from cpm_core.objects.segmented_object import Click, ObjectClass, SegmentedObject, SegmentedObjects
-from cpm_core.objects.union import union
+from cpm_core.objects.segmented.segmented_object import Click, ObjectClass, SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.union import union
 
 
 def circle(row: float, col: float, radius: float, corners: int = 200) -> tuple[tuple[float, float], ...]:

@@ -9,7 +9,7 @@ import skimage
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
-from cpm_core.objects.segmented_object import Line, SegmentedObject
+from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
 
 _BLEND = 3.0
 """Range of distances that are blended [px]: a slit between objects up to half as wide is closed."""

@@ -1,0 +1,1 @@
+"""Segmented objects, as a session keeps them: clicks, boundary and class of each, and the union of two."""

@@ -1,0 +1,95 @@
+"""The minimum cut, against all sets of small graphs and against the maximum flow of SciPy."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import maximum_flow
+
+from cpm_core.objects.minimum_cut import arcs, minimum_cut
+
+
+@st.composite
+def graphs(draw, most_nodes, most_price=9):
+    """Links without loops, their prices, and the prices of the nodes; all whole numbers, many of them 0."""
+    count = draw(st.integers(1, most_nodes))
+    seed = draw(st.integers(0, 2**32 - 1))
+    random = np.random.default_rng(seed)
+    links = draw(st.integers(0, 3 * count))
+    first, second = np.sort(random.integers(0, count, (2, links)), axis=0)
+    first, second = first[first < second], second[first < second]
+    price = random.integers(0, most_price + 1, len(first)).astype(float)
+    leaving, entering = (
+        random.integers(0, most_price + 1, count) * (random.random(count) < 0.4).astype(float) for _ in range(2)
+    )
+    return first, second, price, leaving, entering
+
+
+def total(graph, inside):
+    first, second, price, leaving, entering = graph
+    return price[inside[first] != inside[second]].sum() + leaving[~inside].sum() + entering[inside].sum()
+
+
+def cut(graph):
+    first, second, price, leaving, entering = graph
+    return minimum_cut(arcs(first, second, len(leaving)), price, leaving, entering)
+
+
+@settings(deadline=None, max_examples=60)
+@given(graphs(7))
+def test_no_set_is_cheaper_and_none_as_cheap_is_smaller(graph):
+    found = cut(graph)
+    every = [np.array(inside) for inside in product((False, True), repeat=len(found))]
+    least = min(total(graph, inside) for inside in every)
+    assert total(graph, found) == least
+    for inside in every:
+        assert total(graph, inside) > least or not (found & ~inside).any()
+
+
+@settings(deadline=None, max_examples=60)
+@given(graphs(60, 1000))
+def test_the_cut_costs_what_the_maximum_flow_carries(graph):
+    first, second, price, leaving, entering = graph
+    count = len(leaving)
+    nodes, source, sink = np.arange(count), np.full(count, count), np.full(count, count + 1)
+    rows, cols = np.concatenate([first, second, source, nodes]), np.concatenate([second, first, nodes, sink])
+    capacity = np.concatenate([price, price, leaving, entering]).astype(np.int32)
+    network = csr_array((capacity, (rows, cols)), shape=(count + 2, count + 2))
+    network.sum_duplicates()
+    assert total(graph, cut(graph)) == maximum_flow(network, count, count + 1).flow_value
+
+
+def test_tied_nodes_are_where_they_must_be_whatever_that_costs():
+    price = np.array([1e6, 1e6])
+    graph = arcs(np.array([0, 1]), np.array([1, 2]), 3)
+    found = minimum_cut(graph, price, np.array([np.inf, 0.0, 0.0]), np.array([0.0, 0.0, np.inf]))
+    assert found.tolist() == [True, False, False]
+
+
+@settings(deadline=None, max_examples=60)
+@given(graphs(30))
+def test_arcs_come_in_pairs_that_lead_back(graph):
+    first, second, *_ = graph
+    found = arcs(first, second, len(graph[3]))
+    tail = np.repeat(np.arange(len(found.begin) - 1), np.diff(found.begin))
+    assert np.array_equal(found.head[found.back], tail)
+    assert np.array_equal(found.back[found.back], np.arange(len(tail)))
+    assert np.array_equal(np.sort(np.stack([tail, found.head]), axis=0), np.stack([first, second])[:, found.link])
+
+
+def test_a_graph_without_links_leaves_each_node_to_its_own_price():
+    none = np.empty(0, np.int64)
+    found = minimum_cut(arcs(none, none, 2), np.empty(0), np.array([3.0, 1.0]), np.array([2.0, 2.0]))
+    assert found.tolist() == [True, False]
+
+
+@pytest.mark.parametrize("size", [2, 9])
+def test_a_chain_is_cut_at_its_weakest_link(size):
+    price = 1.0 + np.arange(size)[::-1]
+    graph = arcs(np.arange(size), 1 + np.arange(size), size + 1)
+    tied = np.zeros(size + 1), np.zeros(size + 1)
+    tied[0][0], tied[1][-1] = np.inf, np.inf
+    assert minimum_cut(graph, price, *tied).tolist() == [True] * size + [False]
