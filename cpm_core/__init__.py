@@ -77,7 +77,8 @@ from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.ground_truth_file import load_truth
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
-from cpm_core.medial_axis.skeleton import Skeleton, skeleton
+from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.objects import Partition, Selection, objects_result, partition, similar
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force

@@ -167,9 +167,32 @@ _TABLE = (
         "More of it drops specks and fragments.",
         "", "contours", False,
     ),
+    ParameterInfo(
+        "polarity", "p", "", -1.0, 1.0, -1.0, 1.0, 1.0, "Dark or light",
+        "Skeletons are of what is darker than its surroundings below 0, of what is lighter above 0, and of what stands "
+        "out in the image at 0.",
+        "More of it goes from dark to light objects.",
+        "", "contours", False,
+    ),
+    ParameterInfo(
+        "max_width", "w_max", "px", 0.0, 1e4, 0.0, 100.0, 0.5, "Widest",
+        "Width above which a part has no skeleton; at 0 any width counts where the outlines are closed, and otherwise "
+        "the widths in the image decide.",
+        "More of it takes in wider parts.",
+        "", "contours", False,
+    ),
+    ParameterInfo(
+        "pruning", "ρ", "px", 0.0, 1e3, 0.0, 10.0, 0.1, "Pruning",
+        "How far a part of a shape may stick out of the rest for its branch of the skeleton to be left out.",
+        "More of it leaves fewer and shorter branches.",
+        "section 5.3", "contours", False,
+    ),
 )  # fmt: skip
 
 PARAMETERS: dict[str, ParameterInfo] = {info.name: info for info in _TABLE}
+
+OF_SKELETONS: tuple[str, ...] = ("polarity", "max_width", "pruning")
+"""Parameters that skeletons alone depend on."""
 
 FORMER_NAMES: dict[str, str] = {"max_frame": "max_border"}
 """Names of parameters in older files and on older command lines -> their present names."""
@@ -217,6 +240,12 @@ class Parameters:
         Contours between regions of a lower contrast are left out, and such parts of contours with a loose end.
     min_length : float
         Shorter contours are left out [px].
+    polarity : float
+        Skeletons are of what is dark if it is below 0, of what is light if it is above; 0 to find out by the image.
+    max_width : float
+        Wider parts have no skeleton [px]; 0 for no limit where outlines are closed, else one from the image's widths.
+    pruning : float
+        How far a shape may extend beyond the one that its skeleton represents [px].
 
     Raises
     ------
@@ -240,6 +269,9 @@ class Parameters:
     sure_edge: float = 0.0
     min_contrast: float = 0.0
     min_length: float = 0.0
+    polarity: float = 0.0
+    max_width: float = 0.0
+    pruning: float = 1.0
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -29,6 +29,7 @@ from app.session.worker.commands.intensity_window import Shaded, WindowFound
 from app.session.worker.commands.timeline import Compared
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
+from cpm_core.medial_axis.skeleton import Skeleton
 
 _FIGURES_EVERY = 0.1
 """Time between two updates of the numbers in the window [s]."""
@@ -87,6 +88,14 @@ class Progress:
                 bridges=len(bridges),
                 longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
             )
+            if isinstance(result, Skeleton):
+                self._known = replace(
+                    self._known,
+                    length=result.length,
+                    thickness=result.thickness,
+                    width=result.width,
+                    polarity=result.polarity,
+                )
             document, before = self._session.scene.document, self._session.scene.contours
             reviewed = ReviewedContours.of(contours.tracked, document.marks, document.learning, known=before.chances)
             self._show(reconstruction=contours, contours=reviewed)

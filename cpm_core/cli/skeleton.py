@@ -12,17 +12,18 @@ from cpm_core.cli.arguments import (
     add_image,
     add_json,
     add_parameters,
-    as_number,
     check_exports,
     parameters_of,
 )
 from cpm_core.cli.terminal import counted
 from cpm_core.formats import export, load_image
-from cpm_core.medial_axis.skeleton import PRUNING, Skeleton, skeleton
+from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.parameters import PRESETS
 
 _PRESET = "noisy"
-_PARAMETERS = ("smoothing", "edge_floor", "min_strength", "min_length")
+_PARAMETERS = ("pruning", "max_width", "smoothing", "edge_floor", "sure_edge", "min_strength", "min_length")
+_OF = ("auto", "dark", "light")
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -35,12 +36,13 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     )
     add_image(parser)
     parser.add_argument(
-        "--pruning",
-        metavar="PX",
-        type=as_number,
-        default=PRUNING,
-        help="how far a part of the shape may stick out of the rest for its branch to be left out; "
-        f"more of it leaves fewer branches (default: {PRUNING:g})",
+        "--of",
+        choices=_OF,
+        default=_OF[0],
+        help="of what is darker, or lighter, than its surroundings (default: of what stands out in the image)",
+    )
+    parser.add_argument(
+        "--within", metavar="MASK", help="the skeleton of the objects of this mask, an image of the same size"
     )
     parser.add_argument("--outside", action="store_true", help="the skeleton of the background, too")
     add_parameters(parser.add_argument_group("parameters"), _PARAMETERS)
@@ -52,12 +54,11 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 def _skeleton(arguments: argparse.Namespace) -> None:
     """Find the skeletons of an image, after all checks that need no image."""
     parameters = parameters_of(arguments, PRESETS[_PRESET])
-    if isinstance(arguments.pruning, str):
-        raise ValueError(f'--pruning is "{arguments.pruning}" but must be a number of pixels, 0 or more.')
     check_exports(arguments.export, arguments.image)
     image = load_image(arguments.image)
+    mask = None if arguments.within is None else load_image(arguments.within).values > 0.0
     started = time.perf_counter()
-    found = skeleton(image, parameters, pruning=arguments.pruning, outside=arguments.outside)
+    found = skeleton(image, parameters, of=arguments.of, within=mask, outside=arguments.outside)
     seconds = time.perf_counter() - started
     export(found, *arguments.export)
     _report(found, seconds, arguments.export, as_json=arguments.json)
@@ -66,17 +67,24 @@ def _skeleton(arguments: argparse.Namespace) -> None:
 def _report(found: Skeleton, seconds: float, written: Sequence[str], *, as_json: bool) -> None:
     closed = sum(contour.closed for contour in found.contours)
     largest = max((float(radii.max()) for radii in found.radii), default=0.0)
+    of = {-1: "dark", 0: "all", 1: "light"}[found.polarity]
     if as_json:
         facts = {
             "contours": len(found.contours),
             "closed": closed,
             "length": round(found.length, 3),
+            "thickness": round(found.thickness, 3),
             "largest_radius": round(largest, 3),
+            "of": of,
+            "max_width": round(found.width, 3),
             "seconds": round(seconds, 3),
         }
         print(json.dumps(facts))
         return
-    print(f"{found.source}: skeleton of {counted(len(found.contours), 'line')} ({closed} closed) in {seconds:.2f} s")
+    what = "" if of == "all" else f" of what is {of}" + (f" and up to {found.width:.0f} px wide" if found.width else "")
+    lines = counted(len(found.contours), "line")
+    print(f"{found.source}: skeleton{what} of {lines} ({closed} closed), thickness up to {found.thickness:.1f} px, "
+          f"in {seconds:.2f} s")  # fmt: skip
     for number, (contour, radii) in enumerate(zip(found.contours[:10], found.radii, strict=False), start=1):
         print(f"  {number}. length {contour.length:.1f} px, radius {radii.min():.1f} to {radii.max():.1f} px")
     if len(found.contours) > 10:

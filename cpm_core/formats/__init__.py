@@ -3,10 +3,20 @@
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, load_contours
 from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.readers import READABLE, load_image
-from cpm_core.formats.writers import OUTLINABLE, WRITABLE, check_export, encoded, export, left_out, suffix_of
+from cpm_core.formats.writers import (
+    FOR_SKELETONS,
+    OUTLINABLE,
+    WRITABLE,
+    check_export,
+    encoded,
+    export,
+    left_out,
+    suffix_of,
+)
 
 __all__ = [
     "CONTOURS_READABLE",
+    "FOR_SKELETONS",
     "OUTLINABLE",
     "READABLE",
     "WRITABLE",

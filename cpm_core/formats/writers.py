@@ -64,6 +64,20 @@ _CLOSED_ONLY = OUTLINABLE | {".coco.json"}
 WRITABLE: dict[str, str] = {suffix: text for suffix, (text, _) in _WRITERS.items()}
 """Suffixes that a result can be exported to, some of two parts -> what is written."""
 
+FOR_SKELETONS: dict[str, str] = {
+    ".svg": "branches as a vector drawing, with their thickness",
+    ".csv": "branches as a table of vertices, with their radii",
+    ".measures.csv": "a table with one row a branch",
+    ".json": "everything: branches and their radii",
+    ".geojson": "branches as annotations for QuPath",
+    ".zip": "branches as a set of selections of ImageJ and Fiji",
+    ".labelme.json": "branches as shapes for labelme",
+    ".dxf": "branches as polylines for CAD",
+    ".png": "branches as lines of a label mask",
+    ".tif": "branches as lines of a label mask of 16 or 32 bits, with the size of a pixel",
+}
+"""Suffixes that make sense for a skeleton -> what is written."""
+
 
 def export(
     result: Result | Skeleton,

@@ -1,1 +1,1 @@
-"""The medial axis of the regions between edges: boundary, Voronoi diagram, foreground, pruning, disks."""
+"""The medial axis between edges: boundary, Voronoi diagram, foreground, polarity, strips, pruning, disks."""

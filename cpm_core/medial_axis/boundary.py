@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.types import Array
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 
@@ -24,8 +27,14 @@ _NEAR, _TANGENT, _OUTWARD = 3.0, 6, 0.3
 """A contour that ends within this distance [px] of the image border is continued beyond it: in the direction of this
 many last points if its component toward the border is at least this large, else perpendicular to the border."""
 
-_SHORTEST = 4.0
-"""Least length of a boundary, in d_min."""
+_ROOM = 0.67
+"""Distance in which a loose contour needs another one for closing something off, in lengths of the loose one."""
+
+_ON_BORDER = 0.75
+"""Distance from the sides of the image up to which an outline follows its border [px]."""
+
+_SHORTEST = 8.0
+"""Least length of a boundary [px]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +49,17 @@ class Boundary:
         Pairs of points that follow each other along an edge.
     strength : ndarray, shape (N,)
         Edge strength at the points [gray levels / px].
+    normals : ndarray, shape (N, 2)
+        Image gradient at the points, or where their line leaves the image [gray levels / px].
+    loose : float
+        Share of the length that belongs to contours with an end inside the image, which close nothing off.
     """
 
     points: Array
-    neighbors: NDArray[np.int64]
+    neighbors: Index
     strength: Array
+    normals: Array
+    loose: float = 0.0
 
 
 def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
@@ -55,17 +70,87 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
     of the image, so that an object cut off by the border has no edge there.
     """
     pixels = np.argwhere(scale_field.edge_map >= scale_field.floor).astype(float)
-    shortest = max(parameters.min_length, _SHORTEST * parameters.d_min)
+    shortest = max(parameters.min_length, _SHORTEST)
     dense = replace(parameters, d_min=_SPACING, d_max=_SPACING, min_length=shortest)
-    contours, _ = find_contours(pixels, scale_field, dense)
-    if not contours:
-        return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0))
-    paths = [_continued(_evenly(contour), scale_field.shape) for contour in contours]
-    start = np.cumsum([0, *map(len, paths)])
-    distinct, index = np.unique(np.concatenate(paths), axis=0, return_inverse=True)  # junctions occur more than once
+    contours = _closing_off(find_contours(pixels, scale_field, dense)[0], scale_field.shape)
+    return _joined(contours, [_continued(_evenly(contour), scale_field.shape) for contour in contours], scale_field)
+
+
+def outlined_boundary(outlines: Sequence[Contour], scale_field: ScaleField) -> Boundary:
+    """The boundary that closed contours are: outer boundaries of objects and of their holes.
+
+    Where an outline follows the image border there is no edge: the object continues beyond it.
+    """
+    paths = [piece for outline in outlines for piece in _without_border(_evenly(outline), scale_field.shape)]
+    return _joined(outlines, [_continued(path, scale_field.shape) for path in paths], scale_field)
+
+
+def _closing_off(contours: Sequence[Contour], shape: tuple[int, ...]) -> list[Contour]:
+    """Contours without loose pieces that have more room on all sides than they are long.
+
+    Such a piece closes nothing off, as where the shade in an object changes, but would part the axis of this object.
+    """
+    if len(contours) < 2:
+        return list(contours)
+    tree = scipy.spatial.cKDTree(np.concatenate([contour.points for contour in contours]))
+    owner = np.repeat(np.arange(len(contours)), [len(contour.points) for contour in contours])
+    kept = []
+    for number, contour in enumerate(contours):
+        loose = not any(contour.junctions) and _loose_ends(contour, shape).all()
+        if not loose or _has_others(tree, owner, number, contour):
+            kept.append(contour)
+    return kept
+
+
+def _has_others(tree: scipy.spatial.cKDTree, owner: Index, number: int, contour: Contour) -> bool:
+    """Whether another contour lies nearer to the middle of this one than `_ROOM` allows."""
+    middle = polyline.middles(contour.path, 1)[0]
+    return bool((owner[tree.query_ball_point(middle, _ROOM * contour.length)] != number).any())
+
+
+def _joined(contours: Sequence[Contour], paths: list[tuple[Array, slice]], scale_field: ScaleField) -> Boundary:
+    """Boundary along paths, each with the part of it that lies in the image."""
+    if not paths:
+        return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros((0, 2)))
+    start = np.cumsum([0, *(len(path) for path, _ in paths)])
+    normals = [_extended(scale_field.normals(path[known]), known, len(path)) for path, known in paths]
+    distinct, first, index = np.unique(
+        np.concatenate([path for path, _ in paths]), axis=0, return_index=True, return_inverse=True
+    )  # junctions occur more than once
     index = index.ravel()
     pairs = [np.stack([index[a : b - 1], index[a + 1 : b]], axis=1) for a, b in pairwise(start)]
-    return Boundary(distinct, np.concatenate(pairs), scale_field.strength(distinct))
+    loose = sum(contour.length for contour in contours if _loose_ends(contour, scale_field.shape).any())
+    return Boundary(
+        distinct,
+        np.concatenate(pairs),
+        scale_field.strength(distinct),
+        np.concatenate(normals)[first],
+        loose / max(sum(contour.length for contour in contours), 1e-300),
+    )
+
+
+def _extended(values: Array, known: slice, count: int) -> Array:
+    """Values of a part of a path, the first and the last of them repeated over what is before and behind it."""
+    return np.pad(values, [(known.start, count - known.stop), (0, 0)], mode="edge")
+
+
+def _loose_ends(contour: Contour, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Which of both ends of a contour lie in the image and are no junctions, shape (2,)."""
+    size = np.array(shape, dtype=float) - 1.0
+    inside = np.minimum(contour.points, size - contour.points)[[0, -1]].min(axis=1) > _NEAR
+    return np.asarray(inside & ~np.array(contour.junctions) & (not contour.closed))
+
+
+def _without_border(path: Array, shape: tuple[int, ...]) -> list[Array]:
+    """Pieces of a closed path that do not follow the image border; the whole path if none of it does."""
+    size = np.array(shape, dtype=float)
+    away = np.minimum(path + 0.5, size - 0.5 - path).min(axis=1) > _ON_BORDER
+    if away.all():
+        return [path]
+    turn = int(np.argmin(away))
+    path, away = np.roll(path[:-1], -turn, axis=0), np.roll(away[:-1], -turn)
+    pieces = np.split(path, np.flatnonzero(np.diff(away)) + 1)
+    return [piece for piece in pieces[1::2] if len(piece) > 1]
 
 
 def _evenly(contour: Contour) -> Array:
@@ -79,12 +164,12 @@ def _evenly(contour: Contour) -> Array:
     return np.concatenate(parts)
 
 
-def _continued(path: Array, shape: tuple[int, ...]) -> Array:
-    """Path with straight continuations at the image border."""
+def _continued(path: Array, shape: tuple[int, ...]) -> tuple[Array, slice]:
+    """Path with straight continuations at the image border, and the part of it that is the path itself."""
     if (path[0] == path[-1]).all():
-        return path
+        return path, slice(0, len(path))
     before, behind = _continuation(path[::-1], shape), _continuation(path, shape)
-    return np.concatenate([before[::-1], path, behind])
+    return np.concatenate([before[::-1], path, behind]), slice(len(before), len(before) + len(path))
 
 
 def _continuation(path: Array, shape: tuple[int, ...]) -> Array:

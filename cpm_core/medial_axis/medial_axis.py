@@ -7,7 +7,7 @@ Snoeyink 2001, doi:10.1007/s00453-001-0014-x).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
@@ -40,19 +40,34 @@ class Axis:
         Distance of each vertex to the boundary [px].
     nearest : ndarray of int64, shape (N,)
         Point of the boundary at that distance.
+    sides : ndarray of int64, shape (M, 2)
+        The two points of the boundary that each edge lies between; without rows after pruning.
     """
 
     points: Array
     edges: Index
     radius: Array
     nearest: Index
+    sides: Index = field(default_factory=lambda: np.zeros((0, 2), np.int64))
 
-    def only(self, edges: Index, alone: Index | None = None) -> Axis:
+    def chosen(self, edges: NDArray[np.bool_]) -> Axis:
+        """The axis with the edges chosen by a mask of shape (M,)."""
+        return self.only(self.edges[edges], sides=self.sides[edges])
+
+    def only(self, edges: Index, alone: Index | None = None, sides: Index | None = None) -> Axis:
         """The axis with some of its edges, the vertices that they join, and some isolated vertices."""
         alone = np.zeros(0, np.int64) if alone is None else alone
         used, index = np.unique(np.concatenate([edges.ravel(), alone]), return_inverse=True)
         joined = index.ravel()[: edges.size].reshape(-1, 2)
-        return Axis(self.points[used], joined, self.radius[used], self.nearest[used])
+        beside = np.zeros((0, 2), np.int64) if sides is None else sides
+        return Axis(self.points[used], joined, self.radius[used], self.nearest[used], beside)
+
+    def narrower(self, width: float) -> Axis:
+        """The part of the axis where disks are at most `width` across [px]."""
+        thin = 2.0 * self.radius <= width
+        joined = np.zeros(len(self.points), np.bool_)
+        joined[self.edges] = True
+        return self.only(self.edges[thin[self.edges].all(axis=1)], np.flatnonzero(thin & ~joined))
 
     def inside(self, low: Array, high: Array) -> NDArray[np.bool_]:
         """Which vertices lie in a rectangle, shape (N,)."""
@@ -86,7 +101,8 @@ class Axis:
         joined = np.zeros(len(self.points), np.bool_)
         joined[self.edges] = True
         cutting = Axis(np.concatenate(points), edges, np.concatenate(radius), np.concatenate(nearest))
-        return cutting.only(edges, np.flatnonzero(self.inside(low, high) & ~joined))
+        alone = np.flatnonzero(self.inside(low, high) & ~joined)
+        return cutting.only(edges, alone, self.sides[kept] if len(self.sides) else None)
 
 
 def _empty() -> Axis:
@@ -117,18 +133,19 @@ def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
     kept = ~crossing & (sites[:, 1] < count) & (edges >= 0).all(axis=1)
     tree = scipy.spatial.cKDTree(boundary.points)
     reach = 0.5 * size + _AROUND * widest
-    rough = _measured(diagram.vertices, edges[kept], tree).only(edges[kept]).within(middle - reach, middle + reach)
-    return _measured(*_divided(rough.points, rough.edges), tree)
+    whole = _measured(diagram.vertices, edges[kept], sites[kept], tree)
+    rough = whole.chosen(np.ones(len(whole.edges), np.bool_)).within(middle - reach, middle + reach)
+    return _measured(*_divided(rough.points, rough.edges, rough.sides), tree)
 
 
-def _measured(points: Array, edges: Index, tree: scipy.spatial.cKDTree) -> Axis:
+def _measured(points: Array, edges: Index, sides: Index, tree: scipy.spatial.cKDTree) -> Axis:
     """Axis with the distances of its vertices to the boundary."""
     radius, nearest = tree.query(points)
-    return Axis(points, edges, np.asarray(radius), np.asarray(nearest, dtype=np.int64))
+    return Axis(points, edges, np.asarray(radius), np.asarray(nearest, dtype=np.int64), sides)
 
 
-def _divided(points: Array, edges: Index) -> tuple[Array, Index]:
-    """Points and edges, long edges divided: along these the radius does not change linearly."""
+def _divided(points: Array, edges: Index, sides: Index) -> tuple[Array, Index, Index]:
+    """Points, edges and their sides, long edges divided: along these the radius does not change linearly."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     pieces = np.maximum(np.ceil(np.linalg.norm(b - a, axis=1) / _LONGEST), 1).astype(np.int64)
     edge = np.repeat(np.arange(len(edges)), pieces - 1)
@@ -139,4 +156,6 @@ def _divided(points: Array, edges: Index) -> tuple[Array, Index]:
     inner = np.stack([added[~last], added[~last] + 1], axis=1)
     starts = np.stack([edges[edge[first], 0], added[first]], axis=1)
     ends = np.stack([added[last], edges[edge[last], 1]], axis=1)
-    return np.concatenate([points, between]), np.concatenate([edges[pieces == 1], starts, inner, ends])
+    parts = [sides[pieces == 1], sides[edge[first]], sides[edge[~last]], sides[edge[last]]]
+    divided = np.concatenate([edges[pieces == 1], starts, inner, ends])
+    return np.concatenate([points, between]), divided, np.concatenate(parts)

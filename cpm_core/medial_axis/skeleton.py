@@ -10,35 +10,21 @@ only one side, and no shape can be rebuilt from such disks.
 
 from __future__ import annotations
 
-import itertools
-import math
-from collections.abc import Mapping, Sequence
-from copy import copy
-from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
-from cpm_core.field.image_fields import ImageFields
-from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.blur_correction import half_width
-from cpm_core.medial_axis.boundary import Boundary, find_boundary
+from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.medial_axis.disks import along, covered
-from cpm_core.medial_axis.foreground import within_objects
-from cpm_core.medial_axis.medial_axis import Axis, medial_axis
-from cpm_core.medial_axis.pruning import prune
+from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.numerics.types import Array
-from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
-from cpm_core.particles.initialization import inside_image
-from cpm_core.particles.state import Particles
 
-PRUNING = 1.0
-"""Default of `pruning`: how far the shape may extend beyond the one that the skeleton represents [px]."""
+_THICK = 95.0
+"""Percentile of the length that `Skeleton.thickness` covers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +47,10 @@ class Skeleton:
         Unit of `spacing`; None when the image gives none.
     source : str
         Name of the image for the user.
+    polarity : int
+        -1 if it is of what is dark, 1 of what is light, 0 of both.
+    width : float
+        Largest width that counted [px]; 0 for any.
     """
 
     contours: tuple[Contour, ...]
@@ -69,6 +59,16 @@ class Skeleton:
     spacing: tuple[float, ...]
     unit: str | None
     source: str
+    polarity: int = 0
+    width: float = 0.0
+
+    @property
+    def thickness(self) -> float:
+        """Thickness that 95 % of the length stays below [px]; of objects without a direction, the largest one."""
+        radii = [radius for radius, contour in zip(self.radii, self.contours, strict=True) if contour.length > 0.0]
+        if not radii:
+            return 2.0 * max((float(radius.max()) for radius in self.radii), default=0.0)
+        return 2.0 * float(np.percentile(np.concatenate(radii), _THICK))
 
     @property
     def length(self) -> float:
@@ -89,232 +89,7 @@ class Skeleton:
         return covered(np.concatenate(disks), self.shape)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class SkeletonState:
-    """A moment of a run of the skeleton: boundary, axis and branches as far as they have been found.
-
-    Attributes
-    ----------
-    step : int
-        Number of steps; three of them find a skeleton.
-    steering : tuple
-        `SkeletonMethod.steering` of the last step; empty before the first.
-    boundary : Boundary or None
-        The edges, found by the first step.
-    axis : Axis or None
-        Their medial axis before it is pruned, found by the second step.
-    points : ndarray, shape (N, 2)
-        Points that the next step works on, as far as they lie in the image [px].
-    contours, radii : tuple
-        Branches and their radii, found by the third step; until then those of the previous parameters.
-    stop_reason : str
-        Why the run ended, in words; empty while it goes on.
-    converged : bool
-        Whether it ended with a skeleton.
-    """
-
-    step: int = 0
-    steering: tuple[object, ...] = ()
-    boundary: Boundary | None = None
-    axis: Axis | None = None
-    points: Array = field(default_factory=lambda: np.zeros((0, 2)))
-    contours: tuple[Contour, ...] = ()
-    radii: tuple[Array, ...] = ()
-    stop_reason: str = ""
-    converged: bool = False
-
-    @property
-    def scale(self) -> int:
-        """Scale of the image pyramid: always the image itself."""
-        return 0
-
-    @property
-    def count(self) -> int:
-        """Number of points that the next step works on."""
-        return len(self.position)
-
-    @property
-    def position(self) -> Array:
-        """Points of the next step, shape (N, 2) [px]: of the boundary, then of the axis, none at the end."""
-        return np.zeros((0, 2)) if self.stop_reason else self.points
-
-    @property
-    def particles(self) -> Particles:
-        """The points as particles at rest; those of the axis have other identities than those of the boundary."""
-        first = 0 if self.axis is None or self.boundary is None else len(self.boundary.points)
-        return Particles.at_rest(self.position, first)
-
-    def arrays(self) -> list[NDArray[Any]]:
-        """The arrays that take up memory."""
-        parts = [vars(part).values() for part in (self.boundary, self.axis) if part is not None]
-        return [*itertools.chain(*parts), *(contour.points for contour in self.contours), *self.radii]
-
-    def resumed(self) -> SkeletonState:
-        """The same state as one of a running run, to continue with other parameters."""
-        return replace(self, stop_reason="", converged=False)
-
-
-class SkeletonMethod(ImageFields):
-    """The skeleton of the objects in an image: a `Method` of three steps for boundary, medial axis and pruning.
-
-    It needs no seeds and always uses the whole image, independent of the regions of interest.
-
-    Parameters
-    ----------
-    values : array_like, shape (H, W), or Image
-        Image.
-    parameters : Parameters, optional
-        For the fields that are prepared first; by default the preset "noisy".
-    regions : Regions, optional
-        Without effect.
-    pruning, outside
-        See `skeleton`.
-
-    Raises
-    ------
-    ValueError
-        For an unusable image or value.
-    """
-
-    name: ClassVar[str] = "skeleton"
-    title: ClassVar[str] = "Skeleton"
-    parameters: ClassVar[tuple[str, ...]] = tuple(
-        name for name, info in PARAMETERS.items() if info.invalidates in ("field", "contours") or name == "d_min"
-    )
-    seeded: ClassVar[bool] = False
-
-    def __init__(
-        self,
-        values: ArrayLike | Image,
-        parameters: Parameters | None = None,
-        regions: Regions | None = None,
-        *,
-        pruning: float = PRUNING,
-        outside: bool = False,
-    ) -> None:
-        if not (math.isfinite(pruning) and pruning >= 0.0):
-            raise ValueError(f"pruning is {pruning:g} but must be a number of pixels, 0 or more.")
-        super().__init__(values, replace(parameters or PRESETS["noisy"], scales=1))
-        self.regions = regions
-        self._pruning, self._outside = pruning, outside
-
-    @classmethod
-    def steering(cls, parameters: Parameters) -> tuple[object, ...]:
-        """Values that a step depends on; see `Method.steering`."""
-        return tuple(getattr(parameters, name) for name in cls.parameters)
-
-    def suits(self, parameters: Parameters) -> bool:
-        """Always true: the method works on the image at full size."""
-        return True
-
-    def with_regions(self, regions: Regions | None) -> Self:
-        """The same method; regions have no effect."""
-        other = copy(self)
-        other.regions = regions
-        return other
-
-    def start(self, seeds: ArrayLike = ()) -> SkeletonState:
-        """First state of a run; seeds have no effect."""
-        return SkeletonState()
-
-    def step(self, state: SkeletonState, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> SkeletonState:
-        """Find the boundary, then its medial axis, then the branches that remain after pruning.
-
-        Parameter values that differ from those of the last step start again with the boundary; charges have no effect.
-        The state of a run that has stopped is returned unchanged.
-        """
-        if state.stop_reason:
-            return state
-        steering, scale_field = self.steering(parameters), self.scale_field(parameters)
-        state = replace(state, step=state.step + 1)
-        if state.boundary is None or state.steering != steering:
-            boundary = find_boundary(scale_field, parameters)
-            return replace(state, steering=steering, boundary=boundary, axis=None, points=boundary.points)
-        if state.axis is None:
-            axis = self._axis(state.boundary, scale_field.smoothing)
-            points = axis.points[np.unique(axis.edges)]
-            return replace(state, axis=axis, points=points[inside_image(points, self.image.shape)])
-        low, high = np.full(2, -0.5), np.array(self.image.shape) - 0.5
-        axis = prune(state.axis, self._pruning).within(low, high)
-        branches = _branches(axis, state.boundary, scale_field.smoothing)
-        branches.sort(key=lambda branch: -branch[0].length)
-        contours, radii = tuple(contour for contour, _ in branches), tuple(radii for _, radii in branches)
-        reason = (
-            "the skeleton is found" if contours else "no edge encloses anything; smooth less or lower the edge floor"
-        )
-        return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
-
-    def result(self, state: SkeletonState, parameters: Parameters) -> Skeleton:
-        """The skeleton of a state; without branches until the first is found."""
-        image = self.image
-        return Skeleton(state.contours, state.radii, image.shape, image.spacing, image.unit, image.source)
-
-    def measures(self, state: SkeletonState, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
-        """Metrics of a state by name; see `Method.measures`."""
-        length = sum(contour.length for contour in state.contours)
-        return {"count": state.count, "scale": 0.0, "branches": len(state.contours), "length": length}
-
-    def positions(self, state: SkeletonState) -> Array:
-        """Points of the next step, shape (N, 2) [px]."""
-        return state.position
-
-    def _axis(self, boundary: Boundary, smoothing: float) -> Axis:
-        """Medial axis of a boundary, only in objects unless the background is included."""
-        axis = medial_axis(boundary, self.image.shape)
-        if self._outside:
-            return axis
-        return axis.only(axis.edges[within_objects(axis, boundary, self.image.values, smoothing)])
-
-
-def skeleton(
-    values: ArrayLike | Image,
-    params: Parameters | None = None,
-    *,
-    pruning: float = PRUNING,
-    outside: bool = False,
-) -> Skeleton:
-    """Find the skeleton of the objects in a binary or gray image, from which they can be rebuilt.
-
-    The skeleton is the medial axis: the positions with more than one nearest point on the boundary. The boundary is the
-    ridge of the edge map, found with the subpixel accuracy of the contours of a run. Contours come from the Delaunay
-    triangulation of points on the boundary, by the crust; the edges of its dual, the Voronoi diagram, that do not cross
-    a contour are the medial axis (`cpm_core.medial_axis`). It is then shortened from its tips (`pruning`).
-
-    Parameters
-    ----------
-    values : array_like, shape (H, W), or Image
-        Image. Objects are regions within edges that differ from the image border in gray level, brighter or darker; in
-        a gray image an object may lie in another. The image border is no edge: an object continues beyond it, and
-        one whose center line lies outside has no skeleton in the image.
-    params : Parameters, optional
-        For `smoothing`, `edge_floor`, `min_strength` and `min_length`, which define the edges; by default the preset
-        "noisy", which chooses the smoothing from the image's noise.
-    pruning : float, optional
-        How far a part of the shape may extend beyond the disks of the rest for its branch to be left out [px]. A larger
-        value leaves fewer and shorter branches, and a rounder shape; connected parts stay connected. At the default of
-        one pixel neither the steps of a binary image nor moderate noise cause short branches (at 0.25 they do).
-    outside : bool, optional
-        Whether to include the skeleton of the background.
-
-    Returns
-    -------
-    Skeleton
-        Branches with radii; without any branch if no edge encloses anything.
-
-    Raises
-    ------
-    ValueError
-        For an unusable image or value; the message says what to do.
-    """
-    chosen = params or PRESETS["noisy"]
-    method = SkeletonMethod(values, chosen, pruning=pruning, outside=outside)
-    state = method.start()
-    while not state.stop_reason:
-        state = method.step(state, chosen)
-    return method.result(state, chosen)
-
-
-def _branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:
+def branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:
     """Branches of an axis, and their radii."""
     graph = Graph(axis.points, axis.edges)
     ways = graph.ways()

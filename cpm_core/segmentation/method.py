@@ -17,7 +17,8 @@ from cpm_core.dynamics.forces import Forces
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
-from cpm_core.medial_axis.skeleton import Skeleton, SkeletonMethod
+from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.medial_axis.skeleton_method import SkeletonMethod
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import Particles

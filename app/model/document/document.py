@@ -15,7 +15,8 @@ from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
-from cpm_core.objects.segmented.segmented_object import SegmentedObjects
+from cpm_core.medial_axis.outlines import Outlined
+from cpm_core.objects.segmented.segmented_object import Line, SegmentedObjects
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.shapes import Points, Region, Shape, Start
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
@@ -68,6 +69,8 @@ class Document:
         Edits of the contours by hand, in the order in which they were made.
     objects : SegmentedObjects
         The objects that have been selected, and the selection that is being made.
+    outlined : Outlined
+        What has a skeleton, in the mode of skeletons, in place of what is found in the image.
     """
 
     image: ImageReference | None = None
@@ -78,6 +81,7 @@ class Document:
     mode: Mode = "shape"
     hand_edits: tuple[HandEdit, ...] = ()
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
+    outlined: Outlined = field(default_factory=Outlined)
 
     @property
     def starts(self) -> tuple[Start, ...]:
@@ -103,6 +107,13 @@ class Document:
     def regions(self) -> Regions | None:
         """Regions of interest and barriers, boundaries of frozen objects among them; None if there are none."""
         return regions_of(self.shapes, self.objects.barriers)
+
+    @property
+    def outlines(self) -> tuple[Line, ...]:
+        """Closed lines that have a skeleton: the boundaries of objects as they are now, and closed contours."""
+        chosen = self.outlined.objects
+        lines = [line for item in self.objects.items if item.number in chosen for line in item.boundary]
+        return (*lines, *self.outlined.contours)
 
     def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> NDArray[np.float64]:
         """Seeds of the starts, shape (N, 2) [px of the image], given those of each of `image_starts`.

@@ -8,7 +8,9 @@ from types import MappingProxyType
 from typing import cast
 
 from app.model.document.document import Document, Mode
+from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
+from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.method import METHODS
 from cpm_core.shapes import Everywhere, Limit, Shape
@@ -74,6 +76,11 @@ def needs_start(mode: Mode) -> bool:
     return METHODS[MODES[mode].method].seeded
 
 
+def acting_in(mode: Mode) -> frozenset[str]:
+    """Names of the controls that have an effect in a mode."""
+    return frozenset(RATIO if name == "w1" else name for name in METHODS[MODES[mode].method].parameters)
+
+
 def mode_called(name: object) -> Mode:
     """The mode of this name; the first one if there is none."""
     return cast("Mode", name) if name in MODES else "shape"
@@ -86,7 +93,14 @@ def use_mode(document: Document, mode: Mode) -> Document:
     no start, keep all shapes.
     """
     parameters = PRESETS[MODES[mode].preset]
-    return replace(document, mode=mode, shapes=starting(mode, document.shapes), parameters=parameters)
+    shapes = starting(mode, document.shapes)
+    return replace(document, mode=mode, shapes=shapes, parameters=parameters, outlined=Outlined())
+
+
+def use_skeleton(document: Document, outlined: Outlined) -> Document:
+    """The document in the mode of skeletons, for those of objects and contours, or of the image if there are none."""
+    there = document if document.mode == "skeleton" else use_mode(document, "skeleton")
+    return replace(there, outlined=outlined)
 
 
 def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:

@@ -28,6 +28,7 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
         mode=document.mode,
         hand_edits=document.hand_edits,
         objects=document.objects,
+        outlined=document.outlined,
         view=view,
         notes=(),
     )
@@ -45,4 +46,5 @@ def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -
         mode,
         hand_edits=file.hand_edits,
         objects=file.objects,
+        outlined=file.outlined,
     )

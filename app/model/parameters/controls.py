@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 from app.model.text.language import tr
 from app.model.text.wording import WORDS, Wording, rich
-from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 
 RATIO = "ratio"
 HIGHEST_RATIO = 0.99
@@ -44,6 +46,8 @@ class Control:
         Whether it takes only whole numbers.
     moves : bool
         Whether it only changes how particles move.
+    words : tuple of (float, str)
+        Words for some of its values, shown in their place.
     """
 
     name: str
@@ -64,6 +68,7 @@ class Control:
     automatic: bool = False
     whole: bool = False
     moves: bool = False
+    words: tuple[tuple[float, str], ...] = ()
 
     @property
     def intuitive(self) -> str:
@@ -107,6 +112,14 @@ class Control:
         """Symbol, equation, range and default in one line."""
         return " · ".join(part for part in (self.symbol, self.equation, self.span) if part)
 
+
+_WORDS: Mapping[str, tuple[tuple[float, str], ...]] = MappingProxyType(
+    {
+        "polarity": ((-1.0, tr("dark")), (0.0, tr("auto")), (1.0, tr("light"))),
+        "max_width": ((0.0, tr("auto")),),
+    }
+)
+"""Words for values by the names of their controls."""
 
 _ACTS = {
     "contours": tr("Acts at once, on particles at rest too."),
@@ -173,10 +186,11 @@ def _from_core(name: str) -> Control:
         more=tr(info.more),
         equation=tr(info.equation) if info.equation else "",
         advanced=info.advanced,
-        acts=_ACTS[info.invalidates],
+        acts=tr("Acts at once.") if name in OF_SKELETONS else _ACTS[info.invalidates],
         automatic=name == "smoothing",
         whole=name == "scales",
         moves=info.invalidates == "nothing",
+        words=_WORDS.get(name, ()),
     )
 
 

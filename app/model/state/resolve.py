@@ -25,7 +25,7 @@ class Resolved:
 
     `run_text`, `undo_text` and `redo_text` are texts of actions; `running` is whether Run is shown as Pause. `state` is
     one sentence on the state of the run, `hint` one on the next thing to do, or empty. `numbers` are label, value and
-    explanation of each line of the status panel.
+    explanation of each line of the status panel. `particles` is whether the mode has particles that move.
     """
 
     title: str
@@ -36,6 +36,7 @@ class Resolved:
     state: str
     hint: str
     numbers: tuple[tuple[str, str, str], ...]
+    particles: bool
 
 
 def resolve(situation: Situation) -> Resolved:
@@ -49,7 +50,8 @@ def resolve(situation: Situation) -> Resolved:
         running=status.phase == "running",
         state=_state(situation),
         hint=_hint(situation),
-        numbers=_numbers(status),
+        numbers=_numbers(status) if needs_start(document.mode) else _numbers_of_skeleton(status),
+        particles=needs_start(document.mode),
     )
 
 
@@ -183,6 +185,31 @@ def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
             tr("Gaps in contours that were closed where the edge shows through faintly."),
         ),
     )
+
+
+def _numbers_of_skeleton(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
+    found = status.method == "skeleton" and status.closed + status.open > 0
+
+    def shown(value: str) -> str:
+        return value if found else "–"
+
+    branches, length = f"{status.closed + status.open:,}", f"{status.length:,.0f} px"
+    return (
+        (tr("Branches"), shown(branches), tr("Center lines between tips and forks.")),
+        (tr("Length"), shown(length), tr("Length of all branches together.")),
+        (
+            tr("Thickness"),
+            shown(f"{status.thickness:.1f} px"),
+            tr("Thickness that 95 % of the length stays below."),
+        ),
+        (tr("Skeleton of"), shown(skeleton_of(status.polarity, status.width)), tr("What has a skeleton in the image.")),
+    )
+
+
+def skeleton_of(polarity: int, width: float) -> str:
+    """What a skeleton of this polarity and largest width [px] is of, in words."""
+    what = {-1: tr("what is dark"), 1: tr("what is light")}.get(polarity, tr("all objects"))
+    return tr("{what}, up to {width} px wide").format(what=what, width=f"{width:.0f}") if width else what
 
 
 def _bridged(status: RunStatus) -> str:

@@ -43,6 +43,11 @@ class RunStatus:
         Gaps in contours that were bridged.
     longest_bridge : float
         Length of the longest of them [px].
+    length, thickness, width : float
+        Of a skeleton: its length, the thickness that most of it stays below, the largest width that counted, 0 for any
+        [px].
+    polarity : int
+        Of a skeleton: -1 if it is of what is dark, 1 of what is light, 0 of both.
     """
 
     phase: Phase = "empty"
@@ -62,6 +67,10 @@ class RunStatus:
     open: int = 0
     bridges: int = 0
     longest_bridge: float = 0.0
+    length: float = 0.0
+    thickness: float = 0.0
+    width: float = 0.0
+    polarity: int = 0
 
     @property
     def started(self) -> bool:

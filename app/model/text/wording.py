@@ -63,6 +63,12 @@ WORDS: Mapping[str, Words] = MappingProxyType(
             law="|<i>m</i>₁ − <i>m</i>₂| / (|<i>m</i>₁ − <i>m</i>₂| + <i>s</i>) ≥ <i>c</i><sub>min</sub>")),
         "min_length": Words(tr("Drop short contours"), tr("kept where {law}").format(
             law="<i>l</i> ≥ <i>l</i><sub>min</sub>")),
+        "polarity": Words(tr("Dark or light"), tr("kept where {law} on both sides").format(
+            law="<i>p</i> · (∇<i>I</i> · <i>n</i>) &lt; 0")),
+        "max_width": Words(tr("Leave out what is wider"), tr("kept where {law}").format(
+            law="2 <i>r</i> ≤ <i>w</i><sub>max</sub>")),
+        "pruning": Words(tr("Cut short branches"), tr("cut back where {law}").format(
+            law="<i>d</i> + <i>r</i>₁ − <i>r</i>₂ ≤ <i>ρ</i>")),
     }
 )  # fmt: skip
 """By the names of the controls."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject
 
 from app.model.document.document import Document
+from app.model.state.resolve import skeleton_of
 from app.model.text.language import tr
 from app.session.session import Session
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -12,14 +13,15 @@ from cpm_core.parameters import Parameters
 
 
 class Skeletons(QObject):
-    """Resumes a skeleton run that has ended when a parameter changes, which takes only three steps."""
+    """Finds the skeleton again, in three steps at most, when a parameter changes, or what it is of."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
         self._parameters: Parameters | None = None
         self._changed = False
-        self._described = False
+        self._of: tuple[object, ...] = ()
+        self._described: Skeleton | None = None
         session.document_changed.connect(self._use_document)
         session.status_changed.connect(self._follow)
         session.scene_changed.connect(self._describe)
@@ -28,24 +30,37 @@ class Skeletons(QObject):
         if document.parameters is not self._parameters:
             self._changed = document.mode == "skeleton"
             self._parameters = document.parameters
+        regions = document.regions
+        of = (document.outlines, regions.interest if regions is not None else ())
+        before, self._of = self._of, of
+        status = self._session.status
+        if before != of and document.mode == "skeleton" and status.method == "skeleton" and status.started:
+            self._session.reset()
+            self._session.run()
 
     def _follow(self) -> None:
-        if not self._changed or self._session.scene.skeleton is None:
+        if not self._changed:
             return
         status = self._session.status
-        if status.phase == "finished" and not status.stale:
+        if status.method == "skeleton" and status.phase == "finished" and not status.stale:
             self._changed = False
             if status.steered:
                 self._session.run()
 
     def _describe(self) -> None:
         found = self._session.scene.skeleton
-        if found is not None and not self._described:
+        if found is not None and found is not self._described:
             self._session.say(_description(found))
-        self._described = found is not None
+        self._described = found
 
 
 def _description(found: Skeleton) -> str:
-    thickest = max(float(radii.max()) for radii in found.radii)
-    message = tr("Skeleton: {branches} branches, {length} px long together, up to {thick} px thick.")
-    return message.format(branches=len(found.contours), length=f"{found.length:,.0f}", thick=f"{2 * thickest:.1f}")
+    message = tr(
+        "Skeleton of {what}: {branches} branches, {length} px long together; 95 % of it is at most {thick} px thick."
+    )
+    return message.format(
+        what=skeleton_of(found.polarity, found.width),
+        branches=len(found.contours),
+        length=f"{found.length:,.0f}",
+        thick=f"{found.thickness:.1f}",
+    )

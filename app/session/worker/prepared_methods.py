@@ -9,8 +9,10 @@ import numpy as np
 
 from app.model.document.document import Document
 from app.model.document.modes import MODES
+from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.medial_axis.skeleton_method import SkeletonMethod
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import METHODS, Method
@@ -37,7 +39,7 @@ class PreparedMethods:
         self._ready[method.name] = method
 
     def method(self, document: Document) -> Method[Any]:
-        """The method of a document's mode, in its regions."""
+        """The method of a document's mode, in its regions, and for the outlines that it has a skeleton of."""
         assert self._image is not None
         name = MODES[document.mode].method
         method = self._ready.get(name)
@@ -46,6 +48,8 @@ class PreparedMethods:
         elif method.regions != document.regions:
             method = method.with_regions(document.regions)
         self.keep(method)
+        if isinstance(method, SkeletonMethod) and document.outlines:
+            return method.of_outlines([Contour(np.array(line), closed=True) for line in document.outlines])
         return method
 
     def seeds(self, document: Document) -> Array:

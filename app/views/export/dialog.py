@@ -27,7 +27,7 @@ from app.session.tasks.tasks import Task
 from app.views.export.fields import FileFields, FormatField, PixelSizeField
 from app.views.export.preview import Preview
 from cpm_core.contours.result import Result
-from cpm_core.formats import OUTLINABLE
+from cpm_core.formats import FOR_SKELETONS, OUTLINABLE, WRITABLE
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.reconstruction.curve.closing import can_be_closed
 
@@ -53,15 +53,16 @@ class ExportDialog(QDialog):
     def __init__(self, parent: QWidget, session: Session, selected: frozenset[int], place: Path, suffix: str) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setWindowTitle(tr("Export contours"))
         self._session = session
         self._selected = selected
         self._task: Task | None = None
         image = session.image
         assert image is not None and session.document.image is not None
         self._whole = session.scene.contours.result or getattr(session.scene.reconstruction, "result", None)
+        self.setWindowTitle(tr("Export skeleton") if isinstance(self._whole, Skeleton) else tr("Export contours"))
         self.sources = {source.name: QRadioButton(source.title) for source in SOURCES}
-        self.format = FormatField()
+        skeleton = isinstance(self._whole, Skeleton)
+        self.format = FormatField(FOR_SKELETONS if skeleton else WRITABLE)
         self.drawn = {"filled": QRadioButton(tr("Filled")), "outlines": QRadioButton(tr("Outlines"))}
         self.closing = QComboBox()
         self.pixel_size = PixelSizeField(image.spacing, image.unit)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from pathlib import Path
 
 from PySide6.QtCore import Qt, Signal
@@ -19,20 +20,22 @@ from PySide6.QtWidgets import (
 
 from app.model.export.formats import formats, listed
 from app.model.text.language import tr
-from cpm_core.formats import check_export, suffix_of
+from cpm_core.formats import WRITABLE, check_export, suffix_of
 
 _UNITS = ("nm", "µm", "mm", "cm", "m")
 
 
 class FormatField(QComboBox):
-    """All formats in groups; its data are suffixes."""
+    """The formats with some suffixes in groups; its data are suffixes."""
 
-    def __init__(self) -> None:
+    def __init__(self, suffixes: Container[str] = WRITABLE) -> None:
         super().__init__()
         self.setAccessibleName(tr("Format"))
         self.setMaxVisibleItems(24)
         group = ""
         for one in formats():
+            if one.suffix not in suffixes:
+                continue
             if one.group != group:
                 group = one.group
                 self.addItem(group)

@@ -6,6 +6,7 @@ from app.views.features.contours.contours import ContoursFeature
 from app.views.features.contours.hand_editing import HandEditingFeature
 from app.views.features.contours.learning import LearningFeature
 from app.views.features.contours.objects import ObjectsFeature
+from app.views.features.contours.skeletons import SkeletonsFeature
 from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
@@ -43,6 +44,7 @@ FEATURES: tuple[type[Feature], ...] = (
     HandEditingFeature,
     TruthFeature,
     ObjectsFeature,
+    SkeletonsFeature,
     MosaicFeature,
     HistoryFeature,
     LayersFeature,

@@ -65,11 +65,12 @@ _ARTERY = Page(
              "artery_end.jpg"),
         Step(tr("Choose {mode_skeleton} and run again: the centerline of the vessel is found, colored from thin (blue) "
                 "to thick (yellow). The narrow part is visible below the second branch."), "artery_skeleton.jpg"),
-        Step(tr("{export_skeleton}, as a table (CSV): for each point of the centerline it lists the distance to the "
+        Step(tr("{export}, as a table (CSV): for each point of the centerline it lists the distance to the "
                 "wall, which is half the width of the vessel.")),
     ),
     (tr("For your own image: choose the tool for strokes, draw a short line inside the vessel, and run. If faint "
-        "branches are missing, lower {=smoothing}; if noise is found as well, raise it."),),
+        "branches are missing, lower {=smoothing}; if noise is found as well, raise it. In the mode Skeleton, set "
+        "{=polarity} and {=max_width} if something else is found than vessels; {=pruning} leaves out side branches."),),
     "artery.png",
 )  # fmt: skip
 

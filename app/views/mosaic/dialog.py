@@ -34,6 +34,7 @@ from app.model.display.mosaic import (
     sensible_values,
 )
 from app.model.document.document import NOTHING_TO_START_FROM
+from app.model.document.modes import acting_in
 from app.model.parameters.controls import Control, controls
 from app.model.state.time_left import in_words
 from app.model.text.language import tr
@@ -58,7 +59,7 @@ class MosaicDialog(QDialog):
         self._sweep = sweep
         self._picture = Picture(display, crop)
         self._plan: Plan | None = None
-        offered = controls()
+        offered = tuple(control for control in controls() if control.name in acting_in("shape"))
         self.down = AxisRow(tr("Rows"), offered, FIRST_AXES[0])
         self.across = AxisRow(tr("Columns"), offered, FIRST_AXES[1])
         self.count = QComboBox()

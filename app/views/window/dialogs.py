@@ -8,7 +8,7 @@ from typing import Literal
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from app.model.text.language import tr
-from cpm_core.formats import READABLE, WRITABLE
+from cpm_core.formats import READABLE
 from cpm_core.formats.sessions.session_file import SUFFIX
 
 Answer = Literal["save", "discard", "cancel"]
@@ -32,15 +32,6 @@ def ask_where_to_save(parent: QWidget, suggestion: str) -> str:
     kind = tr("Sessions ({patterns})").format(patterns=f"*{SUFFIX}")
     chosen, _ = QFileDialog.getSaveFileName(parent, tr("Save session"), suggestion, kind)
     return chosen + SUFFIX if chosen and Path(chosen).suffix.lower() != SUFFIX else chosen
-
-
-def ask_for_export(parent: QWidget, suggestion: str) -> str:
-    """Path to export contours to, empty when the user cancels; a missing suffix is added."""
-    filters = {f"{tr(text)} (*{suffix})": suffix for suffix, text in WRITABLE.items()}
-    chosen, used = QFileDialog.getSaveFileName(parent, tr("Export contours"), suggestion, ";;".join(filters))
-    if chosen and not Path(chosen).suffix:
-        chosen += filters.get(used, next(iter(WRITABLE)))
-    return chosen
 
 
 def ask_about_unsaved(parent: QWidget, name: str) -> Answer:

@@ -14,7 +14,8 @@ from cpm_core.cli.figures.scenes import blurred, closed, grain, paint, texture
 from cpm_core.cli.figures.silhouettes import SIDE, hand
 from cpm_core.contours.agreement import agreement
 from cpm_core.contours.contour import Contour
-from cpm_core.medial_axis.skeleton import Skeleton, skeleton
+from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.numerics.types import Array
 
 _SIZE = (SIDE, SIDE)

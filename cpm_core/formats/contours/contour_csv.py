@@ -6,6 +6,8 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from cpm_core.contours.contour import numbers_of
 from cpm_core.contours.measurements import labels_of, measure
 from cpm_core.contours.result import Result
@@ -68,7 +70,8 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     it in), ``length_px``, ``area_px2`` (0 when open), the same in the unit of the image where it is known, and where
     any was edited by hand, ``by_hand_px`` (the length drawn by hand). Where contours are boundaries of objects,
     also ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE), ``net_area_px2`` (without the holes in it, 0 for
-    a hole), the same in the unit, and ``bridged_px`` (length without an edge that was found).
+    a hole), the same in the unit, and ``bridged_px`` (length without an edge that was found). For a skeleton also
+    ``thickness_min_px``, ``thickness_median_px`` and ``thickness_max_px``.
     """
     header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
     header += ["length_px", "area_px2", *_in_unit(result, "length_{}", "area_{}2")]
@@ -91,6 +94,10 @@ def encode_measures(result: Result | Skeleton) -> bytes:
             line += [f"{row.net_area_in_units:.7g}"] if result.unit else []
             line.append(f"{contour.bridged:.4f}")
         lines.append(line)
+    if isinstance(result, Skeleton):
+        header += ["thickness_min_px", "thickness_median_px", "thickness_max_px"]
+        for line, radii in zip(lines, result.radii, strict=True):
+            line += [f"{2.0 * of(radii):.4f}" for of in (np.min, np.median, np.max)]
     return _table(header, lines)
 
 

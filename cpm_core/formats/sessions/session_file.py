@@ -27,6 +27,7 @@ from cpm_core.formats.sessions.plain_values import (
     to_plain,
 )
 from cpm_core.formats.sessions.session_json import MARK, VERSION, Plain, parsed, text_of
+from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Shape
@@ -34,7 +35,19 @@ from cpm_core.shapes import Shape
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
-_KNOWN = (MARK, "image", "shapes", "parameters", "marks", "learning", "mode", "objects", "view", "hand_edits")
+_KNOWN = (
+    MARK,
+    "image",
+    "shapes",
+    "parameters",
+    "marks",
+    "learning",
+    "mode",
+    "objects",
+    "outlined",
+    "view",
+    "hand_edits",
+)
 _LARGEST = 64 * 2**20
 _LARGEST_SIDE = 10**6
 
@@ -81,6 +94,8 @@ class SessionFile:
         Mode of the window; empty for the default.
     objects : SegmentedObjects
         The objects that have been selected, with their classes.
+    outlined : Outlined
+        What has a skeleton in place of what is found in the image.
     view : mapping
         View of the window, as plain JSON; without effect on a run.
     extra : mapping
@@ -98,6 +113,7 @@ class SessionFile:
     learning: bool = False
     mode: str = ""
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
+    outlined: Outlined = field(default_factory=Outlined)
     view: Plain = field(default_factory=dict)
     extra: Plain = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -148,6 +164,7 @@ def encode(session: SessionFile, folder: Path) -> bytes:
         plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
     plain["mode"] = session.mode
     plain["objects"] = to_plain(session.objects)
+    plain["outlined"] = to_plain(session.outlined)
     plain["view"] = dict(session.view)
     plain.update(session.extra)
     return text_of(plain).encode()
@@ -199,6 +216,7 @@ def decode(content: bytes, name: str) -> SessionFile:
             learning=_truth_of(plain.get("learning", False), "learning"),
             mode=_text_of(plain.get("mode", ""), "mode"),
             objects=from_plain(SegmentedObjects, plain.get("objects", {}), "objects"),
+            outlined=from_plain(Outlined, plain.get("outlined", {}), "outlined"),
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
             notes=(left_out,) if unknown else (),

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QToolButton
+from PySide6.QtWidgets import QLabel, QToolButton
 
 from app.model.document import edits
 from app.model.document.document import Document, ImageReference
 from app.model.document.modes import MODES, mode_called, use_mode
+from app.model.document.saving import restored, to_file
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step
 from app.model.state.status import RunStatus
 from app.session.worker.commands.timeline import Seek
 from app.views.canvas.layers.contours.skeleton import by_thickness, disks
-from app.views.features.edit import modes as modes_part
-from cpm_core.formats import encoded
+from app.views.features.file.export import ExportFeature
+from cpm_core.formats import FOR_SKELETONS, encoded
+from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.parameters import PRESETS
-from cpm_core.shapes import Barrier, Circle, Everywhere
+from cpm_core.shapes import Barrier, Circle, Everywhere, Region
 
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
 CIRCLE, BARRIER = Circle((32.0, 32.0), 10.0), Barrier(((1.0, 2.0), (3.0, 4.0)))
@@ -94,23 +97,30 @@ def test_the_mode_stays_when_another_image_is_opened(window, hand, image_file) -
     assert window.session.document.starts == (Everywhere("grid"),)
 
 
-def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, monkeypatch, tmp_path) -> None:
+def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path) -> None:
     session, layer = window.session, window.canvas_area.canvas.layers["skeleton"]
     hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
-    assert not window.actions_by_name["export_skeleton"].isEnabled()
+    assert not window.actions_by_name["export"].isEnabled()
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     first = session.scene.skeleton
     assert (session.status.phase, session.status.method, session.status.step) == ("finished", "skeleton", 3)
-    assert "Skeleton:" in window.canvas_area.messages.text
+    assert "Skeleton of" in window.canvas_area.messages.text
     # The medial axis of a disc of radius 18 is its center.
     middle, radius = first.contours[0].points, first.radii[0]
     assert np.hypot(*(middle - 32.0).T).max() < 2.0
     assert radius.max() == pytest.approx(18.0, abs=1.0)
     assert layer.counts[1] >= 1
     path = tmp_path / "middle.csv"
-    monkeypatch.setattr(modes_part, "ask_for_export", lambda parent, suggestion: str(path))
-    window.actions_by_name["export_skeleton"].trigger()
+    window.actions_by_name["export"].trigger()
+    dialog = window.feature(ExportFeature).dialog
+    assert dialog is not None
+    assert {dialog.format.itemData(at) for at in range(dialog.format.count())} - {None} == set(FOR_SKELETONS)
+    assert dialog.file.name.text().endswith("_skeleton.svg")
+    dialog.file.folder.setText(str(tmp_path))
+    dialog.file.name.selectAll()
+    hand.qtbot.keyClicks(dialog.file.name, path.name)
+    hand.qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
     hand.wait(path.exists)
     assert path.read_bytes() == encoded(first, ".csv")
     session.edit("change of smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
@@ -188,3 +198,102 @@ def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, 
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.status.phase == "finished" and session.idle)
     assert (session.status.method, session.status.closed) == ("cpm", 1)
+
+
+def find_skeleton(window, hand):
+    """Find the skeleton by keys."""
+    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: window.session.scene.skeleton is not None and window.session.idle)
+    return window.session.scene.skeleton
+
+
+def test_sliders_of_the_skeleton_act_without_a_new_run_and_are_undone(window, hand) -> None:
+    rows = window.panels["parameters"].rows
+    assert not rows["pruning"].isVisibleTo(window)
+    first = find_skeleton(window, hand)
+    for name in ("polarity", "max_width", "pruning"):
+        assert rows[name].isVisibleTo(window.panels["parameters"])
+    assert not any(rows[name].isVisibleTo(window.panels["parameters"]) for name in ("beta", "ratio", "annealing"))
+    assert (rows["polarity"].number.text(), rows["max_width"].number.text()) == ("auto", "auto")
+    session = window.session
+    rows["pruning"].slider.setFocus()
+    hand.qtbot.keyClick(rows["pruning"].slider, Qt.Key.Key_PageUp)
+    hand.wait(lambda: session.scene.skeleton is not first and session.idle)
+    assert session.document.parameters.pruning > 1.0
+    assert session.status.step == 4  # of boundary and axis nothing is found again
+    hand.qtbot.keyClick(rows["polarity"].slider, Qt.Key.Key_Home)
+    hand.wait(lambda: session.status.phase == "finished" and session.idle)
+    assert (rows["polarity"].number.text(), session.document.parameters.polarity) == ("dark", -1.0)
+    assert session.scene.skeleton is None  # the disc is light
+    session.undo()
+    hand.wait(lambda: session.scene.skeleton is not None and session.idle)
+    session.undo()
+    assert session.document.parameters == PRESETS["noisy"]
+
+
+def test_only_what_matters_for_a_skeleton_is_shown(window, hand) -> None:
+    panel = window.panels["run"]
+    assert panel.plot.isVisibleTo(panel)
+    find_skeleton(window, hand)
+    assert not panel.plot.isVisibleTo(panel)
+    assert panel.status.value("Branches") == "1"
+    assert panel.status.value("Thickness") == f"{window.session.scene.skeleton.thickness:.1f} px"
+    assert panel.status.value("Skeleton of") == "what is light"
+    names = [label.text() for label in panel.status.findChildren(QLabel) if label.isVisibleTo(panel)]
+    assert "Branches" in names
+    assert not {"Particles", "ε", "Scale"} & set(names)
+    assert window.actions_by_name["export"].isEnabled()
+    assert "skeleton" in window.actions_by_name["export"].text()
+    hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
+    hand.wait(lambda: panel.plot.isVisibleTo(panel))
+    names = [label.text() for label in panel.status.findChildren(QLabel) if label.isVisibleTo(panel)]
+    assert {"Particles", "ε", "Scale"} <= set(names)
+
+
+def test_closed_contours_have_a_skeleton_of_their_own_until_the_image_is_asked_for(ready, hand) -> None:
+    session = ready.session
+    assert not ready.actions_by_name["contour_skeleton"].isEnabled()
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    ready.actions_by_name["contour_skeleton"].trigger()
+    hand.wait(lambda: session.scene.skeleton is not None and session.idle)
+    assert len(session.document.outlined.contours) == 1
+    radius = session.scene.skeleton.radii[0].max()
+    outline = np.array(session.document.outlines[0])
+    middle = session.scene.skeleton.contours[0].points[0]
+    assert radius == pytest.approx(np.hypot(*(outline - middle).T).min(), abs=0.1)
+    ready.actions_by_name["image_skeleton"].trigger()
+    hand.wait(lambda: session.scene.skeleton is not None and session.idle and not session.document.outlines)
+    assert not ready.actions_by_name["image_skeleton"].isEnabled()
+    session.undo()
+    assert len(session.document.outlines) == 1
+
+
+def test_a_region_of_interest_limits_the_skeleton_at_once(window, hand) -> None:
+    session = window.session
+    find_skeleton(window, hand)
+    outside = Region(((2.0, 2.0), (2.0, 50.0), (24.0, 50.0), (24.0, 2.0)))
+    session.edit("a region", lambda document: edits.add_shape(document, outside))
+    hand.wait(lambda: session.status.phase == "finished" and session.idle)
+    found = session.scene.skeleton
+    assert found is None or all(contour.points[:, 0].max() <= 24.0 for contour in found.contours)
+
+
+def test_objects_have_a_skeleton_of_their_own_that_follows_them(window, hand) -> None:
+    session = window.session
+    boundary = ((20.0, 10.0), (20.0, 54.0), (30.0, 54.0), (30.0, 10.0))
+    item = SegmentedObject(1, (Click(((25.0, 30.0),)),), (boundary,))
+    with_it = SegmentedObjects((item,))
+    session.edit("an object", lambda document: replace(document, objects=with_it))
+    window.workspace.object_list.choose([1])
+    window.actions_by_name["object_skeleton"].trigger()
+    hand.wait(lambda: session.scene.skeleton is not None and session.idle)
+    first = session.scene.skeleton
+    assert np.concatenate(first.radii).max() == pytest.approx(5.0, abs=0.1)
+    larger = replace(item, boundary=(tuple((row * 1.2, col) for row, col in boundary),))
+    session.edit("larger", lambda document: replace(document, objects=SegmentedObjects((larger,))))
+    hand.wait(lambda: session.scene.skeleton not in (None, first) and session.idle)
+    assert np.concatenate(session.scene.skeleton.radii).max() == pytest.approx(6.0, abs=0.1)
+    assert restored(to_file(session.document, {}), IMAGE, PRESETS["noisy"]).outlined == session.document.outlined

@@ -37,7 +37,11 @@ def test_the_skeleton_is_told_as_json(image, command):
     status, out, err = command("skeleton", image, "--json")
     facts = json.loads(out)
     assert (status, err) == (0, "")
-    assert list(facts) == ["contours", "closed", "length", "largest_radius", "seconds"]
+    assert list(facts) == [
+        "contours", "closed", "length", "thickness", "largest_radius", "of", "max_width", "seconds"
+    ]  # fmt: skip
+    assert (facts["of"], facts["max_width"]) == ("light", 0.0)
+    assert facts["thickness"] == pytest.approx(20.0, abs=0.2)
     assert (facts["contours"], facts["closed"]) == (5, 0)
     assert facts["largest_radius"] == pytest.approx(10.0, abs=0.1)
     assert facts["seconds"] > 0
@@ -46,7 +50,7 @@ def test_the_skeleton_is_told_as_json(image, command):
 def test_a_person_is_told_what_was_found_and_written(image, command, tmp_path):
     status, out, _ = command("skeleton", image, "--export", tmp_path / "a.svg")
     assert status == 0
-    assert out.startswith("bar.png: skeleton of 5 lines (0 closed)")
+    assert out.startswith("bar.png: skeleton of what is light of 5 lines (0 closed), thickness up to ")
     assert f"Wrote {tmp_path / 'a.svg'}\n" in out
 
 
@@ -77,12 +81,24 @@ def test_flags_lead_to_parameters_and_without_them_the_smoothing_is_automatic(im
     monkeypatch.setattr(skeleton_command, "skeleton", skeleton)
     command("skeleton", image)
     flags = ("--smoothing", 2.5, "--edge-floor", 0.2, "--min-strength", 3, "--min-length", 9, "--outside")
+    flags += ("--of", "dark", "--max-width", 12, "--pruning", 2)
     command("skeleton", image, *flags)
     (default, options), (given, chosen) = seen
     assert default.smoothing == "auto"
-    assert options == {"pruning": 1.0, "outside": False}
-    assert chosen == {"pruning": 1.0, "outside": True}
+    assert (default.pruning, default.max_width) == (1.0, 0.0)
+    assert options == {"of": "auto", "within": None, "outside": False}
+    assert chosen == {"of": "dark", "within": None, "outside": True}
+    assert (given.pruning, given.max_width) == (2, 12)
     assert (given.smoothing, given.edge_floor, given.min_strength, given.min_length) == (2.5, 0.2, 3, 9)
+
+
+def test_a_mask_says_which_objects(image, command, tmp_path):
+    values = load_image(image).values > 127.0
+    values[:, 50:] = False
+    PIL.Image.fromarray(values.astype(np.uint8) * 255).save(tmp_path / "mask.png")
+    facts = json.loads(command("skeleton", image, "--within", tmp_path / "mask.png", "--pruning", 6, "--json")[1])
+    assert facts["length"] == pytest.approx(10.0, abs=6.0)  # of half the bar, 30 by 20 px, from fork to fork
+    assert facts["largest_radius"] == pytest.approx(10.0, abs=0.6)
 
 
 BAD = [

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 import cpm_core as cpm
 from cpm_core.formats.masks.labels import paint_branches
-from cpm_core.medial_axis.skeleton import SkeletonMethod
+from cpm_core.medial_axis.skeleton_method import SkeletonMethod
 
 from .. import scenes
 
@@ -319,7 +319,7 @@ def test_unusable_values_are_refused_in_one_sentence(values, sentence):
 
 @pytest.mark.parametrize("pruning", [-0.1, np.nan, np.inf])
 def test_pruning_must_be_a_length(pruning):
-    with pytest.raises(ValueError, match=r"pruning is .* 0 or more"):
+    with pytest.raises(ValueError, match=r"pruning is .* from 0 to 1000"):
         cpm.skeleton(np.eye(30), pruning=pruning)
 
 

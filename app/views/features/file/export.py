@@ -9,6 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import QMimeData
 from PySide6.QtWidgets import QApplication
 
+from app.model.document.modes import needs_start
 from app.model.export.order import ExportOrder, can_be_exported
 from app.model.state.situation import Situation, has_contours, has_image
 from app.model.text.language import tr
@@ -18,7 +19,7 @@ from app.session.worker.commands.run import Copied
 from app.views.export.dialog import ExportDialog
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
-from cpm_core.formats import suffix_of
+from cpm_core.formats import FOR_SKELETONS, suffix_of
 
 _SUFFIX = "files/export_suffix"
 """Preference: suffix of the last export."""
@@ -39,8 +40,8 @@ class ExportFeature(Feature):
         """Export, and export again to the same file."""
         return (
             ActionSpec(name="export", menu="File", text=tr("&Export contours…"), short=tr("Export"), do=self._export,
-                       shortcuts=("Ctrl+E",), tip=tr("Export the contours to a file."), icon="export", gap=True,
-                       when=_can_export),
+                       shortcuts=("Ctrl+E", "Ctrl+Shift+K"), tip=tr("Export the contours, or the skeleton, to a file."),
+                       icon="export", gap=True, when=_can_export, worded=_export_text),
             ActionSpec(name="export_again", menu="File", text=tr("Export a&gain"), do=self._export_again,
                        shortcuts=("Ctrl+Shift+E",), tip=tr("Export the contours to the last file again."),
                        when=lambda situation: _can_export(situation) and self._exported is not None,
@@ -58,7 +59,10 @@ class ExportFeature(Feature):
         if image is None or self.dialog is not None:
             return
         suffix = suffix_of(self._exported) if self._exported else preferences.get(_SUFFIX, ".svg")
-        place = output_folder(preferences, session.document) / f"{Path(image.name).stem}_contours"
+        kind = "contours"
+        if session.scene.skeleton is not None:
+            kind, suffix = "skeleton", suffix if suffix in FOR_SKELETONS else ".svg"
+        place = output_folder(preferences, session.document) / f"{Path(image.name).stem}_{kind}"
         selected = frozenset(item.measures.number for item in review.chosen)
         dialog = self.dialog = ExportDialog(self.context.window, session, selected, place, suffix)
         dialog.ordered.connect(self._write)
@@ -93,6 +97,10 @@ class ExportFeature(Feature):
 
 def _can_export(situation: Situation) -> bool:
     return has_contours(situation) or can_be_exported(situation.document)
+
+
+def _export_text(situation: Situation) -> str:
+    return tr("&Export contours…") if needs_start(situation.document.mode) else tr("&Export skeleton…")
 
 
 _KINDS = (

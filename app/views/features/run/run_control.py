@@ -88,4 +88,5 @@ class RunControlFeature(Feature):
         resolved, snapshot = session.resolved, session.scene.snapshot
         frames = f"{session.frames_per_second:.0f}" if resolved.running else "–"
         self.panel.status.show_resolved(resolved, frames)
+        self.panel.plot.setVisible(resolved.particles)
         self.panel.plot.show_metrics(snapshot.metrics if snapshot else None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QEnterEvent, QWheelEvent
+from PySide6.QtGui import QEnterEvent, QValidator, QWheelEvent
 from PySide6.QtWidgets import QCheckBox, QDoubleSpinBox, QGridLayout, QLabel, QToolButton, QWidget
 
 from app.model.parameters.controls import Control, slider_range
@@ -20,7 +20,28 @@ _SAME = 1e-9
 
 
 class Number(QDoubleSpinBox):
-    """A number field; the wheel changes it only while it has the focus."""
+    """A number field that shows words for some values; the wheel changes it only while it has the focus."""
+
+    def __init__(self, words: tuple[tuple[float, str], ...]) -> None:
+        super().__init__()
+        self._words = dict(words)
+
+    def textFromValue(self, value: float) -> str:
+        """The word for a value, or the number."""
+        return self._words.get(value) or super().textFromValue(value)
+
+    def valueFromText(self, text: str) -> float:
+        """The value of a word, or the number."""
+        spoken = {word: value for value, word in self._words.items()}
+        word = text.removesuffix(self.suffix()).strip()
+        return spoken[word] if word in spoken else super().valueFromText(text)
+
+    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
+        """Accept the words as well."""
+        word = text.removesuffix(self.suffix()).strip()
+        if word in self._words.values():
+            return QValidator.State.Acceptable, text, position
+        return super().validate(text, position)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Scroll the column unless the number has the focus."""
@@ -45,7 +66,7 @@ class ParameterRow(QWidget):
         self.control = control
         numeric = control.default if isinstance(control.default, float | int) else None
         self._label = QLabel()
-        self.number = Number()
+        self.number = Number(control.words)
         self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step, numeric)
         self._automatic = QCheckBox(tr("auto")) if control.automatic else None
         self._restore = QToolButton()
@@ -66,6 +87,8 @@ class ParameterRow(QWidget):
         self.slider.setEnabled(by_hand)
         if not isinstance(value, str):
             self.slider.show_value(value)
+            spoken = value in dict(self.control.words)
+            self.number.setSuffix(f" {self.control.unit}" if self.control.unit and not spoken else "")
             if not math.isclose(self.number.value(), value, abs_tol=0.5 * 10.0 ** -self.number.decimals()):
                 self.number.blockSignals(True)
                 self.number.setValue(value)
@@ -133,7 +156,7 @@ class ParameterRow(QWidget):
             self._automatic.installEventFilter(self)
 
     def _lay_out(self) -> None:
-        low, high = QLabel(f"{self.control.slider_low:g}"), QLabel(f"{self.control.slider_high:g}")
+        low, high = (QLabel(self._word(value)) for value in (self.control.slider_low, self.control.slider_high))
         for end in (low, high):
             end.setObjectName("dim")
         if self.control.in_gray_levels:
@@ -153,6 +176,9 @@ class ParameterRow(QWidget):
         grid.addWidget(self._restore, 1, 4, Qt.AlignmentFlag.AlignRight)
         grid.addWidget(self.effect, 2, 1, 1, 3)
         grid.setColumnStretch(1, 1)
+
+    def _word(self, value: float) -> str:
+        return dict(self.control.words).get(value, f"{value:g}")
 
     def _connect(self) -> None:
         self.slider.moved_to.connect(self._report)

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLay
 from app.model.display.filter_counts import FILTERS, GAP, FilterCounts
 from app.model.document import edits
 from app.model.document.document import Document
+from app.model.document.modes import acting_in
 from app.model.parameters.controls import Control, controls, value_of
 from app.model.text.language import tr
 from app.model.text.wording import Wording
@@ -54,9 +55,13 @@ class ParametersPanel(QWidget):
     def show_document(self, document: Document) -> None:
         """Show the parameters of a document."""
         contrast = document.image.contrast if document.image else 0.0
+        acting = acting_in(document.mode)
         for name, row in self.rows.items():
+            row.setVisible(name in acting)
             row.show_value(value_of(document.parameters, name), contrast)
         self._show_effects()
+        if self.explanation.control is not None and self.explanation.control.name not in acting:
+            self._explain(next(row.control for name, row in self.rows.items() if name in acting))
         if self.explanation.control is not None:
             self._explain(self.explanation.control)
 

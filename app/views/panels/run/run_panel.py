@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
@@ -11,7 +13,7 @@ from app.model.text.language import tr
 from app.views.panels.run.chart import Chart
 from app.views.widgets.space_key import own_space
 
-_WIDE = (tr("Contours"), tr("Bridged"))
+_WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"))
 """Numbers that need a row of their own."""
 
 
@@ -25,7 +27,8 @@ class StatusPanel(QWidget):
         self._state.setWordWrap(True)
         self._state.setMinimumHeight(2 * self._state.fontMetrics().lineSpacing() + 2)
         self._values: dict[str, QLabel] = {}
-        self._next = 0
+        self._rows: dict[str, tuple[QLabel, QLabel]] = {}
+        self._shown: tuple[str, ...] = ()
         self._grid = QGridLayout()
         self._grid.setHorizontalSpacing(8)
         self._grid.setVerticalSpacing(3)
@@ -45,11 +48,14 @@ class StatusPanel(QWidget):
             frames_per_second,
             tr("How often per second the window draws the newest particles."),
         )
+        moving = (frames,) if resolved.particles else ()
         narrow = [number for number in resolved.numbers if number[0] not in _WIDE]
         wide = [number for number in resolved.numbers if number[0] in _WIDE]
-        for label, value, explanation in (*narrow, frames, *wide):
-            if label not in self._values:
-                self._add(label, explanation)
+        numbers = (*narrow, *moving, *wide)
+        labels = tuple(label for label, _, _ in numbers)
+        if labels != self._shown:
+            self._lay_out(numbers)
+        for label, value, _ in numbers:
             _set(self._values[label], value)
 
     def value(self, label: str) -> str:
@@ -61,19 +67,35 @@ class StatusPanel(QWidget):
         """The state in words."""
         return self._state.text()
 
-    def _add(self, label: str, explanation: str) -> None:
-        wide = label in _WIDE
-        self._next += self._next % 2 if wide else 0
-        row, column = self._next // 2, 2 * (self._next % 2)
-        self._next += 2 if wide else 1
-        name, value = QLabel(label), QLabel()
-        name.setObjectName("dim")
-        for widget in (name, value):
-            widget.setToolTip(explanation)
-        value.setAccessibleName(label)
-        self._values[label] = value
-        self._grid.addWidget(name, row, column)
-        self._grid.addWidget(value, row, column + 1, 1, 3 if wide else 1)
+    def _lay_out(self, numbers: Sequence[tuple[str, str, str]]) -> None:
+        """Give each number its place, two in a row, and hide those of another mode."""
+        for pair in self._rows.values():
+            for widget in pair:
+                self._grid.removeWidget(widget)
+                widget.hide()
+        place = 0
+        for label, _, explanation in numbers:
+            name, value = self._row(label, explanation)
+            wide = label in _WIDE
+            place += place % 2 if wide else 0
+            row, column = place // 2, 2 * (place % 2)
+            place += 2 if wide else 1
+            self._grid.addWidget(name, row, column)
+            self._grid.addWidget(value, row, column + 1, 1, 3 if wide else 1)
+            name.show()
+            value.show()
+        self._shown = tuple(label for label, _, _ in numbers)
+
+    def _row(self, label: str, explanation: str) -> tuple[QLabel, QLabel]:
+        """The name and the value of a number, made when it is first shown."""
+        if label not in self._rows:
+            name, value = QLabel(label), QLabel()
+            name.setObjectName("dim")
+            for widget in (name, value):
+                widget.setToolTip(explanation)
+            value.setAccessibleName(label)
+            self._rows[label], self._values[label] = (name, value), value
+        return self._rows[label]
 
 
 class RunPanel(QWidget):
@@ -88,6 +110,7 @@ class RunPanel(QWidget):
         layout.setSpacing(8)
         layout.addWidget(self.status)
         layout.addWidget(self.plot, 1)
+        layout.addStretch()
 
 
 def _set(label: QLabel, text: str) -> None:

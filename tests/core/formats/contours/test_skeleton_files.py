@@ -11,7 +11,7 @@ import pytest
 from scipy import ndimage
 
 from cpm_core import Contour, Skeleton
-from cpm_core.formats import WRITABLE, export, load_image, suffix_of
+from cpm_core.formats import FOR_SKELETONS, WRITABLE, export, load_image, suffix_of
 from tests.core.formats.masks.test_label_mask import indices
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -34,6 +34,20 @@ def test_the_table_has_a_radius_for_each_vertex(tmp_path):
     points = [[float(row["row"]), float(row["col"])] for row in rows]
     np.testing.assert_allclose(points, np.concatenate([c.points for c in SKELETON.contours]), atol=1e-4)
     np.testing.assert_allclose([float(row["radius"]) for row in rows], np.concatenate(RADII), atol=1e-4)
+
+
+def test_the_table_of_branches_has_their_thickness(tmp_path):
+    export(SKELETON, tmp_path / "a.measures.csv")
+    with (tmp_path / "a.measures.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    found = [[float(row[f"thickness_{name}_px"]) for name in ("min", "median", "max")] for row in rows]
+    np.testing.assert_allclose(found, [[4.0, 9.0, 12.5], [2.0, 7.25, 12.5], [6.0] * 3, [17.0] * 3])
+
+
+@pytest.mark.parametrize("suffix", FOR_SKELETONS)
+def test_every_format_that_is_offered_for_skeletons_can_be_written(tmp_path, suffix):
+    export(SKELETON, tmp_path / f"a{suffix}")
+    assert (tmp_path / f"a{suffix}").stat().st_size > 0
 
 
 def test_the_shape_can_be_rebuilt_from_the_drawing(tmp_path):

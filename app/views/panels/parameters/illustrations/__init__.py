@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from app.views.panels.parameters.illustrations import contours, image, particles
+from app.views.panels.parameters.illustrations import contours, image, particles, skeletons
 from app.views.panels.parameters.illustrations.sketch import Sketch
 
 Illustrate = Callable[[Sketch, float, float], None]
@@ -32,6 +32,9 @@ ILLUSTRATIONS: Mapping[str, Illustrate] = MappingProxyType(
         "sure_edge": contours.sure_edge,
         "min_contrast": contours.min_contrast,
         "min_length": contours.min_length,
+        "polarity": skeletons.polarity,
+        "max_width": skeletons.max_width,
+        "pruning": skeletons.pruning,
     }
 )
 """Illustrations by the names of their controls."""

@@ -1,0 +1,64 @@
+"""Outlines of objects that are given, as closed contours or as a mask, instead of found in an image."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.contours.contour import Contour
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Position
+
+
+@dataclass(frozen=True, slots=True)
+class Outlined:
+    """What has a skeleton in place of what is found in an image; nothing for the image itself.
+
+    Attributes
+    ----------
+    objects : tuple of int
+        Numbers of segmented objects.
+    contours : tuple of lines
+        Closed outlines, as vertices (row, col) [px].
+    """
+
+    objects: tuple[int, ...] = ()
+    contours: tuple[tuple[Position, ...], ...] = ()
+
+
+def outlines_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -> tuple[Contour, ...]:
+    """Closed outlines from contours, of which open ones are left out, or from a mask of the shape of the image.
+
+    Raises
+    ------
+    ValueError
+        When nothing is enclosed, or the mask does not fit the image.
+    """
+    if isinstance(within, Sequence) and all(isinstance(one, Contour) for one in within):
+        found = tuple(one for one in within if isinstance(one, Contour) and one.closed and len(one.points) > 2)
+    else:
+        mask = np.asarray(within)
+        if mask.shape != tuple(shape):
+            raise ValueError(
+                f"the mask has shape {mask.shape} but the image {tuple(shape)}: give one value for every pixel."
+            )
+        from skimage.measure import find_contours  # noqa: PLC0415 - takes long to load
+
+        padded = np.pad(mask.astype(bool).astype(float), 1)
+        found = tuple(Contour(line[:-1] - 1.0, closed=True) for line in find_contours(padded, 0.5))  # type: ignore[no-untyped-call]
+    if not found:
+        raise ValueError("there is no closed outline to find the skeleton of: choose an object or a closed contour.")
+    return found
+
+
+def inside_outlines(outlines: Sequence[Contour], places: Array) -> NDArray[np.bool_]:
+    """Which places, shape (N, 2) [px], lie inside an odd number of outlines: in objects and not in their holes."""
+    inside = np.zeros(len(places), np.bool_)
+    for outline in outlines:
+        low, high = outline.points.min(axis=0), outline.points.max(axis=0)
+        near = np.flatnonzero(((places >= low) & (places <= high)).all(axis=1))
+        inside[near] ^= polyline.inside(outline.points, places[near])
+    return inside
