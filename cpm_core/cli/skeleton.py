@@ -22,7 +22,7 @@ from cpm_core.medial_axis.skeleton import PRUNING, Skeleton, skeleton
 from cpm_core.parameters import PRESETS
 
 _PRESET = "noisy"
-_PARAMETERS = ("smoothing", "edge_floor", "min_strength", "min_length")
+_PARAMETERS = ("smoothing", "gamma", "edge_floor", "min_strength", "min_length", "edges")
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -33,7 +33,7 @@ from cpm_core.medial_axis.foreground import within_objects
 from cpm_core.medial_axis.medial_axis import Axis, medial_axis
 from cpm_core.medial_axis.pruning import prune
 from cpm_core.numerics.types import Array
-from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters import PRESETS, Parameters, invalidating
 from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.state import Particles
 
@@ -178,9 +178,7 @@ class SkeletonMethod(ImageFields):
 
     name: ClassVar[str] = "skeleton"
     title: ClassVar[str] = "Skeleton"
-    parameters: ClassVar[tuple[str, ...]] = tuple(
-        name for name, info in PARAMETERS.items() if info.invalidates in ("field", "contours") or name == "d_min"
-    )
+    parameters: ClassVar[tuple[str, ...]] = ("d_min", *invalidating("field", "contours"))
     seeded: ClassVar[bool] = False
 
     def __init__(

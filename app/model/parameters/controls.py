@@ -7,13 +7,19 @@ from typing import Any
 
 from app.model.text.language import tr
 from app.model.text.wording import WORDS, Wording, rich
-from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.parameters import AUTOMATIC, PARAMETERS, Parameters
+from cpm_core.parameters.choices import Invalidates
 
 RATIO = "ratio"
 HIGHEST_RATIO = 0.99
 LOWEST_RATIO = 0.05
 
 _FULL_CONTRAST = 255.0
+
+_BY_ITSELF = {
+    "smoothing": tr("Set the smoothing from the noise of the image."),
+    "gamma": tr("Set gamma from the background of the image: below 1 where it is dark or bright, else 1."),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +69,11 @@ class Control:
     whole: bool = False
 
     @property
+    def by_itself(self) -> str:
+        """How the program chooses it; empty where it cannot."""
+        return _BY_ITSELF.get(self.name, "")
+
+    @property
     def intuitive(self) -> str:
         """Its effect, in a few plain words."""
         return WORDS[self.name].plain
@@ -105,12 +116,17 @@ class Control:
         return " · ".join(part for part in (self.symbol, self.equation, self.span) if part)
 
 
-_ACTS = {
+_ACTS: dict[Invalidates, str] = {
     "contours": tr("Acts at once, on particles at rest too."),
     "nothing": tr("Acts at the next step."),
     "field": tr("Acts at the next step, with a new edge map and field."),
     "run": tr("Acts from the next start on."),
 }
+
+
+def acts(invalidates: Invalidates) -> str:
+    """When a change of a parameter acts, in words."""
+    return _ACTS[invalidates]
 
 
 def controls() -> tuple[Control, ...]:
@@ -170,8 +186,8 @@ def _from_core(name: str) -> Control:
         more=tr(info.more),
         equation=tr(info.equation) if info.equation else "",
         advanced=info.advanced,
-        acts=_ACTS[info.invalidates],
-        automatic=name == "smoothing",
+        acts=acts(info.invalidates),
+        automatic=name in AUTOMATIC,
         whole=name == "scales",
     )
 
@@ -194,5 +210,5 @@ def _ratio() -> Control:
         more=tr(coulomb.more),
         equation=tr(coulomb.equation),
         advanced=False,
-        acts=_ACTS[coulomb.invalidates],
+        acts=acts(coulomb.invalidates),
     )

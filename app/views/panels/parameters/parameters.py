@@ -8,10 +8,12 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLay
 
 from app.model.document import edits
 from app.model.document.document import Document
+from app.model.parameters.choices import choice_controls
 from app.model.parameters.controls import Control, controls, value_of
 from app.model.text.language import tr
 from app.model.text.wording import Wording
 from app.session.session import Session
+from app.views.panels.parameters.choice_row import ChoiceRow
 from app.views.panels.parameters.explanation import Explanation
 from app.views.panels.parameters.parameter_row import ParameterRow
 from app.views.presets.preset_gallery import PresetGallery
@@ -29,6 +31,7 @@ class ParametersPanel(QWidget):
         super().__init__()
         self._session = session
         self.rows = {control.name: ParameterRow(control) for control in controls()}
+        self.choices = {control.name: ChoiceRow(control) for control in choice_controls()}
         self.gallery = gallery
         self.explanation = Explanation()
         self.advanced = self._lay_out()
@@ -36,6 +39,8 @@ class ParametersPanel(QWidget):
             row.changed.connect(self._change)
             row.released.connect(session.seal)
             row.explained.connect(self._explain)
+        for choice in self.choices.values():
+            choice.changed.connect(self._change)
         session.document_changed.connect(self.show_document)
         self._explain(next(iter(self.rows.values())).control)
         self.show_document(session.document)
@@ -45,6 +50,8 @@ class ParametersPanel(QWidget):
         contrast = document.image.contrast if document.image else 0.0
         for name, row in self.rows.items():
             row.show_value(value_of(document.parameters, name), contrast)
+        for name, choice in self.choices.items():
+            choice.show_value(str(value_of(document.parameters, name)))
         if self.explanation.control is not None:
             self._explain(self.explanation.control)
 
@@ -72,6 +79,8 @@ class ParametersPanel(QWidget):
         advanced = QWidget()
         rows = QVBoxLayout(advanced)
         rows.setContentsMargins(0, 0, 0, 0)
+        for choice in self.choices.values():
+            rows.addWidget(choice)
         scrolled = QWidget()
         scrolled.setObjectName("scrolled")
         column = QVBoxLayout(scrolled)
@@ -113,12 +122,15 @@ class ParametersPanel(QWidget):
         area.verticalScrollBar().setValue(section.y() if unfolded else 0)
 
     def _change(self, name: str, value: float | str) -> None:
-        change = tr("change of {parameter}").format(parameter=self.rows[name].control.title.lower())
+        change = tr("change of {parameter}").format(parameter=self._title(name).lower())
         before = self._session.document
         self._session.edit(change, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
         # A rejected value must not stay visible; an accepted one is shown through the signal.
         if self._session.document is before:
             self.show_document(before)
+
+    def _title(self, name: str) -> str:
+        return (self.rows[name] if name in self.rows else self.choices[name]).control.title
 
     def _explain(self, control: Control) -> None:
         document = self._session.document

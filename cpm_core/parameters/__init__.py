@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Literal, cast
 
-Invalidates = Literal["nothing", "contours", "field", "run"]
+from cpm_core.parameters.choices import CHOICES, Edges, Invalidates, check_choice
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +117,12 @@ _TABLE = (
         "section 3.1", "field", True,
     ),
     ParameterInfo(
+        "gamma", "γ", "", 0.1, 4.0, 0.2, 2.0, 0.05, "Gamma",
+        "Exponent of the gray levels, over their range in the image, before edges are taken.",
+        "Less of it (below 1) lets edges among dark gray levels count more, more of it those among bright ones.",
+        "", "field", True,
+    ),
+    ParameterInfo(
         "scales", "S", "", 1, 8, 1, 5, 1, "Scales",
         "Number of scales of the image, each half the size of the one before; a run goes from coarse to fine.",
         "More of it finds large objects sooner and ignores finer noise on the way.",
@@ -171,6 +177,17 @@ _TABLE = (
 
 PARAMETERS: dict[str, ParameterInfo] = {info.name: info for info in _TABLE}
 
+AUTOMATIC = ("smoothing", "gamma")
+"""Parameters whose value may also be ``"auto"``: it is then chosen from the image."""
+
+
+def invalidating(*kinds: Invalidates) -> tuple[str, ...]:
+    """Names of all parameters, numbers and choices, whose change makes one of `kinds` out of date."""
+    numbers = [(name, info.invalidates) for name, info in PARAMETERS.items()]
+    named = [(name, info.invalidates) for name, info in CHOICES.items()]
+    return tuple(name for name, invalid in (*numbers, *named) if invalid in kinds)
+
+
 FORMER_NAMES: dict[str, str] = {"max_frame": "max_border"}
 """Names of parameters in older files and on older command lines -> their present names."""
 
@@ -199,6 +216,9 @@ class Parameters:
     smoothing : float or "auto"
         Standard deviation σ of the Gaussian before the gradient [px], or ``"auto"`` to choose it from the image's
         noise.
+    gamma : float or "auto"
+        Exponent of the gray levels, over their range in the image, before edges are taken, or ``"auto"`` to choose it
+        from the image: 1/2 for objects on a dark background, 0.7 on a bright one, 1 where the image has none.
     scales : int
         Number of scales.
     edge_floor : float
@@ -217,6 +237,8 @@ class Parameters:
         Contours between regions of a lower contrast are left out, and such parts of contours with a loose end.
     min_length : float
         Shorter contours are left out [px].
+    edges : {"gradient", "vessels"}
+        What the edges are taken from: the gray levels, or a vessel measure.
 
     Raises
     ------
@@ -232,6 +254,7 @@ class Parameters:
     d_min: float = 2.0
     d_max: float = 3.0
     smoothing: float | Literal["auto"] = 1.0
+    gamma: float | Literal["auto"] = 1.0
     scales: int = 3
     edge_floor: float = 0.0
     max_border: float = 0.0
@@ -240,10 +263,14 @@ class Parameters:
     sure_edge: float = 0.0
     min_contrast: float = 0.0
     min_length: float = 0.0
+    edges: Edges = "gradient"
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            _check(PARAMETERS[field.name], getattr(self, field.name))
+            if field.name in CHOICES:
+                check_choice(CHOICES[field.name], getattr(self, field.name))
+            else:
+                _check(PARAMETERS[field.name], getattr(self, field.name))
         if not self.w2 > self.w1:
             raise ValueError(
                 f"w2 is {self.w2:g} but must be above w1, which is {self.w1:g}: "
@@ -253,29 +280,33 @@ class Parameters:
     @property
     def steering(self) -> tuple[object, ...]:
         """Values that the motion of the particles depends on: all but those for the start and the contours."""
-        acting = (name for name, info in PARAMETERS.items() if info.invalidates in ("nothing", "field"))
-        return tuple(getattr(self, name) for name in acting)
+        return tuple(getattr(self, name) for name in invalidating("nothing", "field"))
 
 
 def _check(info: ParameterInfo, value: object) -> None:
     """Raise a `ValueError` that names field, value and range unless `value` fits."""
-    if info.name == "smoothing" and value == "auto":
+    if info.name in AUTOMATIC and value == "auto":
         return
     whole = info.name == "scales"
     fits = isinstance(value, (int, float)) and not isinstance(value, bool) and info.low <= value <= info.high
     if not fits or (whole and value != int(cast("float", value))):
         kind = "a whole number" if whole else "a number"
-        words = f"{kind} from {info.low:g} to {info.high:g}" + (' or "auto"' if info.name == "smoothing" else "")
+        words = f"{kind} from {info.low:g} to {info.high:g}" + (' or "auto"' if info.name in AUTOMATIC else "")
         shown = f"{value:g}" if isinstance(value, float) else repr(value)
         raise ValueError(f"{info.name} is {shown} but must be {words}.")
 
 
-DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in PARAMETERS}
+DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in (*PARAMETERS, *CHOICES)}
 """The default value of every parameter: the paper's."""
 
 PRESETS: dict[str, Parameters] = {
     "shape": Parameters(),
-    "automatic": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.2, max_border=0.08, sure_edge=0.3),
+    "automatic": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
+    ),
+    "vessels": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.2, max_border=0.08, sure_edge=0.3, edges="vessels"
+    ),
     "noisy": Parameters(smoothing="auto"),
 }
-"""Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), and noisy images."""
+"""Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels, and noisy images."""
