@@ -9,7 +9,7 @@ import pytest
 
 from cpm_core import cli
 from cpm_core.formats import READABLE, WRITABLE
-from cpm_core.parameters import PARAMETERS, PRESETS
+from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -32,7 +32,7 @@ def table_line(name):
     info = PARAMETERS[name]
     unit = f" {info.unit}" if info.unit else ""
     allowed = f"{info.low:g} or more" if info.high >= 1e9 else f"{info.low:g} to {info.high:g}"
-    default = f"{info.default:g}"
+    default = f"{DEFAULTS[name]:g}"
     return f"| `{name}`: {info.title.lower()} | {info.symbol} | {default}{unit} | {allowed} | {info.more} |"
 
 

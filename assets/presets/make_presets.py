@@ -14,6 +14,7 @@ import PIL.ImageDraw
 import cpm_core as cpm
 from app.model.document.document import Document
 from app.model.document.samples import sample_called
+from cpm_core.shapes.everywhere import Everywhere
 from cpm_core.shapes.image_starts import SeedCache
 
 HERE = Path(__file__).parent
@@ -22,7 +23,12 @@ SIZE, FINER = (288, 168), 3
 
 CLOSED, OPEN = "#56b4e9", "#ff9d1e"
 
-SHOWN = {"shape": ("u_shape.png", 34, 256), "automatic": ("nuclei.png", 40, 250), "noisy": ("noisy.png", 44, 256)}
+SHOWN = {
+    "shape": ("u_shape.png", 34, 256),
+    "automatic": ("nuclei.png", 40, 250),
+    "vessels": ("artery.png", 30, 250),
+    "noisy": ("noisy.png", 44, 256),
+}
 """For each preset the sample, and the first row and the width of what is shown of it."""
 
 
@@ -33,7 +39,9 @@ def draw(preset: str) -> PIL.Image.Image:
     assert sample is not None
     image, parameters = cpm.load_image(sample.path), cpm.PRESETS[preset]
     document = Document(shapes=sample.shapes, parameters=parameters)
-    seeds = document.seeds(SeedCache(image).seeds_for(document.sowable, parameters.smoothing, None))
+    if preset == "vessels":
+        document = Document(shapes=(Everywhere("grid"),), parameters=parameters)
+    seeds = document.seeds(SeedCache(image).seeds_for(document.image_starts, parameters.smoothing, None))
     result = cpm.segment(image, seeds, parameters)
     height = width * SIZE[1] // SIZE[0]
     left = (image.shape[1] - width) // 2

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.sessions.session_file import SUFFIX
-from cpm_core.parameters import FORMER_NAMES, PARAMETERS, Parameters
+from cpm_core.parameters import DEFAULTS, FORMER_NAMES, PARAMETERS, Parameters
+from cpm_core.parameters.choices import CHOICES, ChoiceInfo
 
 
 def add_image(parser: argparse.ArgumentParser, optional: bool = False) -> None:
@@ -29,20 +30,34 @@ def add_session(parser: argparse._ActionsContainer, required: bool = False) -> N
     )
 
 
-def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = tuple(PARAMETERS)) -> None:
+def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICES)) -> None:
     """Add parameters, each as a flag of its name; see `parameters_of`."""
     for name in names:
+        if name in CHOICES:
+            _add_choice(parser, CHOICES[name])
+            continue
         info = PARAMETERS[name]
         parser.add_argument(
             "--" + name.replace("_", "-"),
             metavar=name.upper(),
             type=as_number,
             dest=name,
-            help=f"{info.meaning} {info.more} (default: {info.default})".replace("%", "%%"),
+            help=f"{info.meaning} {info.more} (default: {DEFAULTS[name]})".replace("%", "%%"),
         )
     for former, name in FORMER_NAMES.items():
         if name in names:
             parser.add_argument(f"--{former.replace('_', '-')}", type=as_number, dest=name, help=argparse.SUPPRESS)
+
+
+def _add_choice(parser: argparse._ActionsContainer, info: ChoiceInfo) -> None:
+    """Add a parameter whose values are names."""
+    effects = " ".join(f"{name}: {effect}" for name, effect in info.choices.items())
+    parser.add_argument(
+        f"--{info.name}",
+        metavar=info.name.upper(),
+        dest=info.name,
+        help=f"{info.meaning} {effects} (default: {DEFAULTS[info.name]})",
+    )
 
 
 def add_export(parser: argparse._ActionsContainer, what: str) -> None:

@@ -22,7 +22,17 @@ from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.parameters import PRESETS
 
 _PRESET = "noisy"
-_PARAMETERS = ("pruning", "max_width", "smoothing", "edge_floor", "sure_edge", "min_strength", "min_length")
+_PARAMETERS = (
+    "pruning",
+    "max_width",
+    "smoothing",
+    "gamma",
+    "edge_floor",
+    "sure_edge",
+    "min_strength",
+    "min_length",
+    "edges",
+)
 _OF = ("auto", "dark", "light")
 
 

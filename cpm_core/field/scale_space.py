@@ -1,8 +1,8 @@
 """The scale space of an image: the fields of each of its scales, built on first use.
 
-A scale field depends on the smoothing, the edge floor and the largest width of the image border. With another edge
-floor or border only the field is built again, with another smoothing also the gradient of the pyramid's images. The
-pyramid and the barriers do not depend on parameters.
+A scale field depends on what its edges are taken from (`source_images`), the edge floor and the largest width of the
+image border. With another edge floor or border only the field is built again, with another smoothing also the gradient.
+The barriers do not depend on parameters.
 """
 
 from __future__ import annotations
@@ -11,17 +11,18 @@ from collections import OrderedDict
 from copy import copy
 from threading import Lock
 
-from cpm_core.field.edge_map import automatic_smoothing, prepared
 from cpm_core.field.scale_field import ScaleField, build_scale_field
+from cpm_core.field.source_images import SourceImages
 from cpm_core.image.barriers import NO_BARRIERS, BarrierMap, build_barrier_map
-from cpm_core.image.denoising import Cleaned
-from cpm_core.image.pyramid import pyramid
 from cpm_core.image.regions import Line, Regions
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
-_Key = tuple[int, float | str, float, float]
+_Key = tuple[int, str, float | str, float | str, float, float]
+
+_SOURCE = 4
+"""Entries of a key that say where and what the edges are taken from."""
 
 _KEPT_SETTINGS = 2
 """Settings whose scale fields are kept, so that a return to the last one costs nothing."""
@@ -36,9 +37,7 @@ class ScaleSpace:
     def __init__(self, image: Array, scales: int, regions: Regions | None = None) -> None:
         self._image = image
         self._regions = regions
-        self._pyramid = pyramid(image, scales)
-        self._prepared: tuple[tuple[Array, ...], Cleaned] | None = None
-        self._sigmas: dict[int, float] = {}
+        self._sources = SourceImages(image, scales)
         self._kept: OrderedDict[_Key, ScaleField] = OrderedDict()
         self._former: OrderedDict[_Key, ScaleField] = OrderedDict()
         self._lock = Lock()
@@ -52,7 +51,7 @@ class ScaleSpace:
         other = copy(self)
         other._regions, other._lock = regions, Lock()
         with self._lock:
-            kept, former, other._sigmas = self._kept, self._former, self._sigmas.copy()
+            kept, former = self._kept, self._former
             barrier_map = {scale: other._barriers(scale) for scale, *_ in [*kept, *former]}
             kept, former = (
                 OrderedDict((key, field.with_barriers(barrier_map[key[0]])) for key, field in fields.items())
@@ -64,10 +63,10 @@ class ScaleSpace:
         return other
 
     def __len__(self) -> int:
-        return len(self._pyramid)
+        return len(self._sources)
 
     def at(self, scale: int, parameters: Parameters) -> ScaleField:
-        """Scale field for `smoothing`, `edge_floor` and `max_border`; it depends on no other parameter."""
+        """Scale field; of the parameters it depends on those that invalidate the field."""
         with self._lock:
             self._keep([scale], parameters)
             return self._kept[_key(scale, parameters)]
@@ -80,8 +79,8 @@ class ScaleSpace:
     def _keep(self, scales: list[int], parameters: Parameters) -> None:
         """Build the missing fields of some scales, and drop those that have not been used for the longest time."""
         missing = [scale for scale in scales if _key(scale, parameters) not in self._kept]
-        if missing and parameters.smoothing == "auto":
-            self._ready()
+        if missing:
+            self._sources.at(0, parameters)  # once, before the scales are shared among the cores
 
         def work(first: int, end: int) -> None:
             for scale in missing[first:end]:
@@ -99,41 +98,21 @@ class ScaleSpace:
 
     def _build(self, scale: int, parameters: Parameters) -> ScaleField:
         regions = self._regions and self._regions.at_scale(scale, self._image.shape)
-        floor, smoothing = parameters.edge_floor, parameters.smoothing
-        values = self._pyramid[scale]
-        if smoothing == "auto":
-            images, ready = self._ready()
-            values, floor = images[scale], max(floor, ready.floor)
-            smoothing = self._smoothing(scale)
+        source = self._sources.at(scale, parameters)
+        floor = max(parameters.edge_floor, source.floor)
         known = self._similar(scale, parameters)
-        return build_scale_field(values, smoothing, floor, regions, parameters.max_border, known)
+        return build_scale_field(source.values, source.smoothing, floor, regions, parameters.max_border, known)
 
     def _barriers(self, scale: int) -> BarrierMap:
         regions = self._regions and self._regions.at_scale(scale, self._image.shape)
-        return build_barrier_map(regions, self._pyramid[scale].shape) if regions else NO_BARRIERS
+        return build_barrier_map(regions, self._sources.shape(scale)) if regions else NO_BARRIERS
 
     def _similar(self, scale: int, parameters: Parameters) -> ScaleField | None:
-        """The kept field of a scale that has most in common with the one to build: the smoothing, if possible."""
+        """The kept field of a scale that has most in common with the one to build: its source, if possible."""
         known = [*self._former.items(), *self._kept.items()]
-        found = [(key[1] == parameters.smoothing, scale_field) for key, scale_field in known if key[0] == scale]
+        wanted = _key(scale, parameters)[:_SOURCE]
+        found = [(key[:_SOURCE] == wanted, scale_field) for key, scale_field in known if key[0] == scale]
         return max(found, key=lambda one: one[0])[1] if found else None
-
-    def _ready(self) -> tuple[tuple[Array, ...], Cleaned]:
-        """The image as the automatic smoothing prepares it, at all scales."""
-        if self._prepared is None:
-            ready = prepared(self._image)
-            same = ready.image is self._image
-            self._prepared = (self._pyramid if same else pyramid(ready.image, len(self)), ready)
-        return self._prepared
-
-    def _smoothing(self, scale: int) -> float:
-        """Sigma of the automatic smoothing at a scale [px]."""
-        images, ready = self._ready()
-        if scale == 0 or images is not self._pyramid:  # a cleaned image needs the same smoothing at all scales
-            return ready.sigma
-        if scale not in self._sigmas:
-            self._sigmas[scale] = automatic_smoothing(images[scale])
-        return self._sigmas[scale]
 
 
 def _interest(regions: Regions | None) -> tuple[Line, ...]:
@@ -142,4 +121,5 @@ def _interest(regions: Regions | None) -> tuple[Line, ...]:
 
 def _key(scale: int, parameters: Parameters) -> _Key:
     """What a scale field depends on."""
-    return scale, parameters.smoothing, parameters.edge_floor, parameters.max_border
+    own = parameters.edges, parameters.gamma, parameters.smoothing
+    return scale, *own, parameters.edge_floor, parameters.max_border

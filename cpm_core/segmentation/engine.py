@@ -27,6 +27,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
+from cpm_core.parameters.choices import CHOICES
 from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.initialization import starting_points
 from cpm_core.particles.state import Particles, State
@@ -69,7 +70,7 @@ class Engine(ImageFields):
 
     name: ClassVar[str] = "cpm"
     title: ClassVar[str] = "Charged particles"
-    parameters: ClassVar[tuple[str, ...]] = tuple(name for name in PARAMETERS if name not in OF_SKELETONS)
+    parameters: ClassVar[tuple[str, ...]] = tuple(name for name in (*PARAMETERS, *CHOICES) if name not in OF_SKELETONS)
     seeded: ClassVar[bool] = True
 
     @staticmethod

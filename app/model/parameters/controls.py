@@ -9,13 +9,19 @@ from typing import Any
 
 from app.model.text.language import tr
 from app.model.text.wording import WORDS, Wording, rich
-from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
+from cpm_core.parameters import AUTOMATIC, DEFAULTS, PARAMETERS, Parameters
+from cpm_core.parameters.choices import Invalidates
 
 RATIO = "ratio"
 HIGHEST_RATIO = 0.99
 LOWEST_RATIO = 0.05
 
 _FULL_CONTRAST = 255.0
+
+_BY_ITSELF = {
+    "smoothing": tr("Set the smoothing from the noise of the image."),
+    "gamma": tr("Set gamma from the background of the image: below 1 where it is dark or bright, else 1."),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +75,11 @@ class Control:
     whole: bool = False
     moves: bool = False
     words: tuple[tuple[float, str], ...] = ()
+
+    @property
+    def by_itself(self) -> str:
+        """How the program chooses it; empty where it cannot."""
+        return _BY_ITSELF.get(self.name, "")
 
     @property
     def intuitive(self) -> str:
@@ -129,6 +140,11 @@ _ACTS = {
 }
 
 
+def acts(invalidates: Invalidates) -> str:
+    """When a change of a parameter acts, in words."""
+    return _ACTS[invalidates]
+
+
 def controls() -> tuple[Control, ...]:
     """All controls in the order shown: those that decide which contours there are, of the motion, advanced ones."""
     made = [_from_core(name) for name in PARAMETERS if name != "w1"]
@@ -181,13 +197,13 @@ def _from_core(name: str) -> Control:
         slider_low=info.slider_low,
         slider_high=info.slider_high,
         step=info.step,
-        default=info.default,
+        default=DEFAULTS[name],
         meaning=tr(info.meaning),
         more=tr(info.more),
         equation=tr(info.equation) if info.equation else "",
         advanced=info.advanced,
-        acts=tr("Acts at once.") if name in OF_SKELETONS else _ACTS[info.invalidates],
-        automatic=name == "smoothing",
+        acts=acts(info.invalidates),
+        automatic=name in AUTOMATIC,
         whole=name == "scales",
         moves=info.invalidates == "nothing",
         words=_WORDS.get(name, ()),
@@ -212,6 +228,6 @@ def _ratio() -> Control:
         more=tr(coulomb.more),
         equation=tr(coulomb.equation),
         advanced=False,
-        acts=_ACTS[coulomb.invalidates],
+        acts=acts(coulomb.invalidates),
         moves=True,
     )

@@ -25,6 +25,7 @@ _LARGEST = 4_000_000
 _BUILT_IN = {
     "shape": (tr("Shape recovery"), tr("Finds the whole outline of what a start is drawn in or around.")),
     "automatic": (tr("Automatic segmentation"), tr("Starts everywhere and keeps the contours of sure edges.")),
+    "vessels": (tr("Vessels"), tr("Finds both sides of what is long and thin, darker or brighter than around it.")),
     "noisy": (tr("Noisy image"), tr("Chooses the smoothing from the noise of the image.")),
 }
 

@@ -47,6 +47,8 @@ WORDS: Mapping[str, Words] = MappingProxyType(
         "d_max": Words(tr("Gaps that are filled"), tr("a new one where {law}").format(
             law="<i>d</i><sub>min</sub> &lt; <i>d</i> ≤ <i>d</i><sub>min</sub> + <i>d</i><sub>max</sub>")),
         "smoothing": Words(tr("Blur beforehand"), "<i>f</i> = |∇(<i>G</i><sub>σ</sub> ∗ <i>I</i>)|"),
+        "gamma": Words(tr("Weigh dark and bright"), tr("{gray} over the range of the image, before {gradient}").format(
+            gray="<i>I</i><sup>γ</sup>", gradient="∇")),
         "scales": Words(tr("Coarse scales first"), "<i>I</i><sub>s+1</sub> = <i>I</i><sub>s</sub> ↓ 2, &nbsp;"
                         "<i>s</i> = <i>S</i> − 1, …, 0"),
         "edge_floor": Words(tr("Ignore faint edges"), tr("charge {charge} only where {law}").format(

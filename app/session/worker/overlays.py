@@ -17,7 +17,7 @@ from app.model.display.iso_lines import iso_lines
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.parameters import Parameters, invalidating
 from cpm_core.segmentation.method import Method
 
 Overlay = Callable[[Method[Any], Parameters, Sequence[PlacedCharge]], NDArray[np.generic]]
@@ -56,7 +56,7 @@ class OverlayMaker:
         """Compute the requested overlays if they would differ from the last ones; without a method there are none."""
         if method is None or not self._wanted:
             return
-        made_of = [getattr(parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "field"]
+        made_of = [getattr(parameters, name) for name in invalidating("field")]
         key = (method, self._wanted, charges, *made_of)
         if key == self._shown:
             return

@@ -18,6 +18,7 @@ from app.views.features.run.parameters import ParametersFeature
 from app.views.presets import preset_files as dialogs
 from app.views.presets.preset_gallery import PICTURE, PresetGallery, picture_of
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters.choices import CHOICES
 
 OWN = Preset("Mine & yours ‹1›", Parameters(beta=1.25, smoothing="auto", scales=2), "For tests.", b"\x89PNG")
 
@@ -89,7 +90,7 @@ def test_parameters_missing_in_a_file_have_their_defaults() -> None:
     kept = json.loads(written(OWN))
     kept["parameters"] = {"beta": 1.0}
     assert read(json.dumps(kept).encode(), "a file").parameters == Parameters(beta=1.0)
-    assert {field.name for field in fields(Parameters)} == set(PARAMETERS)
+    assert {field.name for field in fields(Parameters)} == {*PARAMETERS, *CHOICES}
 
 
 def test_a_preset_of_an_earlier_version_is_read_by_its_former_names() -> None:
@@ -158,7 +159,7 @@ def test_a_preset_is_chosen_from_the_gallery_with_the_keys_and_undone(window, ha
 
 def test_a_preset_is_chosen_with_the_mouse(window, hand, gallery) -> None:
     hand.qtbot.mouseClick(gallery, Qt.MouseButton.LeftButton)
-    item = gallery.pictures.item(2)
+    item = gallery.pictures.item(list(PRESETS).index("noisy"))
     place = gallery.pictures.visualItemRect(item).center()
     hand.qtbot.mouseClick(gallery.pictures.viewport(), Qt.MouseButton.LeftButton, pos=place)
     assert window.session.document.parameters == PRESETS["noisy"]

@@ -19,6 +19,7 @@ from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arr
 from app.views.features.help.help import show_about
 from app.views.panels.run.run_panel import PlotPanel
 from cpm_core import Parameters
+from cpm_core.parameters.choices import CHOICES
 
 
 def test_every_tooltip_has_symbol_range_default_and_effect(window) -> None:
@@ -57,6 +58,19 @@ def test_automatic_smoothing_can_be_turned_on_and_off(window, hand) -> None:
     row.findChild(QCheckBox).click()
     assert window.session.document.parameters.smoothing == 1.0
     assert row.slider.isEnabled()
+
+
+def test_a_choice_is_taken_with_the_keys_undone_and_explained(window, hand) -> None:
+    row = window.panels["parameters"].choices["edges"]
+    window.panels["parameters"].advanced.fold.click()
+    assert row.box.currentText() == "gray levels"
+    row.box.setFocus()
+    hand.qtbot.keyClick(row.box, Qt.Key.Key_Down)
+    assert window.session.document.parameters.edges == "vessels"
+    window.actions_by_name["undo"].trigger()
+    assert window.session.document.parameters.edges == "gradient"
+    assert row.box.currentText() == "gray levels"
+    assert all(effect in row.box.toolTip() for effect in CHOICES["edges"].choices.values())
 
 
 def test_layers_are_switched_from_panel_menu_and_key_alike(window, hand) -> None:

@@ -14,7 +14,8 @@ import tifffile
 
 from cpm_core import cli
 from cpm_core.cli import run as run_command
-from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters.choices import CHOICES
 
 ROOT = Path(__file__).parents[3]
 CENTER, RADIUS = (40.0, 50.0), 18.0
@@ -210,8 +211,16 @@ def test_a_flag_keeps_its_former_name_out_of_sight(parameters_of, capsys):
     assert "max-frame" not in shown
 
 
-def test_smoothing_can_be_left_to_the_image(parameters_of):
+def test_smoothing_and_gamma_can_be_left_to_the_image(parameters_of):
     assert parameters_of("--smoothing", "auto").smoothing == "auto"
+    assert parameters_of("--gamma", "auto").gamma == "auto"
+
+
+def test_a_choice_has_a_flag_that_takes_its_names(parameters_of, disk, command):
+    assert parameters_of("--edges", "vessels") == Parameters(edges="vessels")
+    status, _, err = command("run", disk, *START, "--edges", "veins")
+    assert status == 2
+    assert 'edges is \'veins\' but must be "gradient" or "vessels".' in err
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -316,7 +325,10 @@ def test_help_shows_every_parameter_with_its_default(capsys):
     text = " ".join(capsys.readouterr().out.split())
     for info in PARAMETERS.values():
         assert f"--{info.name.replace('_', '-')}" in text
-        assert f"(default: {info.default})" in text
+        assert f"(default: {DEFAULTS[info.name]})" in text
+    for choice in CHOICES.values():
+        assert f"--{choice.name}" in text
+        assert all(effect in text for effect in choice.choices.values())
 
 
 def test_progress_is_shown_on_a_terminal_and_taken_away_again(disk, command, monkeypatch):

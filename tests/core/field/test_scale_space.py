@@ -10,9 +10,11 @@ import pytest
 
 from cpm_core.field import scale_field as scale_field_module
 from cpm_core.field import scale_space as scale_space_module
+from cpm_core.field import source_images as source_images_module
 from cpm_core.field.scale_space import ScaleSpace
 from cpm_core.image.regions import Regions
-from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.parameters import PARAMETERS, Parameters, invalidating
+from cpm_core.parameters.choices import CHOICES
 
 from ..scenes import disk
 
@@ -35,8 +37,9 @@ def calls(monkeypatch):
 
         monkeypatch.setattr(module, name, counting)
 
-    for name in ("pyramid", "build_scale_field", "prepared", "automatic_smoothing"):
-        count(scale_space_module, name)
+    count(scale_space_module, "build_scale_field")
+    for name in ("pyramid", "prepared", "automatic_smoothing", "toned", "vesselness"):
+        count(source_images_module, name)
     for name in ("convolved_field", "build_barrier_map", "inside_border"):
         count(scale_field_module, name)
     smoothed_along = scale_field_module.gradient
@@ -51,6 +54,8 @@ def calls(monkeypatch):
 
 def changed(name):
     """Other parameters than the usual ones, in one of them."""
+    if name in CHOICES:
+        return replace(START, **{name: list(CHOICES[name].choices)[-1]})
     info = PARAMETERS[name]
     value = {"w1": 0.5, "w2": 2.5}.get(name, 0.25 * info.slider_low + 0.75 * info.slider_high)
     return replace(START, **{name: value})
@@ -75,16 +80,16 @@ def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
 
 def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
     space = ScaleSpace(IMAGE, 1)
-    names = [name for name, info in PARAMETERS.items() if info.invalidates == "field"]
-    assert len(names) == 3
+    names = invalidating("field")
+    assert len(names) == 5
     built = [space.at(0, START), *(space.at(0, changed(name)) for name in names)]
-    assert len({id(scale_field) for scale_field in built}) == 4
+    assert len({id(scale_field) for scale_field in built}) == 6
 
 
 def test_another_smoothing_leaves_pyramid_and_barriers(calls):
     space = ScaleSpace(IMAGE, 2, REGIONS)
     space.prepare(START)
-    assert others(calls) == {"pyramid": 1} | dict.fromkeys(
+    assert others(calls) == {"pyramid": 1, "toned": 1} | dict.fromkeys(
         ("build_scale_field", "gradient", "convolved_field", "build_barrier_map", "inside_border"), 2
     )
     space.at(1, replace(START, smoothing=2.0))
@@ -118,9 +123,11 @@ def test_noise_is_measured_once(calls):
 
 
 @pytest.mark.parametrize("regions", [None, REGIONS], ids=["whole", "regions"])
-@pytest.mark.parametrize("smoothing", [1.5, "auto"])
-def test_a_scale_field_does_not_depend_on_its_history(regions, smoothing):
-    wanted = Parameters(smoothing=smoothing, edge_floor=0.2, max_border=0.1)
+@pytest.mark.parametrize(
+    "taken", [{"smoothing": 1.5}, {"smoothing": "auto"}, {"gamma": 0.6}, {"edges": "vessels"}], ids=str
+)
+def test_a_scale_field_does_not_depend_on_its_history(regions, taken):
+    wanted = Parameters(**taken, edge_floor=0.2, max_border=0.1)
     space = ScaleSpace(IMAGE, 2, regions)
     for before in (START, replace(wanted, edge_floor=0.0), replace(wanted, max_border=0.0)):
         space.prepare(before)
@@ -130,6 +137,16 @@ def test_a_scale_field_does_not_depend_on_its_history(regions, smoothing):
         np.testing.assert_array_equal(roundabout.barrier_map.segments, straight.barrier_map.segments)
         assert roundabout.floor == straight.floor
         assert roundabout.smoothing == straight.smoothing
+
+
+@pytest.mark.parametrize("other", [{"gamma": 0.5}, {"edges": "vessels"}], ids=str)
+def test_another_source_is_made_once_and_shared_by_other_regions(calls, other):
+    space = ScaleSpace(IMAGE, 2)
+    for _ in range(2):
+        for floor in (0.0, 0.1, 0.2):
+            space.prepare(replace(START, **other, edge_floor=floor))
+        space = space.with_regions(REGIONS)
+    assert (calls["pyramid"], calls["toned"], calls["vesselness"]) == (2, 1, "edges" in other)
 
 
 def test_not_more_is_kept_than_the_last_two_settings(calls):

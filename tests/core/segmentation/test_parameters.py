@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters import AUTOMATIC, DEFAULTS, PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters.choices import CHOICES
 
-NAMES = [field.name for field in dataclasses.fields(Parameters)]
+NAMES = [field.name for field in dataclasses.fields(Parameters) if field.name not in CHOICES]
 
 
 def changed(name, value):
@@ -20,7 +21,8 @@ def changed(name, value):
 
 def test_every_parameter_is_described_and_nothing_else():
     assert list(PARAMETERS) == NAMES
-    assert all(info.name == name for name, info in PARAMETERS.items())
+    assert {*PARAMETERS, *CHOICES} == {field.name for field in dataclasses.fields(Parameters)}
+    assert all(info.name == name for name, info in [*PARAMETERS.items(), *CHOICES.items()])
 
 
 def test_defaults_are_those_of_the_published_experiments():
@@ -37,13 +39,13 @@ def test_description_says_what_it_is_and_what_more_of_it_does(name):
     for sentence in (info.meaning, info.more):
         assert sentence[0].isupper()
         assert sentence.endswith(".")
-    assert info.default == getattr(Parameters(), name)
+    assert DEFAULTS[name] == getattr(Parameters(), name)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_slider_stays_within_what_is_allowed_and_reaches_the_default(name):
     info = PARAMETERS[name]
-    assert info.low <= info.slider_low <= info.default <= info.slider_high <= info.high
+    assert info.low <= info.slider_low <= DEFAULTS[name] <= info.slider_high <= info.high
     assert 0 < info.step <= info.slider_high - info.slider_low
 
 
@@ -83,8 +85,20 @@ def test_scales_are_whole():
         Parameters(scales=2.5)
 
 
-def test_only_smoothing_can_be_left_to_the_image():
-    assert Parameters(smoothing="auto").smoothing == "auto"
+@pytest.mark.parametrize("name", CHOICES)
+def test_a_choice_takes_its_names_alone_and_the_first_by_itself(name):
+    info = CHOICES[name]
+    assert getattr(Parameters(), name) == next(iter(info.choices))
+    assert all(getattr(Parameters(**{name: value}), name) == value for value in info.choices)
+    assert all(sentence[0].isupper() and sentence.endswith(".") for sentence in (info.meaning, *info.choices.values()))
+    for bad in ("Vessels", "", 1.0, None, ["gradient"]):
+        with pytest.raises(ValueError, match=rf'^{name} is .* but must be "gradient" or "vessels"\.$'):
+            Parameters(**{name: bad})
+
+
+def test_only_some_parameters_can_be_left_to_the_image():
+    assert AUTOMATIC == ("smoothing", "gamma")
+    assert [getattr(Parameters(**{name: "auto"}), name) for name in AUTOMATIC] == ["auto", "auto"]
     with pytest.raises(ValueError, match="beta is 'auto'"):
         Parameters(beta="auto")
 

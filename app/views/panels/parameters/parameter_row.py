@@ -152,7 +152,7 @@ class ParameterRow(QWidget):
             field.installEventFilter(self)
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            self._automatic.setToolTip(tr("Set the smoothing from the noise of the image."))
+            self._automatic.setToolTip(control.by_itself)
             self._automatic.installEventFilter(self)
 
     def _lay_out(self) -> None:

@@ -12,11 +12,13 @@ from app.model.display.filter_counts import FILTERS, GAP, FilterCounts
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.document.modes import acting_in
+from app.model.parameters.choices import choice_controls
 from app.model.parameters.controls import Control, controls, value_of
 from app.model.text.language import tr
 from app.model.text.wording import Wording
 from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.session import Session
+from app.views.panels.parameters.choice_row import ChoiceRow
 from app.views.panels.parameters.explanation import Explanation
 from app.views.panels.parameters.parameter_row import ParameterRow
 from app.views.presets.preset_gallery import PresetGallery
@@ -38,6 +40,7 @@ class ParametersPanel(QWidget):
         self._before: dict[str, int] = {}
         """Number of contours before a slider that is held was moved, by parameter."""
         self.rows = {control.name: ParameterRow(control) for control in controls()}
+        self.choices = {control.name: ChoiceRow(control) for control in choice_controls()}
         self.gallery = gallery
         self.explanation = Explanation()
         self.advanced = self._lay_out()
@@ -48,6 +51,8 @@ class ParametersPanel(QWidget):
             row.slider.sliderPressed.connect(partial(self._hold, row.control.name))
             row.slider.sliderReleased.connect(partial(self._let_go, row.control.name))
         session.scene_changed.connect(self._follow)
+        for choice in self.choices.values():
+            choice.changed.connect(self._change)
         session.document_changed.connect(self.show_document)
         self._explain(next(iter(self.rows.values())).control)
         self.show_document(session.document)
@@ -62,6 +67,9 @@ class ParametersPanel(QWidget):
         self._show_effects()
         if self.explanation.control is not None and self.explanation.control.name not in acting:
             self._explain(next(row.control for name, row in self.rows.items() if name in acting))
+        for name, choice in self.choices.items():
+            choice.setVisible(name in acting)
+            choice.show_value(str(value_of(document.parameters, name)))
         if self.explanation.control is not None:
             self._explain(self.explanation.control)
 
@@ -89,6 +97,8 @@ class ParametersPanel(QWidget):
         advanced = QWidget()
         rows = QVBoxLayout(advanced)
         rows.setContentsMargins(0, 0, 0, 0)
+        for choice in self.choices.values():
+            rows.addWidget(choice)
         scrolled = QWidget()
         scrolled.setObjectName("scrolled")
         column = QVBoxLayout(scrolled)
@@ -130,7 +140,7 @@ class ParametersPanel(QWidget):
         area.verticalScrollBar().setValue(section.y() if unfolded else 0)
 
     def _change(self, name: str, value: float | str) -> None:
-        change = tr("change of {parameter}").format(parameter=self.rows[name].control.title.lower())
+        change = tr("change of {parameter}").format(parameter=self._title(name).lower())
         before = self._session.document
         self._session.edit(change, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
         # A rejected value must not stay visible; an accepted one is shown through the signal.
@@ -161,6 +171,9 @@ class ParametersPanel(QWidget):
     def _let_go(self, name: str) -> None:
         self._before.pop(name, None)
         self._show_effects()
+
+    def _title(self, name: str) -> str:
+        return (self.rows[name] if name in self.rows else self.choices[name]).control.title
 
     def _explain(self, control: Control) -> None:
         document = self._session.document

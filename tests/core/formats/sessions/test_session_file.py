@@ -27,7 +27,8 @@ from cpm_core.formats.sessions.session_file import (
     load_session,
     save_session,
 )
-from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters import AUTOMATIC, PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters.choices import CHOICES
 from cpm_core.shapes import SHAPES, Circle, Everywhere, Region
 
 numbers = st.floats(-LARGEST, LARGEST, allow_nan=False)
@@ -63,12 +64,14 @@ shapes = st.one_of(*(any_of(kind) for kind in SHAPES.values()))
 @st.composite
 def parameters(draw: st.DrawFn) -> Parameters:
     """Any that are allowed."""
-    free = [info for info in PARAMETERS.values() if info.name not in ("w1", "w2", "scales", "smoothing")]
-    drawn = {info.name: draw(st.floats(info.low, info.high)) for info in free}
+    free = [info for info in PARAMETERS.values() if info.name not in ("w1", "w2", "scales", *AUTOMATIC)]
+    drawn: dict[str, Any] = {info.name: draw(st.floats(info.low, info.high)) for info in free}
     w2 = draw(st.floats(0.01, 100.0))
-    smoothing = draw(st.one_of(st.just("auto"), st.floats(0.0, 20.0)))
+    for name in AUTOMATIC:
+        drawn[name] = draw(st.just("auto") | st.floats(PARAMETERS[name].low, PARAMETERS[name].high))
+    edges = draw(st.sampled_from(list(CHOICES["edges"].choices)))
     w1 = w2 * draw(st.floats(0.0, 0.99))
-    return Parameters(**drawn, w1=w1, w2=w2, smoothing=smoothing, scales=draw(st.integers(1, 8)))
+    return Parameters(**drawn, w1=w1, w2=w2, edges=edges, scales=draw(st.integers(1, 8)))
 
 
 plain = st.recursive(
@@ -122,9 +125,9 @@ def test_an_edit_by_hand_that_means_nothing_is_told_with_its_number() -> None:
 
 
 def test_every_shape_and_every_parameter_is_kept() -> None:
-    assert {field.name for field in fields(Parameters)} == set(PARAMETERS)
+    assert {field.name for field in fields(Parameters)} == {*PARAMETERS, *CHOICES}
     text = encode(SessionFile(), Path("/folder")).decode()
-    assert all(f'"{name}"' in text for name in PARAMETERS)
+    assert all(f'"{name}"' in text for name in (*PARAMETERS, *CHOICES))
     assert all(dataclasses.is_dataclass(kind) for kind in SHAPES.values())
 
 
@@ -208,7 +211,7 @@ def test_a_file_of_an_earlier_version_is_read_by_its_former_names() -> None:
     assert session.shapes[:2] == (Everywhere("gradient"), Everywhere("grid"))
     again = encode(session, Path("/folder"))
     assert b"max_frame" not in again
-    assert b'"edges"' not in again
+    assert b'"kind": "edges"' not in again
 
 
 def test_the_color_of_a_mark_is_read_by_its_former_name_and_written_by_its_present_one() -> None:

@@ -24,6 +24,7 @@ ILLUSTRATIONS: Mapping[str, Illustrate] = MappingProxyType(
         "d_min": particles.d_min,
         "d_max": particles.d_max,
         "smoothing": image.smoothing,
+        "gamma": image.gamma,
         "scales": image.scales,
         "edge_floor": image.edge_floor,
         "max_border": image.max_border,

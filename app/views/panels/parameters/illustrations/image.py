@@ -1,4 +1,4 @@
-"""Illustrations of the parameters of the edge map: smoothing, scales, edge floor, image border."""
+"""Illustrations of the parameters of the edge map: smoothing, gamma, scales, edge floor, image border."""
 
 from __future__ import annotations
 
@@ -36,6 +36,21 @@ def smoothing(sketch: Sketch, value: float, t: float) -> None:
         for n in range(count)
     ]
     sketch.line([(6 + step * n, y) for n, y in enumerate(smooth)], PARTICLE, 2.0)
+
+
+def gamma(sketch: Sketch, value: float, t: float) -> None:
+    """Gray levels before and after: the same step among dark and among bright ones, and how high each becomes."""
+    exponent = 1.0 + (value - 1.0) * ease(t, 0.05, 0.7)
+
+    def shown(x: float) -> float:
+        height: float = max((x - 6.0) / (WIDTH - 12.0), 0.0) ** exponent
+        return 64.0 - 56.0 * height
+
+    sketch.line([(6, 64), (WIDTH - 6, 8)], LOST, 1.1)
+    sketch.curve(shown, CONTOUR, 2.0, low=6.0, high=WIDTH - 6.0)
+    for low, high in ((16.0, 32.0), (WIDTH - 32.0, WIDTH - 16.0)):
+        sketch.line([(low, shown(low)), (high, shown(low)), (high, shown(high))], MARK, 1.2, dashed=True)
+        sketch.particle(high, shown(high), PARTICLE, 2.4)
 
 
 def scales(sketch: Sketch, value: float, t: float) -> None:

@@ -1,16 +1,10 @@
-"""The parameters of the charged-particle model, each defined once.
-
-`Parameters` holds the values; `PARAMETERS` describes every field: its symbol, unit, range and meaning, and what a
-change of it makes out of date. The window's sliders, the command line's flags and the error messages are all made from
-it.
-"""
+"""What is said of every parameter that is a number: symbol, unit, range, meaning, what a change makes out of date."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Literal, cast
+from dataclasses import dataclass
 
-Invalidates = Literal["nothing", "contours", "field", "run"]
+from cpm_core.parameters.choices import CHOICES, Invalidates
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,11 +52,6 @@ class ParameterInfo:
     equation: str
     invalidates: Invalidates
     advanced: bool
-
-    @property
-    def default(self) -> float | str:
-        """Default value of the parameter."""
-        return DEFAULTS[self.name]
 
 
 _TABLE = (
@@ -115,6 +104,12 @@ _TABLE = (
         "Width of the Gaussian that smooths the image before its edges are taken.",
         "More of it quiets noise and texture, and rounds corners.",
         "section 3.1", "field", False,
+    ),
+    ParameterInfo(
+        "gamma", "γ", "", 0.1, 4.0, 0.2, 2.0, 0.05, "Gamma",
+        "Exponent of the gray levels, over their range in the image, before edges are taken.",
+        "Less of it (below 1) lets edges among dark gray levels count more, more of it those among bright ones.",
+        "", "field", True,
     ),
     ParameterInfo(
         "scales", "S", "", 1, 8, 1, 5, 1, "Scales",
@@ -193,121 +188,12 @@ PARAMETERS: dict[str, ParameterInfo] = {info.name: info for info in _TABLE}
 
 OF_SKELETONS: tuple[str, ...] = ("polarity", "max_width", "pruning")
 """Parameters that skeletons alone depend on."""
-
-FORMER_NAMES: dict[str, str] = {"max_frame": "max_border"}
-"""Names of parameters in older files and on older command lines -> their present names."""
-
-
-@dataclass(frozen=True, slots=True)
-class Parameters:
-    """Parameters of a run; the defaults are the paper's (section 4.1). `PARAMETERS` has the range of each.
-
-    Parameters
-    ----------
-    beta : float
-        Damping coefficient β of eq. (12).
-    w1 : float
-        Weight of the Coulomb force, eq. (12).
-    w2 : float
-        Weight of the Lorentz force, eq. (12); larger than `w1`, since the repulsion on a curved contour has unit size
-        outward and only a stronger attraction holds the particles on the edge.
-    annealing : float
-        Annealing factor a: ``d_max`` is multiplied by it at every step.
-    time_step : float
-        Δt of eq. (14).
-    d_min : float
-        Spacing of particles [px]; of two nearer than half of it, one is deleted.
-    d_max : float
-        Range beyond `d_min` in which a gap is filled, at the start of each scale [px].
-    smoothing : float or "auto"
-        Standard deviation σ of the Gaussian before the gradient [px], or ``"auto"`` to choose it from the image's
-        noise.
-    scales : int
-        Number of scales.
-    edge_floor : float
-        Fraction of the largest edge strength below which no fixed charge is placed.
-    max_border : float
-        Largest width of the image border, as a fraction of the shorter side; 0 for no border.
-    max_gap : float
-        Loose ends of contours up to this far apart are joined along the edge map [px]; at 0 gaps stay open.
-    min_strength : float
-        Contours of a lower mean edge strength are left out, and such parts of contours with a loose end [gray levels /
-        px].
-    sure_edge : float
-        Contours whose edge strength is below this fraction of the largest stay only if they are connected to a stronger
-        one.
-    min_contrast : float
-        Contours between regions of a lower contrast are left out, and such parts of contours with a loose end.
-    min_length : float
-        Shorter contours are left out [px].
-    polarity : float
-        Skeletons are of what is dark if it is below 0, of what is light if it is above; 0 to find out by the image.
-    max_width : float
-        Wider parts have no skeleton [px]; 0 for no limit where outlines are closed, else one from the image's widths.
-    pruning : float
-        How far a shape may extend beyond the one that its skeleton represents [px].
-
-    Raises
-    ------
-    ValueError
-        When a value lies outside its range; the message names the field, the value and the range.
-    """
-
-    beta: float = 0.8
-    w1: float = 1.6
-    w2: float = 1.75
-    annealing: float = 0.99
-    time_step: float = 0.5
-    d_min: float = 2.0
-    d_max: float = 3.0
-    smoothing: float | Literal["auto"] = 1.0
-    scales: int = 3
-    edge_floor: float = 0.0
-    max_border: float = 0.0
-    max_gap: float = 0.0
-    min_strength: float = 0.0
-    sure_edge: float = 0.0
-    min_contrast: float = 0.0
-    min_length: float = 0.0
-    polarity: float = 0.0
-    max_width: float = 0.0
-    pruning: float = 1.0
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            _check(PARAMETERS[field.name], getattr(self, field.name))
-        if not self.w2 > self.w1:
-            raise ValueError(
-                f"w2 is {self.w2:g} but must be above w1, which is {self.w1:g}: "
-                "otherwise repulsion tears the particles off the edges."
-            )
-
-    @property
-    def steering(self) -> tuple[object, ...]:
-        """Values that the motion of the particles depends on: all but those for the start and the contours."""
-        acting = (name for name, info in PARAMETERS.items() if info.invalidates in ("nothing", "field"))
-        return tuple(getattr(self, name) for name in acting)
+AUTOMATIC = ("smoothing", "gamma")
+"""Parameters whose value may also be ``"auto"``: it is then chosen from the image."""
 
 
-def _check(info: ParameterInfo, value: object) -> None:
-    """Raise a `ValueError` that names field, value and range unless `value` fits."""
-    if info.name == "smoothing" and value == "auto":
-        return
-    whole = info.name == "scales"
-    fits = isinstance(value, (int, float)) and not isinstance(value, bool) and info.low <= value <= info.high
-    if not fits or (whole and value != int(cast("float", value))):
-        kind = "a whole number" if whole else "a number"
-        words = f"{kind} from {info.low:g} to {info.high:g}" + (' or "auto"' if info.name == "smoothing" else "")
-        shown = f"{value:g}" if isinstance(value, float) else repr(value)
-        raise ValueError(f"{info.name} is {shown} but must be {words}.")
-
-
-DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in PARAMETERS}
-"""The default value of every parameter: the paper's."""
-
-PRESETS: dict[str, Parameters] = {
-    "shape": Parameters(),
-    "automatic": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.2, max_border=0.08, sure_edge=0.3),
-    "noisy": Parameters(smoothing="auto"),
-}
-"""Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), and noisy images."""
+def invalidating(*kinds: Invalidates) -> tuple[str, ...]:
+    """Names of all parameters, numbers and choices, whose change makes one of `kinds` out of date."""
+    numbers = [(name, info.invalidates) for name, info in PARAMETERS.items()]
+    named = [(name, info.invalidates) for name, info in CHOICES.items()]
+    return tuple(name for name, invalid in (*numbers, *named) if invalid in kinds)

@@ -1,0 +1,60 @@
+"""The parameters whose values are names, as controls with their words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.model.parameters.controls import acts
+from app.model.text.language import tr
+from cpm_core.parameters.choices import CHOICES
+
+_TITLES = {"gradient": tr("gray levels"), "vessels": tr("vessels")}
+"""Names of the values in the window."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChoiceControl:
+    """One choice with its texts.
+
+    Attributes
+    ----------
+    name : str
+        Field of `Parameters`.
+    title, meaning : str
+        Its label, and one sentence that says what it is.
+    choices : tuple
+        Value, name in the window, and effect of each choice.
+    acts : str
+        When a change acts, in words.
+    """
+
+    name: str
+    title: str
+    meaning: str
+    choices: tuple[tuple[str, str, str], ...]
+    acts: str
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The explanation, one line for each choice."""
+        effects = (tr("{choice}: {effect}").format(choice=title, effect=about) for _, title, about in self.choices)
+        return (self.meaning, *effects, self.acts)
+
+    @property
+    def explanation(self) -> str:
+        """The explanation as one text."""
+        return " ".join(self.lines)
+
+
+def choice_controls() -> tuple[ChoiceControl, ...]:
+    """All choices in the order shown."""
+    return tuple(
+        ChoiceControl(
+            name,
+            tr(info.title),
+            tr(info.meaning),
+            tuple((value, _TITLES.get(value, value), tr(about)) for value, about in info.choices.items()),
+            acts(info.invalidates),
+        )
+        for name, info in CHOICES.items()
+    )

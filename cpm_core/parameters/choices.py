@@ -1,0 +1,55 @@
+"""The parameters whose values are names, each defined once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Invalidates = Literal["nothing", "contours", "field", "run"]
+Edges = Literal["gradient", "vessels"]
+
+
+@dataclass(frozen=True, slots=True)
+class ChoiceInfo:
+    """Description of a parameter whose values are names.
+
+    Attributes
+    ----------
+    name : str
+        Field of `Parameters`.
+    title : str
+        Short name for a label.
+    meaning : str
+        One sentence: what it is.
+    choices : dict
+        The values, each with a sentence that says what it does; the first one is the default.
+    invalidates : {"nothing", "contours", "field", "run"}
+        What a change makes out of date, as in `ParameterInfo`.
+    """
+
+    name: str
+    title: str
+    meaning: str
+    choices: dict[str, str]
+    invalidates: Invalidates
+
+
+CHOICES: dict[str, ChoiceInfo] = {
+    "edges": ChoiceInfo(
+        "edges", "Edges of", "What the edges are taken from.",
+        {
+            "gradient": "Takes the edges of the gray levels.",
+            "vessels": "Takes the edges of a vessel measure, which is large in what is long and thin, darker or "
+            "brighter than what is around it.",
+        },
+        "field",
+    ),
+}  # fmt: skip
+"""Parameters whose values are names."""
+
+
+def check_choice(info: ChoiceInfo, value: object) -> None:
+    """Raise a `ValueError` that names field, value and choices unless `value` is one of them."""
+    if not isinstance(value, str) or value not in info.choices:
+        names = " or ".join(f'"{name}"' for name in info.choices)
+        raise ValueError(f"{info.name} is {value!r} but must be {names}.")
