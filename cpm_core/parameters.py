@@ -65,7 +65,24 @@ class ParameterInfo:
         return DEFAULTS[self.name]
 
 
+UNLIMITED_REACH = 300.0
+"""`Parameters.reach` at which there is no limit: a front creeps along every edge that is connected to its own [px]."""
+
 _TABLE = (
+    ParameterInfo(
+        "reach", "r", "px", 0.0, UNLIMITED_REACH, 0.0, UNLIMITED_REACH, 1.0, "Reach",
+        "How far particles creep beyond a junction, away from the edges around the start that they reach on their own "
+        "flight; at 300 there is no limit.",
+        "More of it finds what is connected to the object, and at last everything.",
+        "", "field", False,
+    ),
+    ParameterInfo(
+        "weakest_edge", "f_first", "", 0.0, 0.95, 0.0, 0.95, 0.01, "Weakest edge",
+        "Fraction of the strength of the edges around the start under which an edge does not hold particles; above 0 "
+        "an edge around the start must also rise in the same sense as most of them.",
+        "More of it leaves out what is weaker than the edges first met.",
+        "", "field", False,
+    ),
     ParameterInfo(
         "beta", "β", "", 0.0, 4.0, 0.1, 2.0, 0.05, "Damping",
         "Friction that takes speed out of the particles.",
@@ -181,6 +198,11 @@ class Parameters:
 
     Parameters
     ----------
+    reach : float
+        Distance that particles creep beyond a junction, away from the edges that bound the start, at the paper's
+        weights and annealing [px]; at `UNLIMITED_REACH` every connected edge is reached.
+    weakest_edge : float
+        Edges weaker than this fraction of those that bound the start are not reached.
     beta : float
         Damping coefficient β of eq. (12).
     w1 : float
@@ -224,6 +246,8 @@ class Parameters:
         When a value lies outside its range; the message names the field, the value and the range.
     """
 
+    reach: float = UNLIMITED_REACH
+    weakest_edge: float = 0.0
     beta: float = 0.8
     w1: float = 1.6
     w2: float = 1.75
@@ -274,7 +298,7 @@ DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name i
 """The default value of every parameter: the paper's."""
 
 PRESETS: dict[str, Parameters] = {
-    "shape": Parameters(),
+    "shape": Parameters(reach=2.0, weakest_edge=0.5),
     "automatic": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.2, max_border=0.08, sure_edge=0.3),
     "noisy": Parameters(smoothing="auto"),
 }

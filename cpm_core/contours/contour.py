@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -15,6 +15,10 @@ from cpm_core.numerics.types import Array
 
 SAMPLING = 0.25
 """Distance between samples along contours that are compared [px]."""
+
+Reached = Literal["", "flight", "weak", "junction", "launched"]
+"""How particles came to a contour: on their own flight from the start, beyond a weak edge, by creeping over a junction,
+or by being launched elsewhere; empty where it is not known."""
 
 FORMER_NAMES: dict[str, str] = {"colour": "color"}
 """Names of properties of contours in older files -> their present names."""
@@ -53,6 +57,8 @@ class Contour:
         Name given by the user, or empty.
     color : str
         Color given by the user, ``"#rrggbb"``; empty for the default color.
+    reached : {"", "flight", "weak", "junction", "launched"}
+        How particles came to most of it; empty where it is not known.
 
     Raises
     ------
@@ -67,6 +73,7 @@ class Contour:
     sides: HasContrast | None = field(default=None, repr=False)
     name: str = ""
     color: str = ""
+    reached: Reached = ""
 
     def __post_init__(self) -> None:
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,7 @@ from cpm_core.field.placed_charges import PlacedCharge, in_order
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
+from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.particles.coverage import no_coverage
@@ -33,16 +34,22 @@ from cpm_core.particles.state import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation import interventions
 from cpm_core.segmentation.completion import idle_steps_of
+from cpm_core.segmentation.reach.local_fields import LocalFields
+from cpm_core.segmentation.reach.reach_map import ReachMap
 from cpm_core.segmentation.scale_schedule import advance, start_scale
 
 
-def reconstruction(state: State, image: Image, scale_field: ScaleField, parameters: Parameters) -> Result:
+def reconstruction(
+    state: State, image: Image, scale_field: ScaleField, parameters: Parameters, reached: ReachMap | None = None
+) -> Result:
     """Contours through the particles of a state, from the fields of its scale, in px of the image."""
     scale, shape, size = state.scale, image.shape, 2.0**state.scale
     # an edge without particles may have been cleared by the user; it is then not traced
     filled = state.converged and not state.charges and not state.erased
     found, bridged = find_contours(state.particles.position, scale_field, parameters, at_rest=filled)
     contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
+    if reached is not None:
+        contours = tuple(replace(c, reached=reached.way_of(c.points)) for c in contours)
     bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
     return Result(
         particles=state.position,
@@ -69,6 +76,18 @@ class Engine(ImageFields):
     title: ClassVar[str] = "Charged particles"
     parameters: ClassVar[tuple[str, ...]] = tuple(PARAMETERS)
     seeded: ClassVar[bool] = True
+
+    def __init__(
+        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
+    ) -> None:
+        super().__init__(values, parameters, regions)
+        self._local_fields = LocalFields(self.scale_field, regions)
+
+    def with_regions(self, regions: Regions | None) -> Self:
+        """The same engine with other regions; see `ImageFields.with_regions`."""
+        other = super().with_regions(regions)
+        other._local_fields = LocalFields(other.scale_field, regions)
+        return other
 
     @staticmethod
     def steering(parameters: Parameters) -> tuple[object, ...]:
@@ -122,7 +141,7 @@ class Engine(ImageFields):
         if state.stop_reason:
             return state
         state = interventions.applied(state, self.regions, parameters, charges)
-        scale_field = self._charged_field(parameters, state.scale, state.charges)
+        scale_field = self._charged.of(self._field_of(state, parameters), state.scale, state.charges)
         idle = idle_steps_of(state, scale_field, parameters)
         repulsion_gone = not (idle < FADED).any()
         state, moved = displaced(state, idle, scale_field, parameters)
@@ -160,8 +179,8 @@ class Engine(ImageFields):
         """
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
         changed = interventions.applied(state, self.regions, parameters, charges)
-        scale_field = self.scale_field(parameters, state.scale)
-        charged = self._charged_field(parameters, state.scale, changed.charges)
+        scale_field = self._field_of(state, parameters)
+        charged = self._charged.of(scale_field, state.scale, changed.charges)
         idle = idle_steps_of(changed, charged, parameters)
         row = _places(state.particles.identity, changed.particles.identity)[asked]
         there = row >= 0
@@ -174,7 +193,7 @@ class Engine(ImageFields):
         The potential of the fixed charges is computed at the first call for a scale and cached with the field.
         """
         placed = replace(state, charges=in_order(charges))
-        return energies(placed, self.scale_field(parameters, state.scale), parameters)
+        return energies(placed, self._field_of(state, parameters), parameters)
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
         """Add particles to a run.
@@ -238,7 +257,8 @@ class Engine(ImageFields):
         Result
             In px of the image.
         """
-        return reconstruction(state, self.image, self.scale_field(parameters, state.scale), parameters)
+        reached = self._local_fields.map_of(state.start, parameters)
+        return reconstruction(state, self.image, self._field_of(state, parameters), parameters, reached)
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
         """Metrics of a state by name, the potential energy only if `thorough`; see `Method.measures`."""
@@ -250,6 +270,10 @@ class Engine(ImageFields):
     def positions(self, state: State) -> Array:
         """Positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
+
+    def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
+        """Fields of the scale of a state, limited to the edges that its start reaches."""
+        return self._local_fields.at(state.scale, state.start, parameters)
 
     def _populate(
         self, state: State, moved: Moved, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
