@@ -114,9 +114,8 @@ _ACTS = {
 
 
 def controls() -> tuple[Control, ...]:
-    """All controls in the order shown, the three main ones first."""
-    made = [_from_core(name) for name in PARAMETERS if name != "w1"]
-    made.insert(1, _ratio())
+    """All controls in the order shown, the main ones first."""
+    made = [_ratio() if name == "w1" else _from_core(name) for name in PARAMETERS]
     return tuple(sorted(made, key=lambda control: control.advanced))
 
 

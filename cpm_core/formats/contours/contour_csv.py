@@ -59,17 +59,23 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     Columns: ``contour`` (from 1), ``label`` (the one in the label mask, 0 when open), ``name``, ``color``, ``closed``
     (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
     none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
-    it in), ``length_px``, ``area_px2`` (0 when open), and the same in the unit of the image where it is known.
+    it in), ``length_px``, ``area_px2`` (0 when open), the same in the unit of the image where it is known, and where it
+    is known of any contour, ``reached``: how particles came to it (`Contour.reached`).
     """
     header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
     header += ["length_px", "area_px2", *_in_unit(result, "length_{}", "area_{}2")]
+    told = any(contour.reached for contour in result.contours)
+    if told:
+        header.append("reached")
     lines: list[list[object]] = []
-    for row in measure(result.contours, result.spacing):
+    for contour, row in zip(result.contours, measure(result.contours, result.spacing), strict=True):
         contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
         line = [row.number, row.label, row.name, row.color, str(row.closed).upper(), row.junctions, row.inside]
         line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}", f"{row.area:.4f}"]
         if result.unit:
             line += [f"{row.length_in_units:.7g}", f"{row.area_in_units:.7g}"]
+        if told:
+            line.append(contour.reached)
         lines.append(line)
     return _table(header, lines)
 

@@ -31,6 +31,9 @@ _HOLDS, _BETA = 1.5, 0.8
 """Strength, in multiples of the usual one of the boundary, of the edges that enclose something else within the basin,
 at this damping; it falls with the squared damping, as the kinetic energy of a particle that flies freely."""
 
+_LEAST_BETA = 0.01
+"""Damping that counts where there is less."""
+
 _LEAST_PART = 16
 """Least area of what edges enclose within a basin [px²]."""
 
@@ -107,7 +110,7 @@ def _parts(strength: Array, start: Mask, basin: Mask, beta: float) -> Labels:
     usual = float(np.median(strength[rim])) if rim.any() else 0.0
     strongest = float(strength[basin].max())
     least = max(WEAKEST_EDGE * strongest, min(background_strength(strength), usual))
-    level = max(_HOLDS * usual * (beta / _BETA) ** -2, least)
+    level = max(_HOLDS * usual * (_BETA / max(beta, _LEAST_BETA)) ** 2, least)
     parts, count = scipy.ndimage.label(basin & (strength < level))
     size = np.bincount(parts.ravel(), minlength=count + 1)
     small = size < _LEAST_PART

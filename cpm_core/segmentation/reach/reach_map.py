@@ -37,6 +37,9 @@ _SENSE = 0.5
 _BESIDE = 1.0
 """Distance of an edge from the boundary that it makes, beyond the smoothing of the latter [px]."""
 
+_LEAST_BETA = 0.01
+"""Damping that counts where there is less."""
+
 _USUAL_PUSH, _USUAL_ANNEALING = 1.6 / (1.75 - 1.6), 0.99
 """Push against hold, and annealing, of the paper."""
 
@@ -104,14 +107,14 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     bounds = bounds_of(scale_field.values, area, closed, parameters.beta)
     ridge = _ridge(scale_field)
     away = scipy.ndimage.distance_transform_edt(~bounds.boundary) if bounds.boundary.any() else np.full(area.shape, np.inf)
-    flight = ridge & (away <= _BESIDE + bounds.sigma)
-    sense = _sense(scale_field, bounds, flight) if bounds.whole else None
-    if sense is not None and parameters.weakest_edge > 0.0:
-        flight &= sense
+    beside = away <= _BESIDE + bounds.sigma
+    if bounds.whole and parameters.weakest_edge > 0.0:
+        ridge &= ~beside | _sense(scale_field, bounds, ridge & beside)
+    flight = ridge & beside
     first = float(np.median(scale_field.edge_map[flight])) if flight.any() else 0.0
     ridge &= scale_field.edge_map >= parameters.weakest_edge * first
     flight &= ridge
-    coasted = ridge & (away <= parameters.w2 / max(parameters.beta, 1e-3) ** 2) & ~flight
+    coasted = ridge & (away <= parameters.w2 / max(parameters.beta, _LEAST_BETA) ** 2) & ~flight
     edges = scipy.ndimage.binary_dilation(ridge, np.ones((3, 3), bool))
     crept = _crept(edges, flight | coasted)
     way = np.where(np.isfinite(crept), _JUNCTION, np.where(edges, _LAUNCHED, 0)).astype(np.uint8)

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from app.model.text.language import tr
 from app.session.scene import Item
+from cpm_core.contours.contour import Reached
 
 VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
+REACHED: Mapping[Reached, str] = {
+    "flight": tr("on flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
+    "launched": tr("launched"), "": "–",
+}  # fmt: skip
+"""Words for the ways in which particles come to a contour, the nearest first."""
+
 _ORDER = {"kept": 0, "": 1, "rejected": 2}
 
 
@@ -65,6 +72,9 @@ COLUMNS: tuple[Column, ...] = (
            lambda i: i.measures.junctions, "0"),
     Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
            _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
+    Column("reached", tr("Reached"), tr("How particles came to it: on free flight from the start, beyond a weak edge, "
+           "by creeping over a junction, or by being launched elsewhere."), lambda i: REACHED[i.contour.reached],
+           lambda i: float(list(REACHED).index(i.contour.reached)), "beyond a weak edge", False),
 )  # fmt: skip
 """All columns in the order shown."""
 
