@@ -27,15 +27,18 @@ _SIGMA_OF_RADIUS, _LEAST_SIGMA, _MOST_SIGMA = 0.1, 1.0, 4.0
 """Smoothing of the edge map in radii of the start, and its limits [px]: details much smaller than what has been drawn
 do not bound it."""
 
-_HOLDS, _BETA = 1.5, 0.8
+_HOLDS, _BETA = 1.0, 0.8
 """Strength, in multiples of the usual one of the boundary, of the edges that enclose something else within the basin,
 at this damping; it falls with the squared damping, as the kinetic energy of a particle that flies freely."""
+
+_EVEN, _LARGE = 0.02, 0.04
+"""Fraction of the largest edge strength up to which the image is flat, and of the start that a flat part must cover."""
 
 _LEAST_BETA = 0.01
 """Damping that counts where there is less."""
 
-_LEAST_PART = 16
-"""Least area of what edges enclose within a basin [px²]."""
+_LEAST_PART, _PART_OF_START = 16, 0.1
+"""Least area of what edges enclose within a basin, in px² and in areas of the start: smaller parts are details."""
 
 _MOST_PIXELS = 400_000
 """Size above which the flooding takes place on a coarser grid."""
@@ -84,7 +87,8 @@ def bounds_of(values: Array, area: Mask, closed: Mask, beta: float) -> Bounds:
     shut = shut | _frame(shut.shape, sigma / stride)
     if not start.any():
         start = scipy.ndimage.maximum_filter(area, stride)[::stride, ::stride]
-    labels = _parts(strength, start, _basin(strength, start, shut), beta)
+    start, basin = _basin(strength, start, shut)
+    labels = _parts(strength, start, basin, beta)
     own = np.zeros(labels.max() + 1, bool)
     own[labels[start]] = True
     own[0] = False
@@ -96,12 +100,29 @@ def bounds_of(values: Array, area: Mask, closed: Mask, beta: float) -> Bounds:
     return Bounds(beside, inside, sigma, int(own.sum()) == 1)
 
 
-def _basin(strength: Array, start: Mask, shut: Mask) -> Mask:
-    """Basin of the start in the edge map, flooded against what is shut, the image border among it."""
+def _basin(strength: Array, start: Mask, shut: Mask) -> tuple[Mask, Mask]:
+    """The start, and its basin in the edge map, flooded against what is shut, the image border among it.
+
+    Where flat parts of the start are enclosed by edges and others are not, only the first count; where none is
+    enclosed, the start lies in the open, and everything belongs to its basin.
+    """
+    flat, count = scipy.ndimage.label((strength <= _EVEN * float(strength.max())) & ~shut)
+    size = np.bincount(flat[start], minlength=count + 1)
+    large = size >= _LARGE * np.count_nonzero(start)
+    large[0] = False
+    open_ = np.zeros(count + 1, bool)
+    open_[flat[_rim(shut)]] = True
+    enclosed = large & ~open_
+    outside = shut.copy()
+    if enclosed.any() and (large & open_).any():
+        outside |= (large & open_)[flat]
+        start = start & enclosed[flat]
+    elif (large & open_).any():
+        return start, ~shut
     markers = np.zeros(strength.shape, np.int32)
-    markers[shut] = 2
+    markers[outside] = 2
     markers[start] = 1
-    return np.asarray(watershed(strength, markers) == 1)
+    return start, np.asarray(watershed(strength, markers) == 1)
 
 
 def _parts(strength: Array, start: Mask, basin: Mask, beta: float) -> Labels:
@@ -113,7 +134,7 @@ def _parts(strength: Array, start: Mask, basin: Mask, beta: float) -> Labels:
     level = max(_HOLDS * usual * (_BETA / max(beta, _LEAST_BETA)) ** 2, least)
     parts, count = scipy.ndimage.label(basin & (strength < level))
     size = np.bincount(parts.ravel(), minlength=count + 1)
-    small = size < _LEAST_PART
+    small = size < max(_LEAST_PART, _PART_OF_START * np.count_nonzero(start))
     small[0] = True
     parts[small[parts]] = 0
     if not parts[start].any():

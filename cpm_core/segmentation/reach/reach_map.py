@@ -108,11 +108,10 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     ridge = _ridge(scale_field)
     away = scipy.ndimage.distance_transform_edt(~bounds.boundary) if bounds.boundary.any() else np.full(area.shape, np.inf)
     beside = away <= _BESIDE + bounds.sigma
-    if bounds.whole and parameters.weakest_edge > 0.0:
+    if bounds.whole and bounds.boundary.any() and parameters.weakest_edge > 0.0:
         ridge &= ~beside | _sense(scale_field, bounds, ridge & beside)
     flight = ridge & beside
-    first = float(np.median(scale_field.edge_map[flight])) if flight.any() else 0.0
-    ridge &= scale_field.edge_map >= parameters.weakest_edge * first
+    ridge &= scale_field.edge_map >= parameters.weakest_edge * _first_met(scale_field.edge_map, bounds, flight)
     flight &= ridge
     coasted = ridge & (away <= parameters.w2 / max(parameters.beta, _LEAST_BETA) ** 2) & ~flight
     edges = scipy.ndimage.binary_dilation(ridge, np.ones((3, 3), bool))
@@ -137,14 +136,27 @@ def _ridge(scale_field: ScaleField) -> Mask:
     return ridge
 
 
-def _sense(scale_field: ScaleField, bounds: Bounds, flight: Mask) -> Mask:
-    """Where the image rises across the boundary in the sense in which it does so along most of it."""
+def _first_met(strength: Array, bounds: Bounds, flight: Mask) -> Array:
+    """Median strength of the edges around the part of the enclosed area that is nearest to each pixel."""
+    parts, count = scipy.ndimage.label(bounds.inside)
+    if not count or not flight.any():
+        return np.zeros(strength.shape)
+    nearest = scipy.ndimage.distance_transform_edt(parts == 0, return_distances=False, return_indices=True)
+    parts = parts[tuple(nearest)]
+    medians = np.nan_to_num(scipy.ndimage.median(strength, np.where(flight, parts, 0), np.arange(count + 1)))
+    return np.asarray(medians[parts])
+
+
+def _sense(scale_field: ScaleField, bounds: Bounds, beside: Mask) -> Mask:
+    """Where the image rises across the boundary in the sense in which it does so along most of this closed curve."""
     soft = scipy.ndimage.gaussian_filter(bounds.inside.astype(float), 1.0 + bounds.sigma)
     down, right = np.gradient(soft)
     across = down * scale_field.gradient[0] + right * scale_field.gradient[1]
-    sign = 1.0 if across[flight].sum() >= 0.0 else -1.0
-    size = np.hypot(down, right) * scale_field.edge_map
-    return np.asarray(sign * across >= _SENSE * size)
+    curve, count = scipy.ndimage.label(bounds.boundary, np.ones((3, 3), bool))
+    nearest = scipy.ndimage.distance_transform_edt(~bounds.boundary, return_distances=False, return_indices=True)
+    curve = curve[tuple(nearest)]
+    sign = np.where(np.bincount(curve[beside], across[beside], minlength=count + 1) < 0.0, -1.0, 1.0)
+    return np.asarray(sign[curve] * across >= _SENSE * np.hypot(down, right) * scale_field.edge_map)
 
 
 def _crept(edges: Mask, reached: Mask) -> NDArray[np.float32]:
