@@ -25,10 +25,7 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
     `ridge`, shape (H, W), are the pixels of the ridges that stay. The largest edge strength, and the least one for edge
     contact, are those of the edges that stay.
     """
-    if not ridge.any():
-        away = np.full(ridge.shape, np.inf)
-    else:
-        away = scipy.ndimage.distance_transform_edt(~ridge)
+    away = scipy.ndimage.distance_transform_edt(~ridge) if ridge.any() else np.full(ridge.shape, np.inf)
     kept = np.clip((_GONE - away) / (_GONE - _FULL), 0.0, 1.0)
     strength, charged = scale_field.edge_map * kept, scale_field.fixed_charges * kept
     strongest = float(strength.max(initial=0.0))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,12 +20,10 @@ from cpm_core.dynamics.equations import FADED
 from cpm_core.dynamics.forces import Forces, forces
 from cpm_core.dynamics.integrator import Moved
 from cpm_core.dynamics.time_step import displaced, populated
-from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge, in_order
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
-from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import PARAMETERS, Parameters
 from cpm_core.particles.coverage import no_coverage
@@ -34,7 +32,7 @@ from cpm_core.particles.state import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation import interventions
 from cpm_core.segmentation.completion import idle_steps_of
-from cpm_core.segmentation.reach.local_fields import LocalFields
+from cpm_core.segmentation.reach.run_fields import RunFields
 from cpm_core.segmentation.reach.reach_map import ReachMap
 from cpm_core.segmentation.scale_schedule import advance, start_scale
 
@@ -66,7 +64,7 @@ def reconstruction(
     )
 
 
-class Engine(ImageFields):
+class Engine(RunFields):
     """The charged-particle model on one image: a `Method` whose states are `State`.
 
     `ImageFields` describes image, parameters and regions and the errors that they raise.
@@ -76,18 +74,6 @@ class Engine(ImageFields):
     title: ClassVar[str] = "Charged particles"
     parameters: ClassVar[tuple[str, ...]] = tuple(PARAMETERS)
     seeded: ClassVar[bool] = True
-
-    def __init__(
-        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
-    ) -> None:
-        super().__init__(values, parameters, regions)
-        self._local_fields = LocalFields(self.scale_field, regions)
-
-    def with_regions(self, regions: Regions | None) -> Self:
-        """The same engine with other regions; see `ImageFields.with_regions`."""
-        other = super().with_regions(regions)
-        other._local_fields = LocalFields(other.scale_field, regions)
-        return other
 
     @staticmethod
     def steering(parameters: Parameters) -> tuple[object, ...]:
@@ -257,7 +243,7 @@ class Engine(ImageFields):
         Result
             In px of the image.
         """
-        reached = self._local_fields.map_of(state.start, parameters)
+        reached = self.reach_map(state.start, parameters)
         return reconstruction(state, self.image, self._field_of(state, parameters), parameters, reached)
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
@@ -270,10 +256,6 @@ class Engine(ImageFields):
     def positions(self, state: State) -> Array:
         """Positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
-
-    def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
-        """Fields of the scale of a state, limited to the edges that its start reaches."""
-        return self._local_fields.at(state.scale, state.start, parameters)
 
     def _populate(
         self, state: State, moved: Moved, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters

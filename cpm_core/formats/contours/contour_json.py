@@ -18,8 +18,9 @@ def encode(result: Result | Skeleton) -> bytes:
 
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
     levels / px. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null where
-    there is no image to measure it in; ``reached`` tells how particles came to a contour, where it is known. Where the size of a pixel is known, length and area are given in its unit as
-    well. Of a skeleton the branches are contours with ``radii`` [px], and there is no run.
+    there is no image to measure it in; ``reached`` tells how particles came to a contour, where it is known. Where the
+    size of a pixel is known, length and area are given in its unit as well. Of a skeleton the branches are contours
+    with ``radii`` [px], and there is no run.
     """
     image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}

@@ -9,12 +9,13 @@ gaps. What other edges, strong enough to hold particles, enclose within the basi
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 import scipy
+import skimage
 from numpy.typing import NDArray
-from skimage.segmentation import watershed
 
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.scale_field import WEAKEST_EDGE
@@ -122,7 +123,7 @@ def _basin(strength: Array, start: Mask, shut: Mask) -> tuple[Mask, Mask]:
     markers = np.zeros(strength.shape, np.int32)
     markers[outside] = 2
     markers[start] = 1
-    return start, np.asarray(watershed(strength, markers) == 1)
+    return start, np.asarray(_flooded(strength, markers) == 1)
 
 
 def _parts(strength: Array, start: Mask, basin: Mask, beta: float) -> Labels:
@@ -139,7 +140,13 @@ def _parts(strength: Array, start: Mask, basin: Mask, beta: float) -> Labels:
     parts[small[parts]] = 0
     if not parts[start].any():
         return basin.astype(np.int32)
-    return np.asarray(watershed(strength, parts, mask=basin), np.int32)
+    return _flooded(strength, parts.astype(np.int32), basin)
+
+
+def _flooded(strength: Array, markers: Labels, basin: Mask | None = None) -> Labels:
+    """Labels of the markers that reach each pixel of a basin, or of the image, over the lowest edges."""
+    flood: Callable[..., Labels] = skimage.segmentation.watershed
+    return np.asarray(flood(strength, markers, mask=basin), np.int32)
 
 
 def _frame(shape: tuple[int, ...], sigma: float) -> Mask:
@@ -168,5 +175,7 @@ def _rim(shut: Mask) -> Mask:
 
 def _enlarged(mask: Mask, stride: int, shape: tuple[int, ...]) -> Mask:
     """A mask on a coarser grid, on the pixels of an image."""
-    row, col = (np.minimum((np.arange(n) + stride // 2) // stride, m - 1) for n, m in zip(shape, mask.shape, strict=True))
+    row, col = (
+        np.minimum((np.arange(n) + stride // 2) // stride, m - 1) for n, m in zip(shape, mask.shape, strict=True)
+    )
     return np.asarray(mask[np.ix_(row, col)])

@@ -25,7 +25,7 @@ def drawn_area(points: Array, shape: tuple[int, ...]) -> Mask:
     on[tuple(place.T)] = True
     if len(points) < 2:
         return on
-    nearest = scipy.spatial.cKDTree(points).query(points, k=2)[0][:, 1]
+    nearest, _ = scipy.spatial.cKDTree(points).query(points, k=[2])
     link = max(_LEAST_LINK, _LINK * float(np.median(nearest)))
     near = scipy.ndimage.distance_transform_edt(~on) <= link
     filled = scipy.ndimage.binary_fill_holes(near)

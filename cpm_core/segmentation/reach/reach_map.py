@@ -88,7 +88,7 @@ def is_limited(parameters: Parameters) -> bool:
 
 
 def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: Parameters) -> ReachMap | None:
-    """How a start reaches the edges of an image; None for a start from everywhere, which reaches all of them.
+    """How a start reaches the edges of an image; None for one from everywhere, and for one that no edge bounds.
 
     Parameters
     ----------
@@ -106,14 +106,18 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
         return None
     bounds = bounds_of(scale_field.values, area, closed, parameters.beta)
     ridge = _ridge(scale_field)
-    away = scipy.ndimage.distance_transform_edt(~bounds.boundary) if bounds.boundary.any() else np.full(area.shape, np.inf)
+    if not bounds.boundary.any():
+        return None
+    away = scipy.ndimage.distance_transform_edt(~bounds.boundary)
     beside = away <= _BESIDE + bounds.sigma
-    if bounds.whole and bounds.boundary.any() and parameters.weakest_edge > 0.0:
+    if bounds.whole and parameters.weakest_edge > 0.0:
         ridge &= ~beside | _sense(scale_field, bounds, ridge & beside)
     flight = ridge & beside
     ridge &= scale_field.edge_map >= parameters.weakest_edge * _first_met(scale_field.edge_map, bounds, flight)
     flight &= ridge
     coasted = ridge & (away <= parameters.w2 / max(parameters.beta, _LEAST_BETA) ** 2) & ~flight
+    if not (flight | coasted).any():
+        return None
     edges = scipy.ndimage.binary_dilation(ridge, np.ones((3, 3), bool))
     crept = _crept(edges, flight | coasted)
     way = np.where(np.isfinite(crept), _JUNCTION, np.where(edges, _LAUNCHED, 0)).astype(np.uint8)
