@@ -32,8 +32,8 @@ from cpm_core.particles.state import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation import interventions
 from cpm_core.segmentation.completion import idle_steps_of
-from cpm_core.segmentation.reach.run_fields import RunFields
 from cpm_core.segmentation.reach.reach_map import ReachMap
+from cpm_core.segmentation.reach.run_fields import RunFields
 from cpm_core.segmentation.scale_schedule import advance, start_scale
 
 
