@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -14,7 +14,7 @@ from app.model.text.language import tr
 from cpm_core.contours.review import Mark
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
-from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.shapes import Points, Region, Shape, Start
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart
@@ -61,7 +61,7 @@ class Document:
 
     image: ImageReference | None = None
     shapes: tuple[Shape, ...] = ()
-    parameters: Parameters = field(default_factory=Parameters)
+    parameters: Parameters = PRESETS["shape"]
     marks: tuple[Mark, ...] = ()
     mode: Mode = "shape"
 
