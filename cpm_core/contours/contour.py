@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -16,6 +16,10 @@ from cpm_core.numerics.types import Array
 
 SAMPLING = 0.25
 """Distance between samples along contours that are compared [px]."""
+
+Reached = Literal["", "flight", "weak", "junction", "launched"]
+"""How particles came to a contour: on their own flight from the start, beyond a weak edge, by creeping over a junction,
+or by being launched elsewhere; empty where it is not known."""
 
 FORMER_NAMES: dict[str, str] = {"colour": "color"}
 """Names of properties of contours in older files -> their present names."""
@@ -64,6 +68,8 @@ class Contour:
         Whether it is the boundary of a hole in an object: what is inside does not belong to it.
     bridged : float
         Length of its stretches that follow no edge that was found, but were closed [px].
+    reached : {"", "flight", "weak", "junction", "launched"}
+        How particles came to most of it; empty where it is not known.
 
     Raises
     ------
@@ -83,6 +89,7 @@ class Contour:
     group: int = 0
     hole: bool = False
     bridged: float = 0.0
+    reached: Reached = ""
 
     def __post_init__(self) -> None:
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):

@@ -17,7 +17,7 @@ from cpm_core.image.border import inside_border, within
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.maximum_filter import running_maximum
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.types import Array, Mask, Single
 
 GATE = 0.93
 """Interpolated |F_l| under which a particle is on an edge: across an edge it falls linearly through zero."""
@@ -47,7 +47,7 @@ _OVERLAP = _SUMMIT_REACH + 1
 _PART, _LEAST_LINES = 2**15, 16
 """Pixels of a part of the image, so that intermediate results stay in the cache, and its least number of lines."""
 
-_FIELD_PRECISION = np.float32
+FIELD_PRECISION = np.float32
 """The transforms of the field are done in single precision: only its direction and its values near edges are used. The
 force changes by about 1e-6, contours of shapes by less than a thousandth of a pixel."""
 
@@ -81,6 +81,8 @@ class ScaleField:
         Sigma of the Gaussian [px].
     barrier_map : BarrierMap
         Barriers, which particles do not cross.
+    reached : ndarray of bool, shape (\*shape), or None
+        Where contours may run; None for everywhere.
     """
 
     packed: Single
@@ -92,6 +94,7 @@ class ScaleField:
     floor: float
     smoothing: float
     barrier_map: BarrierMap = NO_BARRIERS
+    reached: Mask | None = None
 
     @property
     def lorentz(self) -> Single:
@@ -178,7 +181,7 @@ def build_scale_field(
         inside &= regions.pixels(values.shape)
     strongest = float(strength.max(where=inside, initial=0.0))
     charged = np.where(inside & (strength >= edge_floor * strongest), strength, 0.0)
-    lorentz = lorentz_force(convolved_field(charged, precision=_FIELD_PRECISION), grad, strength, strongest)
+    lorentz = lorentz_force(convolved_field(charged, precision=FIELD_PRECISION), grad, strength, strongest)
     if not inside.all():
         strength[~within(inside, _MARGIN)] = 0.0
     packed = np.stack([*lorentz, *grad, strength], axis=-1, dtype=np.float32)
@@ -193,6 +196,11 @@ def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float
     if edge_floor > 0.0:
         return max(WEAKEST_EDGE, edge_floor) * strongest
     return max(WEAKEST_EDGE * strongest, min(background_strength(strength), _MOST_BACKGROUND * strongest))
+
+
+def least_strength(strongest: float) -> float:
+    """Edge strength that holds particles beside any background, from the largest edge strength."""
+    return _MOST_BACKGROUND * strongest if strongest > 0.0 else np.inf
 
 
 def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:

@@ -11,15 +11,25 @@ from dataclasses import dataclass, fields
 from typing import Literal, cast
 
 from cpm_core.parameters.choices import CHOICES, Edges, check_choice
-from cpm_core.parameters.table import AUTOMATIC, OF_SKELETONS, PARAMETERS, ParameterInfo, invalidating
+from cpm_core.parameters.table import (
+    AUTOMATIC,
+    OF_SKELETONS,
+    OF_STARTS,
+    PARAMETERS,
+    UNLIMITED_REACH,
+    ParameterInfo,
+    invalidating,
+)
 
 __all__ = [
     "AUTOMATIC",
     "DEFAULTS",
     "FORMER_NAMES",
     "OF_SKELETONS",
+    "OF_STARTS",
     "PARAMETERS",
     "PRESETS",
+    "UNLIMITED_REACH",
     "ParameterInfo",
     "Parameters",
     "invalidating",
@@ -36,6 +46,11 @@ class Parameters:
 
     Parameters
     ----------
+    reach : float
+        Distance that particles creep beyond a junction, away from the edges that bound the start, at the paper's
+        weights and annealing [px]; at `UNLIMITED_REACH` every connected edge is reached.
+    weakest_edge : float
+        Edges weaker than this fraction of those that bound the start are not reached.
     beta : float
         Damping coefficient β of eq. (12).
     w1 : float
@@ -90,6 +105,8 @@ class Parameters:
         When a value lies outside its range; the message names the field, the value and the range.
     """
 
+    reach: float = UNLIMITED_REACH
+    weakest_edge: float = 0.0
     beta: float = 0.8
     w1: float = 1.6
     w2: float = 1.75
@@ -147,7 +164,7 @@ DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name i
 """The default value of every parameter: the paper's."""
 
 PRESETS: dict[str, Parameters] = {
-    "shape": Parameters(),
+    "shape": Parameters(reach=2.0, weakest_edge=0.5),
     "automatic": Parameters(
         w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
     ),

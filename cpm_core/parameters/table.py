@@ -54,7 +54,24 @@ class ParameterInfo:
     advanced: bool
 
 
+UNLIMITED_REACH = 300.0
+"""`Parameters.reach` at which there is no limit: a front creeps along every edge that is connected to its own [px]."""
+
 _TABLE = (
+    ParameterInfo(
+        "reach", "r", "px", 0.0, UNLIMITED_REACH, 0.0, UNLIMITED_REACH, 1.0, "Reach",
+        "How far particles creep beyond a junction, away from the edges around the start that they reach on their own "
+        "flight; at 300 there is no limit.",
+        "More of it finds what is connected to the object, and at last everything.",
+        "", "field", False,
+    ),
+    ParameterInfo(
+        "weakest_edge", "f_first", "", 0.0, 0.95, 0.0, 0.95, 0.01, "Weakest edge",
+        "Fraction of the strength of the edges around the start under which an edge does not hold particles; above 0 "
+        "an edge around the start must also rise in the same sense as most of them.",
+        "More of it leaves out what is weaker than the edges first met.",
+        "", "field", False,
+    ),
     ParameterInfo(
         "beta", "β", "", 0.0, 4.0, 0.1, 2.0, 0.05, "Damping",
         "Friction that takes speed out of the particles.",
@@ -188,6 +205,10 @@ PARAMETERS: dict[str, ParameterInfo] = {info.name: info for info in _TABLE}
 
 OF_SKELETONS: tuple[str, ...] = ("polarity", "max_width", "pruning")
 """Parameters that skeletons alone depend on."""
+
+OF_STARTS: tuple[str, ...] = ("reach", "weakest_edge")
+"""Parameters on which nothing without a start depends."""
+
 AUTOMATIC = ("smoothing", "gamma")
 """Parameters whose value may also be ``"auto"``: it is then chosen from the image."""
 

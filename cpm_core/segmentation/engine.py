@@ -20,7 +20,6 @@ from cpm_core.dynamics.equations import FADED
 from cpm_core.dynamics.forces import Forces, forces
 from cpm_core.dynamics.integrator import Moved
 from cpm_core.dynamics.time_step import displaced, populated
-from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge, in_order
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
@@ -34,16 +33,22 @@ from cpm_core.particles.state import Particles, State
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation import interventions
 from cpm_core.segmentation.completion import idle_steps_of
+from cpm_core.segmentation.reach.reach_map import ReachMap
+from cpm_core.segmentation.reach.run_fields import RunFields
 from cpm_core.segmentation.scale_schedule import advance, start_scale
 
 
-def reconstruction(state: State, image: Image, scale_field: ScaleField, parameters: Parameters) -> Result:
+def reconstruction(
+    state: State, image: Image, scale_field: ScaleField, parameters: Parameters, reached: ReachMap | None = None
+) -> Result:
     """Contours through the particles of a state, from the fields of its scale, in px of the image."""
     scale, shape, size = state.scale, image.shape, 2.0**state.scale
     # an edge without particles may have been cleared by the user; it is then not traced
     filled = state.converged and not state.charges and not state.erased
     found, bridged = find_contours(state.particles.position, scale_field, parameters, at_rest=filled)
     contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
+    if reached is not None:
+        contours = tuple(replace(c, reached=reached.way_of(c.points)) for c in contours)
     bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
     return Result(
         particles=state.position,
@@ -62,7 +67,7 @@ def reconstruction(state: State, image: Image, scale_field: ScaleField, paramete
     )
 
 
-class Engine(ImageFields):
+class Engine(RunFields):
     """The charged-particle model on one image: a `Method` whose states are `State`.
 
     `ImageFields` describes image, parameters and regions and the errors that they raise.
@@ -125,7 +130,7 @@ class Engine(ImageFields):
         if state.stop_reason:
             return state
         state = interventions.applied(state, self.regions, parameters, charges)
-        scale_field = self._charged_field(parameters, state.scale, state.charges)
+        scale_field = self._charged.of(self._field_of(state, parameters), state.scale, state.charges)
         idle = idle_steps_of(state, scale_field, parameters)
         repulsion_gone = not (idle < FADED).any()
         state, moved = displaced(state, idle, scale_field, parameters)
@@ -163,8 +168,8 @@ class Engine(ImageFields):
         """
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
         changed = interventions.applied(state, self.regions, parameters, charges)
-        scale_field = self.scale_field(parameters, state.scale)
-        charged = self._charged_field(parameters, state.scale, changed.charges)
+        scale_field = self._field_of(state, parameters)
+        charged = self._charged.of(scale_field, state.scale, changed.charges)
         idle = idle_steps_of(changed, charged, parameters)
         row = _places(state.particles.identity, changed.particles.identity)[asked]
         there = row >= 0
@@ -177,7 +182,7 @@ class Engine(ImageFields):
         The potential of the fixed charges is computed at the first call for a scale and cached with the field.
         """
         placed = replace(state, charges=in_order(charges))
-        return energies(placed, self.scale_field(parameters, state.scale), parameters)
+        return energies(placed, self._field_of(state, parameters), parameters)
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
         """Add particles to a run.
@@ -241,7 +246,8 @@ class Engine(ImageFields):
         Result
             In px of the image.
         """
-        return reconstruction(state, self.image, self.scale_field(parameters, state.scale), parameters)
+        reached = self.reach_map(state.start, parameters)
+        return reconstruction(state, self.image, self._field_of(state, parameters), parameters, reached)
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
         """Metrics of a state by name, the potential energy only if `thorough`; see `Method.measures`."""

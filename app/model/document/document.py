@@ -17,7 +17,7 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.objects.segmented.segmented_object import Line, SegmentedObjects
-from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.shapes import Points, Region, Shape, Start
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart
@@ -75,7 +75,7 @@ class Document:
 
     image: ImageReference | None = None
     shapes: tuple[Shape, ...] = ()
-    parameters: Parameters = field(default_factory=Parameters)
+    parameters: Parameters = PRESETS["shape"]
     marks: tuple[Mark, ...] = ()
     learning: bool = False
     mode: Mode = "shape"

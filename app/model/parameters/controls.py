@@ -147,8 +147,7 @@ def acts(invalidates: Invalidates) -> str:
 
 def controls() -> tuple[Control, ...]:
     """All controls in the order shown: those that decide which contours there are, of the motion, advanced ones."""
-    made = [_from_core(name) for name in PARAMETERS if name != "w1"]
-    made.insert(1, _ratio())
+    made = [_ratio() if name == "w1" else _from_core(name) for name in PARAMETERS]
     return tuple(sorted(made, key=lambda control: (control.advanced, control.moves)))
 
 

@@ -71,7 +71,8 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     any was edited by hand, ``by_hand_px`` (the length drawn by hand). Where contours are boundaries of objects,
     also ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE), ``net_area_px2`` (without the holes in it, 0 for
     a hole), the same in the unit, and ``bridged_px`` (length without an edge that was found). For a skeleton also
-    ``thickness_min_px``, ``thickness_median_px`` and ``thickness_max_px``.
+    ``thickness_min_px``, ``thickness_median_px`` and ``thickness_max_px``. Where it is known of any contour,
+    ``reached``: how particles came to it (`Contour.reached`).
     """
     header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
     header += ["length_px", "area_px2", *_in_unit(result, "length_{}", "area_{}2")]
@@ -80,6 +81,9 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     objects = any(contour.group for contour in result.contours)
     if objects:
         header += ["object", "hole", "net_area_px2", *_in_unit(result, "net_area_{}2"), "bridged_px"]
+    told = any(contour.reached for contour in result.contours)
+    if told:
+        header.append("reached")
     lines: list[list[object]] = []
     for contour, row in zip(result.contours, measure(result.contours, result.spacing), strict=True):
         contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
@@ -93,6 +97,8 @@ def encode_measures(result: Result | Skeleton) -> bytes:
             line += [contour.group, str(contour.hole).upper(), f"{row.net_area:.4f}"]
             line += [f"{row.net_area_in_units:.7g}"] if result.unit else []
             line.append(f"{contour.bridged:.4f}")
+        if told:
+            line.append(contour.reached)
         lines.append(line)
     if isinstance(result, Skeleton):
         header += ["thickness_min_px", "thickness_median_px", "thickness_max_px"]

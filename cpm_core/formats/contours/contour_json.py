@@ -18,7 +18,8 @@ def encode(result: Result | Skeleton) -> bytes:
 
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
     levels / px. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null where
-    there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]. Where the size of a pixel
+    there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]; ``reached`` tells how
+    particles came to a contour, where it is known. Where the size of a pixel
     is known, length and area are given in its unit as well. The boundaries of an object have its number as ``object``;
     ``net_area`` is without holes, ``bridged`` the length without an edge that was found. Of a skeleton the branches are
     contours with ``radii`` [px], and there is no run.
@@ -60,6 +61,8 @@ def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
             "contrast": None if row.contrast is None else round(row.contrast, 6),
             "by_hand": round(row.by_hand, 4),
         }
+        if contour.reached:
+            entry["reached"] = contour.reached
         if result.unit:
             entry |= {"length_in_units": row.length_in_units, "area_in_units": row.area_in_units}
         if contour.group:

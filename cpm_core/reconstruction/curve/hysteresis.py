@@ -51,6 +51,14 @@ def drop_weak(graph: Graph, scale_field: ScaleField, parameters: Parameters) -> 
         drop_unconnected(graph, scale_field.strength(graph.points), parameters.sure_edge * scale_field.strongest)
 
 
+def drop_unreached(graph: Graph, reached: NDArray[np.bool_]) -> None:
+    """Remove the edges of a graph with a vertex off the pixels, shape (H, W), where contours may run."""
+    place = np.clip(np.rint(graph.points).astype(int), 0, np.array(reached.shape) - 1)
+    on = reached[tuple(place.T)]
+    edges = graph.edges()
+    graph.unlink(edges[~on[edges].all(axis=1)])
+
+
 def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
     """Rate every edge of a graph by a measure of its vertices, which maps points, shape (N, 2), to values, shape (N,).
 

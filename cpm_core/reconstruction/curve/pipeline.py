@@ -10,7 +10,7 @@ from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.end_linking import close_gaps
 from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps, bridges_of
-from cpm_core.reconstruction.curve.hysteresis import LEAST_LENGTH, choose, drop_weak, shortest
+from cpm_core.reconstruction.curve.hysteresis import LEAST_LENGTH, choose, drop_unreached, drop_weak, shortest
 from cpm_core.reconstruction.curve.ridge_tracing import trace
 from cpm_core.reconstruction.curve.subpixel import ridge_points
 
@@ -56,6 +56,8 @@ def find_contours(
     kept = deletion(points, scale_field.strength(points), scale_field.shape, parameters.d_min)
     reach = max(parameters.d_min + parameters.d_max, _LEAST_REACH * parameters.d_min)
     graph = Graph(*trace(points[kept], scale_field, parameters.d_min, at_rest))
+    if scale_field.reached is not None:
+        drop_unreached(graph, scale_field.reached)
     graph.drop_specks(_SPECK * parameters.d_min)
     close_gaps(graph, scale_field, reach)
     graph.drop_spurs(_SPUR * parameters.d_min)

@@ -26,7 +26,7 @@ def test_every_parameter_is_described_and_nothing_else():
 
 
 def test_defaults_are_those_of_the_published_experiments():
-    assert dataclasses.astuple(Parameters())[:7] == (0.8, 1.6, 1.75, 0.99, 0.5, 2.0, 3.0)
+    assert dataclasses.astuple(Parameters())[2:9] == (0.8, 1.6, 1.75, 0.99, 0.5, 2.0, 3.0)
     automatic = PRESETS["automatic"]
     assert (automatic.w1, automatic.w2, automatic.beta) == (0.6, 0.7, 0.4)
 

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from app.model.text.language import tr
 from app.session.scene import Item
+from cpm_core.contours.contour import Reached
 
 VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
-_ORDER = {"kept": 0, "": 1, "rejected": 3}
 LEFT_OUT = tr("✗ as learned")
 """Verdict that is shown for a contour that resembles rejected ones."""
+REACHED: Mapping[Reached, str] = {
+    "flight": tr("on flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
+    "launched": tr("launched"), "": "–",
+}  # fmt: skip
+"""Words for the ways in which particles come to a contour, the nearest first."""
+
+_ORDER = {"kept": 0, "": 1, "rejected": 3}
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +90,9 @@ COLUMNS: tuple[Column, ...] = (
     Column("by_hand", tr("By hand [px]"), tr("Length that was drawn by hand."),
            lambda i: number_text(i.measures.by_hand) if i.contour.by_hand else "–",
            lambda i: i.measures.by_hand, "000.0"),
+    Column("reached", tr("Reached"), tr("How particles came to it: on free flight from the start, beyond a weak edge, "
+           "by creeping over a junction, or by being launched elsewhere."), lambda i: REACHED[i.contour.reached],
+           lambda i: float(list(REACHED).index(i.contour.reached)), "beyond a weak edge", False),
 )  # fmt: skip
 """All columns in the order shown."""
 

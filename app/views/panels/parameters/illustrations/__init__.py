@@ -16,6 +16,8 @@ Illustrate = Callable[[Sketch, float, float], None]
 
 ILLUSTRATIONS: Mapping[str, Illustrate] = MappingProxyType(
     {
+        "reach": contours.reach,
+        "weakest_edge": contours.weakest_edge,
         "beta": particles.damping,
         "ratio": particles.ratio,
         "w2": particles.pull,

@@ -3,8 +3,39 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from app.views.panels.parameters.illustrations.sketch import CONTOUR, EDGE, LOST, MARK, WIDTH, Sketch, ease
+
+
+def reach(sketch: Sketch, value: float, t: float) -> None:
+    """An object with others connected to it; particles creep from it along their edges as far as the value."""
+    way = [(52.0, 36.0), (70.0, 30.0), (88.0, 40.0), (104.0, 28.0), (120.0, 34.0)]
+    sketch.line(way, LOST, 1.4)
+    sketch.ring(96, 48, 10, 8, LOST, 1.4)
+    sketch.ring(34, 34, 18, 18, CONTOUR, 2.0)
+    sketch.particle(34, 34, radius=2.4)
+    share = min(1.0, value / 300.0) * ease(t, 0.1, 0.7)
+    end = 52.0 + share * (120.0 - 52.0)
+    points = [point for point in way if point[0] <= end]
+    for (x, y), (far_x, far_y) in pairwise(way):
+        if x < end < far_x:
+            points.append((end, y + (far_y - y) * (end - x) / (far_x - x)))
+    if len(points) > 1:
+        sketch.line(points, MARK, 2.4)
+    if value >= 300.0:
+        sketch.ring(96, 48, 10, 8, MARK, 2.0, ink=ease(t, 0.6, 0.9))
+    _bar(sketch, value / 300.0)
+
+
+def weakest_edge(sketch: Sketch, value: float, t: float) -> None:
+    """An object, and weaker edges beside it; those below the value are not reached."""
+    sketch.ring(28, 32, 18, 18, CONTOUR, 3.0)
+    sketch.particle(28, 32, radius=2.4)
+    for x, strength in ((62.0, 0.8), (86.0, 0.45), (110.0, 0.2)):
+        sketch.ring(x, 32, 9, 14, LOST, 0.6 + 2.4 * strength, ink=0.6)
+        sketch.ring(x, 32, 9, 14, CONTOUR, 0.6 + 2.4 * strength, ink=_ink(strength >= value, t))
+    _bar(sketch, value / 0.95)
 
 
 def max_gap(sketch: Sketch, value: float, t: float) -> None:

@@ -1,0 +1,185 @@
+"""How a start reaches each edge of an image: on free flight, beyond a weak edge, over a junction, or not at all.
+
+- On flight it reaches the edges that bound what it lies in (`bounding`).
+- Beyond a weak edge a particle coasts as far as friction lets it: ``w2 / beta^2``, the distance in which the speed
+  ``w2 / beta`` of free flight is lost.
+- Over junctions a front creeps along every edge that is connected to one already reached. Repulsion drives it against
+  the hold of the edges, ``w1 / (w2 - w1)``, for as many steps as annealing leaves, ``1 / (1 - a)``: `reach` is the
+  distance at the weights and the annealing of the paper.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.contours.contour import Reached
+from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters import UNLIMITED_REACH, Parameters
+from cpm_core.segmentation.reach.bounding import Bounds, bounds_of
+from cpm_core.segmentation.reach.drawn_area import drawn_area
+
+WAYS: tuple[Reached, ...] = ("", "flight", "weak", "junction", "launched")
+"""Ways by their numbers in a `ReachMap`."""
+
+_FLIGHT, _WEAK, _JUNCTION, _LAUNCHED = 1, 2, 3, 4
+
+_EVERYWHERE = 0.5
+"""Fraction of the image that a start covers at most, if it is not one from everywhere."""
+
+_SENSE = 0.5
+"""Cosine of the angle up to which an edge along the boundary may be turned against it."""
+
+_BESIDE = 1.0
+"""Distance of an edge from the boundary that it makes, beyond the smoothing of the latter [px]."""
+
+_LEAST_BETA = 0.01
+"""Damping that counts where there is less."""
+
+_USUAL_PUSH, _USUAL_ANNEALING = 1.6 / (1.75 - 1.6), 0.99
+"""Push against hold, and annealing, of the paper."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ReachMap:
+    """How a start reaches the edges of an image.
+
+    Attributes
+    ----------
+    way : ndarray of uint8, shape (H, W)
+        Index in `WAYS` of each pixel of an edge, 0 off edges.
+    ridge : ndarray of bool, shape (H, W)
+        Which of them lie on the ridge of the edge.
+    crept : ndarray of float32, shape (H, W)
+        Distance along edges from those reached on flight or beyond a weak edge [px]; infinite where there is no way.
+    """
+
+    way: NDArray[np.uint8]
+    ridge: Mask
+    crept: NDArray[np.float32]
+
+    def within(self, budget: float) -> Mask:
+        """Pixels on the ridges of edges that are reached when fronts creep up to a distance [px]."""
+        return np.asarray(self.ridge & np.isfinite(self.crept) & (self.crept <= budget))
+
+    def way_of(self, points: Array) -> Reached:
+        """How most of a contour with vertices of shape (K, 2) [px] is reached; empty where it is on no edge."""
+        place = np.clip(np.rint(points).astype(int), 0, np.array(self.way.shape) - 1)
+        votes = np.bincount(self.way[tuple(place.T)], minlength=len(WAYS))
+        return WAYS[int(votes[1:].argmax()) + 1] if votes[1:].any() else ""
+
+
+def budget_of(parameters: Parameters) -> float:
+    """Distance that fronts creep over junctions [px]."""
+    if parameters.reach >= UNLIMITED_REACH:
+        return float("inf")
+    push = parameters.w1 / (parameters.w2 - parameters.w1) / _USUAL_PUSH
+    steps = (1.0 - _USUAL_ANNEALING) / (1.0 - parameters.annealing) if parameters.annealing < 1.0 else float("inf")
+    return parameters.reach * push * steps if parameters.reach > 0.0 and push > 0.0 else 0.0
+
+
+def is_limited(parameters: Parameters) -> bool:
+    """Whether the start decides on the edges that are reached at all."""
+    return parameters.reach < UNLIMITED_REACH or parameters.weakest_edge > 0.0
+
+
+def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: Parameters) -> ReachMap | None:
+    """How a start reaches the edges of an image; None for one from everywhere, and for one that no edge bounds.
+
+    Parameters
+    ----------
+    scale_field : ScaleField
+        Fields of the image itself.
+    start : ndarray, shape (N, 2)
+        Seeds [px].
+    closed : ndarray of bool, shape (H, W)
+        Where no particle goes.
+    parameters : Parameters
+        For `beta`, `w2` and `weakest_edge`.
+    """
+    area = drawn_area(start, scale_field.shape)
+    if not area.any() or area.mean() > _EVERYWHERE:
+        return None
+    bounds = bounds_of(scale_field.values, area, closed, parameters.beta)
+    ridge = _ridge(scale_field)
+    if not bounds.boundary.any():
+        return None
+    away = scipy.ndimage.distance_transform_edt(~bounds.boundary)
+    beside = away <= _BESIDE + bounds.sigma
+    if bounds.whole and parameters.weakest_edge > 0.0:
+        ridge &= ~beside | _sense(scale_field, bounds, ridge & beside)
+    flight = ridge & beside
+    ridge &= scale_field.edge_map >= parameters.weakest_edge * _first_met(scale_field.edge_map, bounds, flight)
+    flight &= ridge
+    coasted = ridge & (away <= parameters.w2 / max(parameters.beta, _LEAST_BETA) ** 2) & ~flight
+    if not (flight | coasted).any():
+        return None
+    edges = scipy.ndimage.binary_dilation(ridge, np.ones((3, 3), bool))
+    crept = _crept(edges, flight | coasted)
+    way = np.where(np.isfinite(crept), _JUNCTION, np.where(edges, _LAUNCHED, 0)).astype(np.uint8)
+    way[coasted], way[flight] = _WEAK, _FLIGHT
+    return ReachMap(way, ridge, crept)
+
+
+def _ridge(scale_field: ScaleField) -> Mask:
+    """Pixels on the ridge of an edge: none of the two neighbors across it is stronger."""
+    strength = scale_field.edge_map
+    ridge = np.zeros(strength.shape, bool)
+    place = np.argwhere(strength >= scale_field.floor)
+    if not len(place):
+        return ridge
+    here = strength[tuple(place.T)]
+    normal = scale_field.gradient[(slice(None), *place.T)].T / np.maximum(here, 1e-300)[:, None]
+    both = [scale_field.strength(place + sign * normal) for sign in (-1.0, 1.0)]
+    top = (here >= both[0]) & (here >= both[1])
+    ridge[tuple(place[top].T)] = True
+    return ridge
+
+
+def _first_met(strength: Array, bounds: Bounds, flight: Mask) -> Array:
+    """Median strength of the edges around the part of the enclosed area that is nearest to each pixel."""
+    parts, count = scipy.ndimage.label(bounds.inside)
+    if not count or not flight.any():
+        return np.zeros(strength.shape)
+    nearest = scipy.ndimage.distance_transform_edt(parts == 0, return_distances=False, return_indices=True)
+    parts = parts[tuple(nearest)]
+    medians = np.nan_to_num(scipy.ndimage.median(strength, np.where(flight, parts, 0), np.arange(count + 1)))
+    return np.asarray(medians[parts])
+
+
+def _sense(scale_field: ScaleField, bounds: Bounds, beside: Mask) -> Mask:
+    """Where the image rises across the boundary in the sense in which it does so along most of this closed curve."""
+    soft = scipy.ndimage.gaussian_filter(bounds.inside.astype(float), 1.0 + bounds.sigma)
+    down, right = np.gradient(soft)
+    across = down * scale_field.gradient[0] + right * scale_field.gradient[1]
+    curve, count = scipy.ndimage.label(bounds.boundary, np.ones((3, 3), bool))
+    nearest = scipy.ndimage.distance_transform_edt(~bounds.boundary, return_distances=False, return_indices=True)
+    curve = curve[tuple(nearest)]
+    sign = np.where(np.bincount(curve[beside], across[beside], minlength=count + 1) < 0.0, -1.0, 1.0)
+    return np.asarray(sign[curve] * across >= _SENSE * np.hypot(down, right) * scale_field.edge_map)
+
+
+def _crept(edges: Mask, reached: Mask) -> NDArray[np.float32]:
+    """Distance along edges from those that are reached, shape (H, W) [px]."""
+    crept = np.full(edges.shape, np.inf, np.float32)
+    if not reached.any():
+        return crept
+    number = np.full(edges.shape, -1, np.int64)
+    number[edges] = np.arange(np.count_nonzero(edges))
+    pairs, lengths = [], []
+    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        rows = slice(0, edges.shape[0] - down), slice(down, None)
+        cols = (slice(0, edges.shape[1] - right), slice(right, None)) if right >= 0 else (slice(1, None), slice(0, -1))
+        one, other = number[rows[0], cols[0]], number[rows[1], cols[1]]
+        joined = (one >= 0) & (other >= 0)
+        pairs.append(np.stack([one[joined], other[joined]]))
+        lengths.append(np.full(np.count_nonzero(joined), np.hypot(down, right)))
+    (one, other), length = np.concatenate(pairs, axis=1), np.concatenate(lengths)
+    count = np.count_nonzero(edges)
+    graph = scipy.sparse.csr_array((length, (one, other)), shape=(count, count))
+    crept[edges] = scipy.sparse.csgraph.dijkstra(graph, directed=False, indices=number[reached], min_only=True)
+    return crept
