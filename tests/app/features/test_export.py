@@ -20,6 +20,7 @@ from app.views.features.file.export import ExportFeature
 from app.views.main_window import MainWindow
 from cpm_core.formats import WRITABLE
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
+from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
 
@@ -43,6 +44,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     session = window.session
     session.open(path)
     hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
+    session.edit("reach", lambda document: replace(document, parameters=Parameters()))
     for row, col, radius in DISCS:
         circle = Circle((float(max(row, 16)), float(col)), 0.6 * radius)
         session.edit("draw", lambda document, circle=circle: edits.add_shape(document, circle))

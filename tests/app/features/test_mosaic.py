@@ -13,6 +13,7 @@ from PySide6.QtCore import Qt
 from app.model.display.mosaic import FIRST_AXES, Axis, in_text, pick, plan, read_values, sensible_values
 from app.model.document import edits
 from app.model.document.document import Document
+from app.model.document.modes import acting_in
 from app.model.parameters.controls import controls, slider_range, value_of
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.main_window import MainWindow
@@ -26,6 +27,7 @@ from tests.app.conftest import Hand, disc
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
 CONTROLS = {control.name: control for control in controls()}
+OFFERED = [control.name for control in controls() if control.name in acting_in("shape")]
 
 
 @pytest.fixture
@@ -37,7 +39,7 @@ def dialog(ready: MainWindow, hand: Hand) -> MosaicDialog:
     hand.qtbot.waitExposed(made)
     assert (made.down.control.name, made.across.control.name) == FIRST_AXES
     for row, name in ((made.down, "beta"), (made.across, "ratio")):
-        row.choice.setCurrentIndex([control.name for control in controls()].index(name))
+        row.choice.setCurrentIndex(OFFERED.index(name))
     made.down.values.setText("0.6, 0.9")
     made.across.values.setText("0.7; 0.9")
     return made
@@ -179,7 +181,7 @@ def test_without_an_initialization_the_mosaic_asks_for_one(window, hand) -> None
 def test_a_new_number_of_values_or_parameter_suggests_new_values(dialog) -> None:
     dialog.count.setCurrentIndex(2)
     assert len(read_values(dialog.down.control, dialog.down.values.text())) == 5
-    dialog.down.choice.setCurrentIndex(next(i for i, c in enumerate(CONTROLS.values()) if c.name == "scales"))
+    dialog.down.choice.setCurrentIndex(OFFERED.index("scales"))
     assert all(value == int(value) for value in read_values(dialog.down.control, dialog.down.values.text()))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from PySide6.QtGui import QImage
 from app.model.display.display_image import display_of_edge_map
 from app.model.document import edits
 from app.views.features.run.run_control import RunControlFeature
-from cpm_core import Engine, Parameters
+from cpm_core import PRESETS, Engine, Parameters
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Circle
 
@@ -86,26 +87,26 @@ def test_single_steps_are_counted_one_by_one_and_none_is_lost(ready, hand) -> No
 
 def test_single_steps_are_the_engines_own(ready, hand) -> None:
     values = ready.session.image
-    engine, state = Engine(values, Parameters()), None
+    engine, state = Engine(values, PRESETS["shape"]), None
     state = engine.start(circle((32.0, 32.0), 10.0))
     for _ in range(5):
         hand.key(KEY.Key_Period)
-        state = engine.step(state, Parameters())
+        state = engine.step(state, PRESETS["shape"])
     hand.wait(lambda: ready.session.idle)
     np.testing.assert_array_equal(ready.session.scene.snapshot.position, state.position)
 
 
 def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -> None:
-    engine = Engine(ready.session.image, Parameters())
+    engine = Engine(ready.session.image, PRESETS["shape"])
     state = engine.start(circle((32.0, 32.0), 10.0))
     hand.key(KEY.Key_Period)
     hand.wait(lambda: ready.session.idle)
     generation = ready.session.generation
-    state = engine.step(state, Parameters())
+    state = engine.step(state, PRESETS["shape"])
     slider = ready.panels["parameters"].rows["beta"].slider
     hand.qtbot.keyClick(slider, KEY.Key_PageUp)
     changed = ready.session.document.parameters
-    assert changed.beta > Parameters().beta
+    assert changed.beta > PRESETS["shape"].beta
     hand.canvas.setFocus()
     hand.key(KEY.Key_Period)
     state = engine.step(state, changed)
@@ -186,6 +187,7 @@ def test_a_wider_gap_bridges_at_rest_and_is_shown_and_reported(window, hand, tmp
     np.save(path, interrupted_disc())
     session.open(path)
     hand.wait(lambda: session.document.image.name == path.name and session.idle)
+    session.edit("reach", lambda document: replace(document, parameters=Parameters()))
     session.edit("circle", lambda document: edits.add_shape(document, Circle((65.0, 55.0), 20.0)))
     hand.canvas.setFocus()
     hand.key(KEY.Key_Space)
@@ -271,17 +273,17 @@ def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, recor
     seen = record("overlays")
     hand.key(KEY.Key_4, CONTROL)
     hand.wait(lambda: len(seen) == 1)
-    engine = Engine(window.session.image, Parameters())
-    np.testing.assert_array_equal(seen[0].get("edge_map"), display_of_edge_map(engine.edge_map(Parameters())))
+    engine = Engine(window.session.image, PRESETS["shape"])
+    np.testing.assert_array_equal(seen[0].get("edge_map"), display_of_edge_map(engine.edge_map(PRESETS["shape"])))
     assert seen[0].get("field") is None
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
     hand.wait(lambda: len(seen) == 2)
     np.testing.assert_array_equal(
-        seen[1].get("edge_map"), display_of_edge_map(engine.edge_map(Parameters(smoothing=2.0)))
+        seen[1].get("edge_map"), display_of_edge_map(engine.edge_map(replace(PRESETS["shape"], smoothing=2.0)))
     )
     window.panels["layers"].boxes["field"].click()
     hand.wait(lambda: len(seen) == 3)
-    np.testing.assert_array_equal(seen[2].get("field"), engine.field(Parameters(smoothing=2.0)))
+    np.testing.assert_array_equal(seen[2].get("field"), engine.field(replace(PRESETS["shape"], smoothing=2.0)))
     window.session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.0))
     hand.wait(lambda: window.session.idle)
     assert len(seen) == 3

@@ -19,6 +19,7 @@ from app.views.features.contours.contours import ContoursFeature
 from app.views.main_window import MainWindow
 from app.views.panels.contour_table.columns import COLUMNS, NAME
 from app.views.panels.contour_table.view import ContourTable
+from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
 
@@ -44,6 +45,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     session = window.session
     session.open(path)
     hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
+    session.edit("reach", lambda document: replace(document, parameters=Parameters()))
     for at_row, at_col, radius, _ in DISCS:
         circle = Circle((float(at_row), float(at_col)), 0.75 * radius)
         session.edit("draw", lambda document, circle=circle: edits.add_shape(document, circle))

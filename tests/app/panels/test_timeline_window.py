@@ -15,7 +15,7 @@ from app.session.worker.run import Run
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.run.timeline import BUDGET, TimelineFeature
 from app.views.window.preferences_dialog import PreferencesDialog
-from cpm_core import Engine, Parameters
+from cpm_core import PRESETS, Engine
 from cpm_core.particles.initialization import circle
 from cpm_core.particles.state import State
 
@@ -27,10 +27,10 @@ LEFT = Qt.MouseButton.LeftButton
 @pytest.fixture
 def fresh(ready) -> list[State]:
     """The states of the same run, computed without a window."""
-    engine = Engine(ready.session.image, Parameters())
+    engine = Engine(ready.session.image, PRESETS["shape"])
     states = [engine.start(circle((32.0, 32.0), 10.0))]
     while not states[-1].stop_reason:
-        states.append(engine.step(states[-1], Parameters()))
+        states.append(engine.step(states[-1], PRESETS["shape"]))
     return states
 
 
@@ -74,7 +74,7 @@ def scrub(window, hand, branch: int, *steps: int) -> None:
 def go_on_otherwise(window, hand) -> None:
     """Change the damping by its slider, and run to the end."""
     hand.qtbot.keyClick(window.panels["parameters"].rows["beta"].slider, KEY.Key_PageUp)
-    assert window.session.document.parameters.beta > Parameters().beta
+    assert window.session.document.parameters.beta > PRESETS["shape"].beta
     window.canvas_area.canvas.setFocus()
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
@@ -104,7 +104,7 @@ def test_continuing_differently_from_an_earlier_step_keeps_both_branches(rested,
     go_on_otherwise(rested, hand)
     kept, new = navigation(rested).outline.branches
     assert (kept.last, new.parent, new.first) == (fresh[-1].step, kept.identity, 40)
-    engine, state = Engine(rested.session.image, Parameters()), fresh[40]
+    engine, state = Engine(rested.session.image, PRESETS["shape"]), fresh[40]
     for _ in range(20):
         state = engine.step(state, rested.session.document.parameters)
     scrub(rested, hand, new.identity, 45)

@@ -142,7 +142,7 @@ def test_mirrored_and_turned_images_have_such_forces():
 def test_single_precision_of_the_field_moves_contours_by_less_than_a_thousandth_of_a_pixel(monkeypatch, values, seeds):
     """Seen: 1e-4 at most."""
     single = segment(values, seeds).contours
-    monkeypatch.setattr(scale_field_module, "_FIELD_PRECISION", np.float64)
+    monkeypatch.setattr(scale_field_module, "FIELD_PRECISION", np.float64)
     double = segment(values, seeds).contours
     assert len(single) == len(double)
     apart = np.concatenate([outline_distance(one.points, outlines(double)) for one in single])
