@@ -268,7 +268,11 @@ SAMPLES = (
         "A radiograph of a hand; a circle in the palm finds its outline.",
     ),
 )
-CHANGED = {"hand.png": {"smoothing": 1.5, "sure_edge": 0.25, "min_length": 25.0}}
+CHANGED = {
+    "rings.png": {"reach": 300.0, "weakest_edge": 0.0},
+    "artery.png": {"reach": 300.0, "weakest_edge": 0.0},
+    "hand.png": {"smoothing": 1.5, "sure_edge": 0.25, "min_length": 25.0},
+}
 """What is set otherwise than in the preset, by file."""
 
 

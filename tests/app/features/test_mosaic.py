@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from app.views.features.view.mosaic import MosaicFeature
 from app.views.main_window import MainWindow
 from app.views.mosaic import MosaicDialog
 from app.views.mosaic.tile import EnlargedTile
-from cpm_core import Engine, Parameters, segment
+from cpm_core import PRESETS, Engine, Parameters, segment
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Charge
 from tests.app.conftest import Hand, disc
@@ -61,7 +62,7 @@ def test_each_tile_is_what_a_run_with_its_values_gives(ready, dialog, hand) -> N
     assert len(dialog.tiles) == 4
     view = dialog.tiles[0, 1]
     assert view.caption == "β = 0.6, w₁/w₂ = 0.9"
-    parameters = Parameters(beta=0.6, w1=0.9 * 1.75, scales=ready.session.document.parameters.scales)
+    parameters = replace(PRESETS["shape"], beta=0.6, w1=0.9 * 1.75, scales=ready.session.document.parameters.scales)
     alone = segment(disc(), circle((32.0, 32.0), radius=10.0, spacing=2.0), parameters)
     assert view.done.result.steps == alone.steps
     np.testing.assert_array_equal(view.done.result.particles, alone.particles)
@@ -109,7 +110,8 @@ def test_tiles_are_selected_enlarged_and_chosen_by_keys(ready, dialog, hand) -> 
     large = dialog.findChild(EnlargedTile)
     assert large.windowTitle() == "β = 0.9, w₁/w₂ = 0.9"
     hand.qtbot.keyClick(large, KEY.Key_Escape)
-    assert ready.session.document.parameters == Parameters(scales=ready.session.document.parameters.scales)
+    scales = ready.session.document.parameters.scales
+    assert ready.session.document.parameters == replace(PRESETS["shape"], scales=scales)
     hand.qtbot.keyClick(tiles[1, 1], KEY.Key_Return)
     assert ready.session.document.parameters.beta == 0.9
 
