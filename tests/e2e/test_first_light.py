@@ -42,6 +42,8 @@ def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbo
     assert window.canvas_area.canvas.layers.contours.counts == (1, 0)
     for suffix in (".svg", ".csv", ".png"):
         path = tmp_path / f"u{suffix}"
+        window.activateWindow()  # which the dialog before was
+        qtbot.waitUntil(window.isActiveWindow, timeout=PATIENCE)
         qtbot.keyClick(window.canvas_area.canvas, Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier)
         dialog = window.feature(ExportFeature).dialog
         for field, text in ((dialog.file.folder, str(tmp_path)), (dialog.file.name, path.name)):
