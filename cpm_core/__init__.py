@@ -77,7 +77,7 @@ from cpm_core.formats.ground_truth_file import load_truth
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.skeleton import Skeleton, skeleton
-from cpm_core.objects import Partition, Selection, partition
+from cpm_core.objects import Partition, Selection, objects_result, partition, similar
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
@@ -123,9 +123,11 @@ __all__ = [
     "load_image",
     "load_truth",
     "measure",
+    "objects_result",
     "partition",
     "reconstruct_curve",
     "segment",
+    "similar",
     "skeleton",
     "strip",
     "stroke",

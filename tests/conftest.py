@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from cpm_core.segmentation.warm_up import warm_up
+from cpm_core.objects.warm_up import warm_up
 
 # No window of a test shall flash on a person's screen unless asked for by naming a platform.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")

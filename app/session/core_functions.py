@@ -12,9 +12,9 @@ from cpm_core.formats import export, load_image
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.objects.warm_up import warm_up
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import METHODS, Method
-from cpm_core.segmentation.warm_up import warm_up
 
 
 @dataclass(frozen=True, slots=True)

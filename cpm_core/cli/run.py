@@ -24,12 +24,14 @@ from cpm_core.cli.arguments import (
     parameters_of,
 )
 from cpm_core.cli.jobs import facts_of
+from cpm_core.cli.objects import add_objects, check_objects, choose, facts_of_object, sentence
 from cpm_core.cli.terminal import Progress, counted
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import export, load_image, load_points
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.regions import Regions
+from cpm_core.objects import Selection
 from cpm_core.parameters import PRESETS
 from cpm_core.particles.initialization import circle, stroke
 from cpm_core.segmentation.segment import segment
@@ -56,6 +58,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     ):
         group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
     start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
+    add_objects(parser.add_argument_group("object"))
     parameters = parser.add_argument_group("parameters")
     parameters.add_argument(
         "--preset", choices=tuple(PRESETS), help="named settings (default: shape, or the session's)"
@@ -74,6 +77,7 @@ def _run(arguments: argparse.Namespace) -> None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
     parameters = parameters_of(arguments, PRESETS[arguments.preset] if arguments.preset else session.parameters)
     max_steps = as_steps(arguments.max_steps)
+    check_objects(arguments)
     drawn = _drawn(arguments, session)
     regions = _regions(arguments, session)
     path, notes = _image(arguments, session)
@@ -84,6 +88,8 @@ def _run(arguments: argparse.Namespace) -> None:
     seeds = [seeds_on(image, session.shapes, parameters.smoothing), *drawn]
     if arguments.auto:
         seeds.append(seeds_on(image, (Everywhere(arguments.auto),), parameters.smoothing))
+    elif arguments.object and not any(map(len, seeds)):
+        seeds.append(seeds_on(image, (Everywhere("grid"),), parameters.smoothing))
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
@@ -100,9 +106,13 @@ def _run(arguments: argparse.Namespace) -> None:
         if progress is not None:
             progress.clear()
     result = apply(found, session.marks)
+    chosen = None
+    written = result
+    if arguments.object:
+        chosen, written = choose(result, image, arguments)
     seconds = time.perf_counter() - started
-    export(result, *arguments.export)
-    _report(result, seconds, arguments.export, as_json=arguments.json)
+    export(written, *arguments.export)
+    _report(result, chosen, seconds, arguments.export, as_json=arguments.json)
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, tuple[str, ...]]:
@@ -114,13 +124,13 @@ def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, t
 
 def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[NDArray[np.float64]]:
     """Seeds of the circles, strokes and points on the command line."""
-    given = arguments.circle or arguments.stroke or arguments.points or arguments.auto
+    given = arguments.circle or arguments.stroke or arguments.points or arguments.auto or arguments.object
     if not (given or starts_of(session.shapes)) and session.mode == "skeleton":
         raise ValueError("The session is about a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
     if not (given or starts_of(session.shapes)):
         raise ValueError(
             "No start is given: add --circle ROW,COL,RADIUS, --stroke ROW,COL,ROW,COL,..., "
-            "--points FILE.csv or --auto grid."
+            "--points FILE.csv or --auto grid, or name a place inside an object, --object ROW,COL."
         )
     return [
         *(_circle(text) for text in arguments.circle),
@@ -166,10 +176,11 @@ def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
     return points
 
 
-def _report(result: Result, seconds: float, written: Sequence[str], *, as_json: bool) -> None:
+def _report(result: Result, chosen: Selection | None, seconds: float, written: Sequence[str], *, as_json: bool) -> None:
     facts = facts_of(result, seconds)
     if as_json:
-        print(json.dumps({**facts, "bridges": len(result.bridges)}))
+        objects = {} if chosen is None else {"objects": [facts_of_object(chosen)]}
+        print(json.dumps({**facts, "bridges": len(result.bridges), **objects}))
         return
     print(f"{result.source}: {counted(len(result.contours), 'contour')} ({facts['closed']} closed)")
     for number, contour in enumerate(result.contours[:10], start=1):
@@ -177,6 +188,8 @@ def _report(result: Result, seconds: float, written: Sequence[str], *, as_json: 
         print(f"  {number}. length {contour.length:.1f} px, {kind}, strength {contour.strength:.3g}")
     if len(result.contours) > 10:
         print(f"  ... and {len(result.contours) - 10} shorter ones")
+    if chosen is not None:
+        print(sentence(chosen))
     if result.bridges:
         longest = max(bridge.length for bridge in result.bridges)
         print(f"Bridged {counted(len(result.bridges), 'gap')}, longest {longest:.1f} px")

@@ -14,7 +14,7 @@ from typing import Any
 from cpm_core.cli.jobs import Done, Job, do
 from cpm_core.numerics import jit_cache
 from cpm_core.numerics.parallel import cores
-from cpm_core.segmentation.warm_up import warm_up
+from cpm_core.objects.warm_up import warm_up
 
 _DIED = "The process that worked on it ended unexpectedly; perhaps there was not enough memory."
 

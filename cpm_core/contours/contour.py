@@ -53,6 +53,12 @@ class Contour:
         Name given by the user, or empty.
     color : str
         Color given by the user, ``"#rrggbb"``; empty for the default color.
+    group : int
+        Number of the object that it is a boundary of, from 1; 0 for a contour that stands for itself.
+    hole : bool
+        Whether it is the boundary of a hole in an object: what is inside does not belong to it.
+    bridged : float
+        Length of its stretches that follow no edge that was found, but were closed [px].
 
     Raises
     ------
@@ -67,6 +73,9 @@ class Contour:
     sides: HasContrast | None = field(default=None, repr=False)
     name: str = ""
     color: str = ""
+    group: int = 0
+    hole: bool = False
+    bridged: float = 0.0
 
     def __post_init__(self) -> None:
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):

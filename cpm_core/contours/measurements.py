@@ -45,6 +45,10 @@ class Measures:
         Number of the innermost closed contour around it; 0 without any.
     length_in_units, area_in_units : float
         Length and area in the unit of the image's spacing and its square.
+    net_area : float
+        Enclosed area without the holes directly inside [px²]; 0 when open, and for a hole itself.
+    net_area_in_units : float
+        The same in the square of the unit.
     """
 
     number: int
@@ -60,6 +64,30 @@ class Measures:
     inside: int
     length_in_units: float
     area_in_units: float
+    net_area: float
+    net_area_in_units: float
+
+
+def numbers(contours: Sequence[Contour]) -> tuple[int, ...]:
+    """Label of each contour: 1, 2, ... over the closed ones in their order, 0 for open ones and holes.
+
+    The outlines of one object share a label.
+    """
+    count = 0
+    labels: list[int] = []
+    of_group: dict[int, int] = {}
+    for contour in contours:
+        known = of_group.get(contour.group)
+        if not contour.closed or contour.hole:
+            labels.append(0)
+        elif known is not None:
+            labels.append(known)
+        else:
+            count += 1
+            labels.append(count)
+            if contour.group:
+                of_group[contour.group] = count
+    return tuple(labels)
 
 
 def measure(
@@ -82,14 +110,16 @@ def measure(
         One row for each contour, in their order.
     """
     around = containment(contours)
+    net = np.array([0.0 if contour.hole else contour.area for contour in contours])
+    for contour, outer in zip(contours, around, strict=True):
+        if contour.hole and outer is not None:
+            net[outer] -= contour.area
     rows: list[Measures] = []
-    label = 0
-    for number, (contour, outer) in enumerate(zip(contours, around, strict=True), start=1):
-        label += contour.closed
+    for number, (contour, outer, label) in enumerate(zip(contours, around, numbers(contours), strict=True), start=1):
         rows.append(
             Measures(
                 number=number,
-                label=label if contour.closed else 0,
+                label=label,
                 name=contour.name,
                 color=contour.color,
                 closed=contour.closed,
@@ -101,6 +131,8 @@ def measure(
                 inside=0 if outer is None else outer + 1,
                 length_in_units=float(np.linalg.norm(np.diff(contour.path, axis=0) * spacing, axis=1).sum()),
                 area_in_units=contour.area * spacing[0] * spacing[1],
+                net_area=float(net[number - 1]),
+                net_area_in_units=float(net[number - 1]) * spacing[0] * spacing[1],
             )
         )
     return tuple(rows)

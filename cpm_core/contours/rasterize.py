@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from skimage.draw import polygon
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import containment
+from cpm_core.contours.measurements import containment, numbers
 from cpm_core.numerics.types import Mask
 
 Labels = NDArray[np.unsignedinteger]
@@ -18,22 +19,12 @@ MOST_LABELS = 65535
 """Labels that 16 bits can hold."""
 
 
-def numbers(contours: Sequence[Contour]) -> tuple[int, ...]:
-    """Label of each contour: 1, 2, ... over the closed ones in their order, 0 for open ones."""
-    count = 0
-    labels: list[int] = []
-    for contour in contours:
-        count += contour.closed
-        labels.append(count if contour.closed else 0)
-    return tuple(labels)
-
-
 def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
     """Fill the inside of each closed contour with its label.
 
     A pixel is inside when its center is. Contours are filled from the largest to the smallest, so one inside another
     keeps its own label: an object in an object, and likewise a hole, which a measurement can then leave out or
-    subtract. Open contours enclose nothing.
+    subtract. The holes of objects that were chosen have the label 0. Open contours enclose nothing.
 
     Parameters
     ----------
@@ -77,7 +68,8 @@ def inside(contours: Sequence[Contour], shape: tuple[int, ...], *, holes: bool =
     ndarray of bool, shape `shape`
         True where the center of a pixel is inside.
     """
-    labels = paint(contours, shape)
+    alone = [replace(contour, group=0, hole=False) for contour in contours]
+    labels = paint(alone, shape)
     if not holes:
         return labels > 0
     around = containment(contours)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.numerics.types import Array
-from cpm_core.objects.face_graph import FaceGraph
+from cpm_core.objects.faces.face_graph import FaceGraph
 
 ON_CONTOUR = 0.5
 """Price of a stretch of boundary along a contour, as a fraction of that of one without."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.objects.faces import Faces, Ground, split
+from cpm_core.objects.faces.faces import Faces, Ground, split
 
 _RADIUS = 3.0
 """Distance from a click up to which faces are clicked as well [px]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.face_graph import FaceGraph
+from cpm_core.objects.faces.face_graph import FaceGraph
 
 RIM, RIM_WITH_OUTSIDE = 2.0, 2.0
 """Price of an object that touches the border of the image, for each pixel of it: while nothing has been said to be

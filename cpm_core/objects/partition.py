@@ -19,18 +19,21 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.basins import Labels
 from cpm_core.objects.boundary import prices
 from cpm_core.objects.clicks import as_places, clicked
 from cpm_core.objects.evidence import evidence
-from cpm_core.objects.faces import Faces, Ground, find_faces, ground
+from cpm_core.objects.faces.basins import Labels
+from cpm_core.objects.faces.faces import Faces, Ground, find_faces, ground
 from cpm_core.objects.minimum_cut import minimum_cut
-from cpm_core.objects.outline import SMOOTHING, outlines
+from cpm_core.objects.outline.outline import SMOOTHING, outlines
 from cpm_core.objects.regrouping import connected, filled, kept_where_unconcerned
 from cpm_core.objects.selection import Selection, confidence_of
 from cpm_core.parameters import Parameters
 from cpm_core.particles.initialization import uniform_grid
 from cpm_core.segmentation.segment import segment
+
+NOWHERE = np.empty((0, 2))
+"""No places."""
 
 _RUN = Parameters(smoothing=1.5)
 """Parameters of the run from everywhere that finds the contours of an image."""
@@ -92,6 +95,11 @@ class Partition:
         """Face of every pixel, shape (H, W); -1 outside the regions of interest."""
         return self._faces.labels
 
+    @property
+    def means(self) -> Array:
+        """Mean gray level of each face, shape (F,)."""
+        return self._faces.graph.mean
+
     def select(self, inside: ArrayLike, outside: ArrayLike = (), *, previous: Selection | None = None) -> Selection:
         """Choose the object that some places lie in, and others do not.
 
@@ -127,10 +135,12 @@ class Partition:
                 changed = np.concatenate([within[new[0]], beyond[new[1]]])
                 chosen = kept_where_unconcerned(chosen, found, previous.mask, changed)
             chosen = filled(connected(chosen, found.inside, graph), found.outside, graph)
-        return self._selection(np.append(chosen, False)[found.faces.labels], within, beyond, found.remark)
+        return self.selection_of(np.append(chosen, False)[found.faces.labels], within, beyond, found.remark)
 
-    def _selection(self, mask: Mask, inside: Array, outside: Array, remark: str = "") -> Selection:
-        """What a set of pixels is as an object."""
+    def selection_of(
+        self, mask: Mask, inside: Array = NOWHERE, outside: Array = NOWHERE, remark: str = ""
+    ) -> Selection:
+        """Make an object of a set of pixels, shape (H, W); its boundary follows the contours that pass beside it."""
         found = outlines(mask, self._ground)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)

@@ -7,7 +7,7 @@ import scipy
 
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.clicks import Clicked
-from cpm_core.objects.face_graph import FaceGraph
+from cpm_core.objects.faces.face_graph import FaceGraph
 
 
 def connected(chosen: Mask, wanted: Mask, graph: FaceGraph) -> Mask:

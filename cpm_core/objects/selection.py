@@ -10,8 +10,8 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.faces import Ground
-from cpm_core.objects.outline import Outline
+from cpm_core.objects.faces.faces import Ground
+from cpm_core.objects.outline.outline import Outline
 
 
 @dataclass(frozen=True, eq=False)

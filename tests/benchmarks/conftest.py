@@ -5,7 +5,7 @@ The ordinary tests do not collect them. With ``--benchmark-disable`` each is tri
 
 import pytest
 
-from cpm_core.segmentation.warm_up import warm_up
+from cpm_core.objects.warm_up import warm_up
 
 
 @pytest.fixture(scope="session")

@@ -14,7 +14,7 @@ from cpm_core.cli.bench.start import starts
 from cpm_core.cli.bench.steps import reconstructions, steps
 from cpm_core.image.image import Image
 from cpm_core.numerics.parallel import cores
-from cpm_core.segmentation.warm_up import warm_up
+from cpm_core.objects.warm_up import warm_up
 
 
 def measurements(patience: Patience, image: Image | None = None) -> Iterator[Measurement]:

@@ -17,10 +17,10 @@ def encode(result: Result | Skeleton) -> bytes:
     """Write an instance for each closed contour, as one polygon with its area and its box.
 
     Names are categories. Coordinates are x, y in px from the corner of the image. The polygons of this format have no
-    holes: a contour in another is an instance of its own, and the outer one covers it. Open contours are left out;
-    ValueError when no contour is closed.
+    holes: a contour in another is an instance of its own, and the outer one covers it; the holes of objects that were
+    chosen, and open contours, are left out. ValueError when no contour is closed.
     """
-    closed = [contour for contour in result.contours if contour.closed and len(contour.points) > 2]
+    closed = [contour for contour in result.contours if contour.closed and not contour.hole and len(contour.points) > 2]
     if not closed:
         raise ValueError(
             f"No contour of {result.source} is closed, and a COCO file holds only closed ones: "

@@ -6,8 +6,7 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 
-from cpm_core.contours.measurements import measure
-from cpm_core.contours.rasterize import numbers
+from cpm_core.contours.measurements import measure, numbers
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
 
@@ -59,17 +58,27 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     Columns: ``contour`` (from 1), ``label`` (the one in the label mask, 0 when open), ``name``, ``color``, ``closed``
     (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
     none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
-    it in), ``length_px``, ``area_px2`` (0 when open), and the same in the unit of the image where it is known.
+    it in), ``length_px``, ``area_px2`` (0 when open), and the same in the unit of the image where it is known. Where
+    contours are boundaries of objects, also ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE),
+    ``net_area_px2`` (without the holes in it, 0 for a hole), the same in the unit, and ``bridged_px`` (length without
+    an edge that was found).
     """
     header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
     header += ["length_px", "area_px2", *_in_unit(result, "length_{}", "area_{}2")]
+    objects = any(contour.group for contour in result.contours)
+    if objects:
+        header += ["object", "hole", "net_area_px2", *_in_unit(result, "net_area_{}2"), "bridged_px"]
     lines: list[list[object]] = []
-    for row in measure(result.contours, result.spacing):
+    for contour, row in zip(result.contours, measure(result.contours, result.spacing), strict=True):
         contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
         line = [row.number, row.label, row.name, row.color, str(row.closed).upper(), row.junctions, row.inside]
         line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}", f"{row.area:.4f}"]
         if result.unit:
             line += [f"{row.length_in_units:.7g}", f"{row.area_in_units:.7g}"]
+        if objects:
+            line += [contour.group, str(contour.hole).upper(), f"{row.net_area:.4f}"]
+            line += [f"{row.net_area_in_units:.7g}"] if result.unit else []
+            line.append(f"{contour.bridged:.4f}")
         lines.append(line)
     return _table(header, lines)
 

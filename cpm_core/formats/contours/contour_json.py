@@ -19,7 +19,9 @@ def encode(result: Result | Skeleton) -> bytes:
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
     levels / px. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null where
     there is no image to measure it in. Where the size of a pixel is known, length and area are given in its unit as
-    well. Of a skeleton the branches are contours with ``radii`` [px], and there is no run.
+    well. The boundaries of an object have its number as ``object``; ``net_area`` is without holes, ``bridged`` the
+    length without an edge that was found. Of a skeleton the branches are contours with ``radii`` [px], and there is no
+    run.
     """
     image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
@@ -58,6 +60,9 @@ def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
         }
         if result.unit:
             entry |= {"length_in_units": row.length_in_units, "area_in_units": row.area_in_units}
+        if contour.group:
+            entry |= {"object": contour.group, "hole": contour.hole}
+            entry |= {"net_area": round(row.net_area, 4), "bridged": round(contour.bridged, 4)}
         if isinstance(result, Skeleton):
             entry["radii"] = rounded(result.radii[row.number - 1])
         entries.append(entry | {"points": rounded(contour.points)})

@@ -20,8 +20,9 @@ def encode(result: Result | Skeleton) -> bytes:
     """Write a collection of features, one for each contour (RFC 7946, with the properties that QuPath uses).
 
     A closed contour is a polygon whose interior rings are the contours directly inside it, so it covers the pixels of
-    its label in the label mask; each of those is a feature of its own as well. An open one is a line, a single vertex a
-    point. Coordinates are (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5).
+    its label in the label mask; each of those is a feature of its own as well, unless it is just a hole in an object.
+    An open one is a line, a single vertex a point. Coordinates are (x, y) in px from the corner of the image, the
+    center of the first pixel at (0.5, 0.5).
     """
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
@@ -39,10 +40,11 @@ def encode(result: Result | Skeleton) -> bytes:
                 "closed": row.closed,
                 "junctions": list(contour.junctions),
                 "inside": row.inside,
-                "measurements": _measurements(row, result.unit),
+                "measurements": _measurements(row, result.unit) | _measurements_of_object(contour, row),
             },
         }
         for contour, row in zip(result.contours, rows, strict=True)
+        if not contour.hole
     ]
     return text({"type": "FeatureCollection", "features": features})
 
@@ -56,6 +58,13 @@ def _measurements(row: Measures, unit: str | None) -> dict[str, float]:
     if row.contrast is not None:
         found["Contrast"] = row.contrast
     return {name: round(value, 6) for name, value in found.items() if row.closed or not name.startswith("Area")}
+
+
+def _measurements_of_object(contour: Contour, row: Measures) -> dict[str, float]:
+    """What is measured of the boundary of an object only."""
+    if not contour.group:
+        return {}
+    return {"Net area px^2": round(row.net_area, 6), "Bridged px": round(contour.bridged, 6)}
 
 
 def _areal(contour: Contour) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.rasterize import numbers
+from cpm_core.contours.measurements import numbers
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import DEFAULT
 from cpm_core.medial_axis.skeleton import Skeleton

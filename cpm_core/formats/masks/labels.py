@@ -9,7 +9,8 @@ import PIL.Image
 from numpy.typing import NDArray
 from skimage.draw import line
 
-from cpm_core.contours.rasterize import MOST_LABELS, label_type, numbers, paint
+from cpm_core.contours.measurements import numbers
+from cpm_core.contours.rasterize import MOST_LABELS, label_type, paint
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
 

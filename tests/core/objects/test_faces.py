@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from cpm_core import Regions
 from cpm_core.numerics import polyline
-from cpm_core.objects.basins import basins
-from cpm_core.objects.crossings import Crossings, crossings
-from cpm_core.objects.face_graph import face_graph
-from cpm_core.objects.faces import find_faces, ground, split
+from cpm_core.objects.faces.basins import basins
+from cpm_core.objects.faces.crossings import Crossings, crossings
+from cpm_core.objects.faces.face_graph import face_graph
+from cpm_core.objects.faces.faces import find_faces, ground, split
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -202,7 +202,7 @@ def test_a_face_that_is_cut_is_measured_as_if_it_had_always_been_two(seed):
 
 def test_a_gap_in_an_outline_parts_the_faces_on_both_sides_of_it():
     flat = np.zeros((60, 60))
-    outline = np.array([(15.0, 27.0), (15.0, 15.0), (45.0, 15.0), (45.0, 45.0), (15.0, 45.0), (15.0, 33.0)])
+    outline = 0.3 + np.array([(15, 27), (15, 15), (45, 15), (45, 45), (15, 45), (15, 33)])
     faces = find_faces(ground(flat, flat, [outline], None))
     inside = polyline.inside(outline, np.indices(flat.shape).reshape(2, -1).T.astype(float)).reshape(flat.shape)
     away = np.hypot(*(np.indices(flat.shape) - np.array([15.0, 30.0])[:, None, None])) > 6.0

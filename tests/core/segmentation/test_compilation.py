@@ -10,8 +10,8 @@ import pytest
 
 from cpm_core import Engine, Parameters, circle
 from cpm_core.numerics import jit_cache
-from cpm_core.segmentation import warm_up as compilation
-from cpm_core.segmentation.warm_up import warm_up
+from cpm_core.objects import warm_up as compilation
+from cpm_core.objects.warm_up import warm_up
 
 from ..scenes import disk
 

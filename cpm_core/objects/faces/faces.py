@@ -13,9 +13,9 @@ import skimage
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.maximum_filter import running_maximum
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.objects.basins import Labels, basins
-from cpm_core.objects.crossings import Crossings, crossings
-from cpm_core.objects.face_graph import FaceGraph, changed_graph, face_graph
+from cpm_core.objects.faces.basins import Labels, basins
+from cpm_core.objects.faces.crossings import Crossings, crossings
+from cpm_core.objects.faces.face_graph import FaceGraph, changed_graph, face_graph
 
 STRONG_PERCENTILE = 95.0
 """Percentile of the edge map above which an edge is strong."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.objects.crossings import Crossings
+from cpm_core.objects.faces.crossings import Crossings
 
 Labels = NDArray[np.int32]
 

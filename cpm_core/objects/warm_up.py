@@ -19,11 +19,13 @@ from pathlib import Path
 
 import numpy as np
 
+from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.denoising import clean
 from cpm_core.image.regions import Regions
 from cpm_core.numerics import jit_cache
 from cpm_core.numerics.parallel import cores
+from cpm_core.objects.partition import partition
 from cpm_core.parameters import Parameters
 from cpm_core.particles.initialization import circle
 from cpm_core.particles.state import State
@@ -52,7 +54,7 @@ def warm_up(canceled: Callable[[], bool] = lambda: False) -> None:
     if canceled():
         return
     engine, state = step_once()
-    engine.result(state, _PARAMETERS)
+    _choose(engine.result(state, _PARAMETERS))
     engine.energies(state, _PARAMETERS, _CHARGES)
     clean(_IMAGE)
 
@@ -68,12 +70,17 @@ def step_once() -> tuple[Engine, State]:
 
 
 def reconstruct_once() -> None:
-    """Run the loops of denoising, the reconstruction and the energies."""
+    """Run the loops of denoising, the reconstruction, the choice of objects and the energies."""
     clean(_IMAGE)
     engine = Engine(_IMAGE, _PARAMETERS, _REGIONS)
     state = engine.start(circle((15.5, 15.5), 9.0))
-    engine.result(state, _PARAMETERS)
+    _choose(engine.result(state, _PARAMETERS))
     engine.energies(state, _PARAMETERS, _CHARGES)
+
+
+def _choose(result: Result) -> None:
+    """Run the loops of the choice of objects, also of a face that clicks cut."""
+    partition(result).select([(15.0, 15.0)], [(15.0, 19.0), (30.0, 2.0)])
 
 
 def end_with_the_caller() -> None:
@@ -112,7 +119,7 @@ def _other_process(part: str, aside: Path) -> subprocess.Popen[bytes]:
     if getattr(sys, "frozen", False) or not sys.executable:
         raise FileNotFoundError("there is no interpreter to start")
     found_in = [str(Path(__file__).parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])]
-    code = f"from cpm_core.segmentation import warm_up; warm_up.end_with_the_caller(); warm_up.{part}()"
+    code = f"from cpm_core.objects import warm_up; warm_up.end_with_the_caller(); warm_up.{part}()"
     return subprocess.Popen(
         # -P: nothing is imported from the current folder of the user
         [sys.executable, "-P", "-c", code],

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.objects.crossings import Crossings
+from cpm_core.objects.faces.crossings import Crossings
 
 STEPS = _ROW, _COL = np.array([0, 1, 0, -1]), np.array([1, 0, -1, 0])
 """Rows and columns of the steps to the right, down, left and up."""
@@ -26,7 +26,8 @@ _LEAST, _MOST = 0.02, 0.98
 
 _SWEEPS = 12
 _HOLD = 4.0
-"""Weight of the place of a strong edge, against 1 for the smoothness of the line."""
+_REST = 0.3
+"""Weights of the place of a strong edge, and of the middle of the link, against 1 for the smoothness of the line."""
 
 
 class Steps(NamedTuple):
@@ -133,7 +134,9 @@ def _aim(
             continue
         kind[n] = FREE
         target[n], top = _summit(strength, r, c, _ROW[d], _COL[d])
-        hold[n] = _HOLD * min(top / strong, 1.0) ** 2
+        edge = _HOLD * min(top / strong, 1.0) ** 2
+        hold[n] = edge + _REST
+        target[n] = (edge * target[n] + _REST * 0.5) / hold[n]
 
 
 @compiled

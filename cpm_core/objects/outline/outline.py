@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,8 +11,8 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import Sides
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.faces import Ground
-from cpm_core.objects.outline_tracing import FREE, ON_BORDER, STEPS, placed, trace
+from cpm_core.objects.faces.faces import Ground
+from cpm_core.objects.outline.outline_tracing import FREE, ON_BORDER, STEPS, placed, trace
 
 SMOOTHING = 1.0
 """Sigma of the edge map of objects [px]."""
@@ -90,4 +90,8 @@ def _outline(points: Array, free: Mask, bordering: Mask, ground: Ground) -> Outl
     along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
     sides = Sides(ground.values, points, along[:, ::-1] * (-1.0, 1.0), SMOOTHING)
     bridged = free & np.roll(free, -1)
-    return Outline(Contour(points, True, strength, sides=sides), bridged, bordering & np.roll(bordering, -1))
+    row, col = points.T
+    hole = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row) < 0.0  # the pixels are on the right hand
+    contour = Contour(points, True, strength, sides=sides, hole=hole)
+    found = Outline(contour, bridged, bordering & np.roll(bordering, -1))
+    return replace(found, contour=replace(contour, bridged=sum(map(polyline.length, found.gaps))))

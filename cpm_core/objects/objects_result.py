@@ -1,0 +1,64 @@
+"""Objects as a result, for everything that takes one: writers, measurements, comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cpm_core.contours.contour import Bridge
+from cpm_core.contours.result import Result
+from cpm_core.field.edge_map import edge_map
+from cpm_core.field.interpolation import interpolate
+from cpm_core.image.image import Image
+from cpm_core.numerics import polyline
+from cpm_core.objects.outline.outline import SMOOTHING
+from cpm_core.objects.selection import Selection
+
+
+def objects_result(selections: Sequence[Selection], image: Image, names: Sequence[str] = ()) -> Result:
+    """Make a result whose contours are the boundaries of objects.
+
+    Parameters
+    ----------
+    selections : sequence of Selection
+        Objects in one image.
+    image : Image
+        The image.
+    names : sequence of str, optional
+        Name of each object; ``"object 1"``, ``"object 2"`` and so on by default.
+
+    Returns
+    -------
+    Result
+        All contours of an object share its number as their `Contour.group`, so that label masks have one label for each
+        object and none in its holes. Its gaps are the `bridges`.
+    """
+    if names and len(names) != len(selections):
+        raise ValueError(f"there are {len(names)} names for {len(selections)} objects: give one for each.")
+    titles = names or [f"object {number}" for number in range(1, len(selections) + 1)]
+    contours = [
+        replace(contour, group=number, name=title)
+        for number, (selection, title) in enumerate(zip(selections, titles, strict=True), start=1)
+        for contour in selection.contours
+    ]
+    strength = edge_map(image.values, SMOOTHING)
+    bridges = []
+    for gap in (gap for selection in selections for gap in selection.gaps):
+        mean = float(interpolate(strength[None], polyline.sampled(gap, 1.0)).mean())
+        bridges.append(Bridge(gap, polyline.length(gap), mean))
+    return Result(
+        particles=np.empty((0, 2)),
+        contours=tuple(contours),
+        surface=None,
+        steps=0,
+        converged=True,
+        stop_reason="the objects have been chosen",
+        shape=image.shape,
+        spacing=image.spacing,
+        unit=image.unit,
+        source=image.source,
+        bridges=tuple(bridges),
+        image=image,
+    )

@@ -1,0 +1,1 @@
+"""Outlines: the closed boundaries of objects, to a fraction of a pixel."""

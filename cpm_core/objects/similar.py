@@ -1,0 +1,118 @@
+"""All like this: the other objects of an image that resemble a chosen one."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+import skimage
+
+from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.objects.partition import Partition
+from cpm_core.objects.selection import Selection
+
+_CONTRAST = 0.4, 3.0
+"""How far from its surroundings, towards the gray level of the chosen object and beyond, those of others are."""
+
+_SIZE = 0.2, 4.0
+"""Area of others, as fractions of that of the chosen one."""
+
+_CUT = 0.05
+"""Least area of one that the border of the image cuts, as the same fraction."""
+
+_EDGE = 0.3
+"""Least strength of the boundary of others, as a fraction of that of the chosen one's."""
+
+_NECK = 0.1
+"""How much narrower a neck is than both of the bodies that it joins, as a fraction of the radius of the chosen one."""
+
+_AROUND = 0.5
+"""Width of the surroundings, as a fraction of the radius."""
+
+
+def similar(partition: Partition, selection: Selection) -> tuple[Selection, ...]:
+    """Find objects like a chosen one.
+
+    Others have a gray level that differs from the surroundings of the chosen object in the same direction, a similar
+    size, and a boundary of similar strength. Where the bodies of two touch, they are parted at the neck between them.
+    What the border of the image cuts is closed along it, and may be smaller.
+
+    Parameters
+    ----------
+    partition : Partition
+        Faces of the image.
+    selection : Selection
+        The chosen object.
+
+    Returns
+    -------
+    tuple of Selection
+        The chosen one first, then the others from the top left to the bottom right, none of which overlap; empty when
+        nothing is chosen.
+    """
+    if not selection.mask.any():
+        return ()
+    area = float(np.count_nonzero(selection.mask))
+    radius = np.sqrt(area / np.pi)
+    bodies = _parted(_alike(partition, selection, radius), radius)
+    bodies[selection.mask] = 0
+    found = [selection]
+    limit = np.array(partition.shape) - 1
+    strength = _boundary_strength(selection)
+    boxes = enumerate(scipy.ndimage.find_objects(bodies), start=1)
+    for number, box in ((number, box) for number, box in boxes if box):
+        body = bodies[box] == number
+        cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
+        least = _CUT if cut else _SIZE[0]
+        if not least * area <= np.count_nonzero(body) <= _SIZE[1] * area:
+            continue
+        mask = np.zeros(partition.shape, np.bool_)
+        mask[box] = _largest(body)
+        other = partition.selection_of(mask, _deepest(mask)[None])
+        if _boundary_strength(other) >= _EDGE * strength:
+            found.append(other)
+    return tuple(found)
+
+
+def _alike(partition: Partition, selection: Selection, radius: float) -> Mask:
+    """Pixels of the faces whose gray level is like that of the chosen object, without small holes."""
+    values, mask = partition.image.values, selection.mask
+    away = scipy.ndimage.distance_transform_edt(~mask)
+    ring = (away > 1.0) & (away <= max(2.0, _AROUND * radius) + 1.0)
+    own, around = float(np.median(values[mask])), float(np.median(values[ring])) if ring.any() else 0.0
+    share = (partition.means - around) / (own - around) if own != around else np.zeros(len(partition.means))
+    faces = (share >= _CONTRAST[0]) & (share <= _CONTRAST[1])
+    alike = np.append(faces, False)[partition.labels]
+    holes, _ = scipy.ndimage.label(~alike)
+    sizes = np.bincount(holes.ravel())
+    return np.asarray(alike | (sizes < 0.1 * radius**2)[holes] | mask)
+
+
+def _parted(mask: Mask, radius: float) -> Index:
+    """Bodies of a mask, parted at their necks, numbered from 1."""
+    depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge")), 1.0)
+    depth = depth[1:-1, 1:-1]
+    tops = skimage.morphology.h_maxima(depth, max(0.5, _NECK * radius))  # type: ignore[no-untyped-call]
+    markers, _ = scipy.ndimage.label((tops > 0) & mask, np.ones((3, 3)))
+    parts = skimage.segmentation.watershed(-depth, markers, mask=mask)  # type: ignore[no-untyped-call]
+    return np.asarray(parts, dtype=np.int64)
+
+
+def _largest(mask: Mask) -> Mask:
+    """The largest connected part of a mask."""
+    parts, _ = scipy.ndimage.label(mask)
+    sizes = np.bincount(parts.ravel())
+    sizes[0] = 0
+    return np.asarray(parts == sizes.argmax())
+
+
+def _deepest(mask: Mask) -> Array:
+    """The pixel farthest from the outside of a mask, as a place, shape (2,)."""
+    depth = scipy.ndimage.distance_transform_edt(mask)
+    return np.array(np.unravel_index(depth.argmax(), mask.shape), dtype=float)
+
+
+def _boundary_strength(selection: Selection) -> float:
+    """Mean edge strength along the boundary [gray levels / px]."""
+    lengths = np.array([contour.length for contour in selection.contours])
+    strengths = np.array([contour.strength for contour in selection.contours])
+    return float(lengths @ strengths / lengths.sum()) if len(lengths) else 0.0

@@ -1,0 +1,82 @@
+"""Objects on the command line: chosen by places, written closed, told as text and as JSON."""
+
+import json
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from cpm_core import cli
+
+CENTER, RADIUS = (40.0, 50.0), 18.0
+
+
+@pytest.fixture
+def disk(tmp_path):
+    """Path of an image of a bright disk with a dark hole, and a second disk."""
+    row, col = np.mgrid[:80, :140]
+    away = np.hypot(row - CENTER[0], col - CENTER[1])
+    values = np.clip(RADIUS + 0.5 - away, 0, 1) * np.clip(away - 5.5, 0, 1)
+    values += np.clip(12.5 - np.hypot(row - 40.0, col - 110.0), 0, 1)
+    PIL.Image.fromarray((220 * values).astype(np.uint8)).save(tmp_path / "disk.png")
+    return tmp_path / "disk.png"
+
+
+@pytest.fixture
+def command(capsys):
+    def run(*arguments):
+        status = cli.main([str(argument) for argument in arguments])
+        output = capsys.readouterr()
+        return status, output.out, output.err
+
+    return run
+
+
+def test_an_object_is_told_as_json_and_written_as_a_mask_of_one_label(disk, command, tmp_path):
+    mask = tmp_path / "mask.png"
+    status, out, err = command(
+        "run", disk, "--object", "40,62", "--not", "40,50", "--not", "40,110", "--json", "--export", mask
+    )
+    assert (status, err) == (0, "")
+    (found,) = json.loads(out)["objects"]
+    true = np.pi * (RADIUS**2 - 6.0**2)
+    assert found["area"] == pytest.approx(true, rel=0.06)
+    assert found["perimeter"] == pytest.approx(2.0 * np.pi * (RADIUS + 6.0), rel=0.05)
+    assert (found["holes"], found["gaps"], found["bridged"]) == (1, 0, 0.0)
+    assert found["confidence"] > 0.95
+    pixels = np.asarray(PIL.Image.open(mask))
+    assert np.unique(pixels).tolist() == [0, 1]
+    assert np.count_nonzero(pixels) == pytest.approx(true, rel=0.06)
+    assert pixels[40, 110] == 0
+
+
+def test_a_person_is_told_of_the_object(disk, command):
+    status, out, _ = command("run", disk, "--circle", "40,110,6", "--object", "40,110")
+    assert status == 0
+    assert "Object: area 4" in out  # of pi 12 ^ 2 = 452
+    assert "across gaps, confidence" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--object", "40"), '--object is "40" but must be two numbers'),
+        (("--object", "40,a"), '--object is "40,a" but must be two numbers'),
+        (("--object", "40,nan"), "must be two numbers"),
+        (("--object", "40,50", "--not", "1,2,3"), '--not is "1,2,3" but must be two numbers'),
+        (("--not", "1,2", "--auto", "grid"), "--not is given without --object"),
+    ],
+)
+def test_places_that_are_none_are_told_in_one_line(disk, command, tmp_path, arguments, message):
+    status, out, err = command("run", disk, *arguments, "--export", tmp_path / "a.svg")
+    assert (status, out) == (2, "")
+    assert message in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "a.svg").exists()
+
+
+def test_a_place_outside_the_regions_of_interest_is_no_object(disk, command):
+    region = "--region", "10,10,10,80,70,80,70,10"
+    status, _, err = command("run", disk, *region, "--object", "40,110")
+    assert status == 2
+    assert "no object at 40,110" in err
