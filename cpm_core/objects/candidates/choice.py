@@ -51,7 +51,7 @@ def candidates(scene: Scene) -> list[Candidate]:
     return found
 
 
-def chosen(look: Appearance, clicks: Clicked, strong: float, inside: Index, outside: Index, before: Mask | None) -> Mask:
+def chosen(look: Appearance, clicks: Clicked, strong: float, before: Mask | None) -> Mask:
     """The object that clicks mean.
 
     Parameters
@@ -59,11 +59,9 @@ def chosen(look: Appearance, clicks: Clicked, strong: float, inside: Index, outs
     look : Appearance
         The image.
     clicks : Clicked
-        The faces that the clicks have chosen.
+        The pixels that were clicked, at least one inside, and the faces that they have chosen.
     strong : float
         Edge strength that counts as strong.
-    inside, outside : ndarray of int64, shape (M, 2) and (K, 2)
-        Pixels said to be inside, at least one, and outside.
     before : ndarray of bool, shape (H, W), or None
         The object that some of these clicks have chosen, if that is known.
 
@@ -72,7 +70,7 @@ def chosen(look: Appearance, clicks: Clicked, strong: float, inside: Index, outs
     ndarray of bool, shape (H, W)
         The object: it holds all pixels inside, and none outside.
     """
-    mask = before
+    mask, inside, outside = before, clicks.within, clicks.beyond
     if mask is None or not mask.any():
         mask = _best(Scene(look, clicks, strong, inside, outside, inside[0], True, None))
     every = np.concatenate([inside, outside])
@@ -191,5 +189,3 @@ def _tied(scene: Scene, mask: Mask) -> Mask:
     mask[scene.outside[:, 0], scene.outside[:, 1]] = False
     mask[scene.inside[:, 0], scene.inside[:, 1]] = True
     return linked(mask, scene.inside)
-
-

@@ -38,7 +38,9 @@ def object_features(look: Appearance, grid: Grid, mask: Mask, click: Index) -> A
     return found
 
 
-def change_features(look: Appearance, grid: Grid, change: Mask, chosen: Mask, ratio: Array, click: Index, adding: bool) -> Array:
+def change_features(
+    look: Appearance, grid: Grid, change: Mask, chosen: Mask, ratio: Array, click: Index, adding: bool
+) -> Array:
     """Features `CHANGE` of a change of what was chosen, both given on a grid; `ratio` is that of `log_ratio`."""
     rank, gray, bins = _part(look, grid)
     point = grid.nearest(click)

@@ -32,7 +32,8 @@ class Ranking:
         x = np.clip((features - self.mean) / self.deviation, -_LIMIT, _LIMIT)
         return np.asarray(x @ self.linear + x**2 @ self.square)
 
-_N=np.zeros(11), np.ones(11), np.zeros(11), np.zeros(11)
-FIRST=Ranking(*_N)
-_N=np.zeros(28), np.ones(28), np.zeros(28), np.zeros(28)
-CHANGES=Ranking(*_N)
+
+_N = np.zeros(11), np.ones(11), np.zeros(11), np.zeros(11)
+FIRST = Ranking(*_N)
+_N = np.zeros(28), np.ones(28), np.zeros(28), np.zeros(28)
+CHANGES = Ranking(*_N)
