@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cpm_core import PRESETS, Image, Regions, circle, partition, segment
+from cpm_core import PRESETS, Image, Regions, circle, partition, segment, similar
 
 from ..scenes import antialiased, disk, ring
 
@@ -93,3 +93,107 @@ def test_a_result_without_an_image_is_refused(disk_scene):
     result = segment(Image(disk_scene.values), circle((47, 47), 8.0))
     with pytest.raises(ValueError, match="does not know its image"):
         partition(replace(result, image=None))
+
+
+def two_disks(row, col):
+    """Two disks that touch, a ring, and a half disk at the left border."""
+    first, second = np.hypot(row - 30.0, col - 40.0) < 15.0, np.hypot(row - 30.0, col - 66.0) < 13.0
+    around = np.hypot(row - 90.0, col - 60.0)
+    return first | second | ((around < 20.0) & (around > 9.0)) | (np.hypot(row - 70.0, col + 2.0) < 15.0)
+
+
+@pytest.fixture(scope="module")
+def scene_partition():
+    return partition(antialiased((128, 128), two_disks))
+
+
+def within(row, col, radius, shape=(128, 128)):
+    return np.hypot(np.indices(shape)[0] - row, np.indices(shape)[1] - col) < radius
+
+
+def test_an_object_that_the_border_of_the_image_cuts_is_closed_along_it(scene_partition):
+    chosen = scene_partition.select([(70, 4)])
+    assert overlap(chosen.mask, within(70.0, -2.0, 15.0)) > 0.95
+    (outline,) = chosen.contours
+    assert outline.points[:, 1].min() == -0.5
+    assert chosen.gaps == ()
+
+
+def test_of_two_disks_that_touch_one_is_parted_at_the_neck_by_a_click_in_the_other(scene_partition):
+    chosen = scene_partition.select([(30, 38)], [(30, 68)])
+    assert overlap(chosen.mask, within(30.0, 40.0, 15.0)) > 0.93
+    assert not chosen.mask[30, 68]
+    assert sum(np.linalg.norm(np.diff(gap, axis=0), axis=1).sum() for gap in chosen.gaps) < 25.0
+    assert 0.5 < chosen.confidence < 1.0
+
+
+def test_a_gap_in_a_drawn_outline_is_closed_straight_and_told():
+    lines = np.full((96, 96), 200.0)
+    lines[20:70, 20:22] = lines[20:70, 68:70] = lines[68:70, 20:70] = 40.0
+    lines[20:22, 20:40] = lines[20:22, 50:70] = 40.0
+    chosen = partition(lines).select([(45, 45)], [(5, 45)])
+    row, col = np.indices(lines.shape)
+    assert overlap(chosen.mask, (row > 21) & (row < 68) & (col > 21) & (col < 68)) > 0.9
+    lengths = [float(np.linalg.norm(np.diff(gap, axis=0), axis=1).sum()) for gap in chosen.gaps]
+    assert lengths
+    assert sum(lengths) < 25.0
+    assert all(abs(gap[:, 1].mean() - 45.0) < 12.0 for gap in chosen.gaps)
+
+
+def test_what_has_no_bearing_on_a_further_click_stays_as_it_was(scene_partition):
+    before = scene_partition.select([(30, 38), (90, 75)], [(5, 5)])
+    after = scene_partition.select([(30, 38), (90, 75)], [(5, 5), (30, 68)], previous=before)
+    lower = np.indices((128, 128))[0] > 60
+    assert np.array_equal(before.mask[lower], after.mask[lower])
+    assert not after.mask[30, 68]
+
+
+def test_a_click_changes_only_what_hangs_together_with_it(scene_partition):
+    before = scene_partition.select([(30, 38)], [(5, 5)])
+    wrong = replace(before, mask=before.mask ^ within(110.0, 20.0, 4.0))
+    after = scene_partition.select([(30, 38)], [(5, 5), (30, 68)], previous=wrong)
+    assert not after.mask[within(110.0, 20.0, 4.0)].any()  # not connected with the object
+    assert after.mask[30, 38]
+
+
+def test_the_same_place_inside_and_outside_is_what_was_said_last_and_told(scene_partition):
+    chosen = scene_partition.select([(30, 38), (90, 75)], [(30, 38)])
+    assert "The same place" in chosen.remark
+    assert not chosen.mask[30, 38]
+    assert chosen.mask[90, 75]
+    again = scene_partition.select(
+        [(90, 75), (30, 38)], [(30, 38)], previous=scene_partition.select([(90, 75)], [(30, 38)])
+    )
+    assert again.mask[30, 38]
+
+
+def test_two_clicks_in_one_face_cut_it(scene_partition):
+    chosen = scene_partition.select([(110, 100)], [(110, 120)])
+    assert chosen.mask[110, 100]
+    assert not chosen.mask[110, 120]
+
+
+def test_a_click_on_a_contour_takes_the_smoother_side(scene_partition):
+    chosen = scene_partition.select([(30.0, 25.2)])
+    assert chosen.mask.any()
+    assert chosen.contours[0].closed
+
+
+def test_all_like_this_finds_the_others_and_parts_those_that_touch():
+    centers = [(20, 20), (20, 60), (60, 20), (60, 70), (60, 91), (100, 2), (100, 60)]
+
+    def disks(row, col):
+        alike = np.any([np.hypot(row - r, col - c) < 11.0 for r, c in centers], axis=0)
+        return alike | (np.hypot(row - 110.0, col - 100.0) < 3.0)
+
+    there = partition(antialiased((128, 128), disks))
+    found = similar(there, there.select([(20, 20)]))
+    assert len(found) == len(centers)
+    for center in centers:
+        true = within(*center, 11.0)
+        assert max(overlap(other.mask, true) for other in found) > 0.85
+    assert np.sum([other.mask for other in found], axis=0).max() == 1
+
+
+def test_nothing_chosen_has_no_likes(scene_partition):
+    assert similar(scene_partition, scene_partition.select([])) == ()
