@@ -65,7 +65,7 @@ def appearance(values: Array, strength: Array) -> Appearance:
     span = max(float(high - low), 1e-300)
 
     def share(levels: Array) -> Array:
-        return np.clip((levels - low) / span, 0.0, 1.0)
+        return np.asarray(np.clip((levels - low) / span, 0.0, 1.0))
 
     found = []
     for stride in _STRIDES:

@@ -13,7 +13,7 @@ import scipy
 
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.candidates.appearance import Appearance, log_ratio
-from cpm_core.objects.candidates.features import change_features, object_features
+from cpm_core.objects.candidates.features import OBJECT, change_features, object_features
 from cpm_core.objects.candidates.grids import Box, Grid, grid_over, linked, union, without_holes
 from cpm_core.objects.candidates.proposals import Kind, Proposal, Scene, proposals
 from cpm_core.objects.candidates.ranking import CHANGES, FIRST
@@ -25,8 +25,13 @@ _MOST = 0.97
 _HOLES = 0.3, 30.0
 """Holes up to this share of what is added, and so many pixels more, are added as well."""
 
-_OBJECT_NOW, _OBJECT_GAIN = (0, 1, 3, 4, 5), (0, 1, 3, 5, 6, 2)
-"""Features of the object as such, and those of which the difference from the object before counts, for a change."""
+_FIRST = [OBJECT.index(name) for name in ("edge", "weak", "depth", "border", "step")]
+_NOW = [OBJECT.index(name) for name in ("edge", "weak", "contrast", "texture", "border")]
+_MORE = [OBJECT.index(name) for name in ("edge", "weak", "contrast", "border", "roundness", "depth")]
+"""Features of an object that count for a first click; for a change; and those of which the difference counts then."""
+
+
+_KINDS = Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT, Kind.LOCAL_LEVEL
 
 
 class Candidate(NamedTuple):
@@ -106,7 +111,7 @@ def mask_of(scene: Scene, proposal: Proposal) -> Mask:
     rows, cols = scene.look.level.shape
     top, bottom, left, right = _whole_box(scene, proposal)
     top, bottom, left, right = max(top - 1, 0), min(bottom + 1, rows), max(left - 1, 0), min(right + 1, cols)
-    everything = Grid(0, top, left, np.arange(top, bottom), np.arange(left, right), (False,) * 4)  # type: ignore[arg-type]
+    everything = Grid(0, top, left, np.arange(top, bottom), np.arange(left, right), (False,) * 4)
     mask = np.zeros((rows, cols), np.bool_)
     mask[top:bottom, left:right] = _object_on(scene, proposal, everything)
     return mask
@@ -121,7 +126,7 @@ def _first(scene: Scene, proposal: Proposal) -> Array | None:
         return None
     middle = np.rint(scene.inside.mean(axis=0)).astype(np.int64)
     features = object_features(scene.look, grid, mask, middle)
-    return np.append(features, [np.log(pixels / size), float(proposal.kind == Kind.CUT)])
+    return np.append(features[_FIRST], float(proposal.kind == Kind.CUT))
 
 
 def _next(scene: Scene, proposal: Proposal, before: Array, ratio: Array) -> Array | None:
@@ -137,18 +142,17 @@ def _next(scene: Scene, proposal: Proposal, before: Array, ratio: Array) -> Arra
     near = grid_over(proposal.box, shape)
     was = near.of(scene.chosen)
     now = proposal.within(near.rows, near.cols)
-    if proposal.whole:
-        change = now & ~was if scene.adding else was & ~now
-    else:
-        change = now
+    change = (now & ~was if scene.adding else was & ~now) if proposal.whole else now
     if not change.any():
         return None
     changed = change_features(scene.look, near, change, was, ratio, scene.pixel, scene.adding)
     area = max(scene.area, 1)
     sizes = [np.log(pixels / area), np.log(pixels), float(scene.adding)]
-    kinds = [float(proposal.kind == kind) for kind in (Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT)]
-    differences = features[list(_OBJECT_GAIN)] - before[list(_OBJECT_GAIN)]
-    return np.concatenate([features[list(_OBJECT_NOW)], differences, changed, sizes, kinds])
+    kinds = [
+        float(proposal.kind == kind) for kind in (Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT, Kind.LOCAL_LEVEL)
+    ]
+    differences = features[_MORE] - before[_MORE]
+    return np.concatenate([features[_NOW], differences, changed, sizes, kinds])
 
 
 def _whole_box(scene: Scene, proposal: Proposal) -> Box:
@@ -166,7 +170,7 @@ def _object_on(scene: Scene, proposal: Proposal, grid: Grid) -> Mask:
             added = np.count_nonzero(region & ~before)
             region = region | before
             limit = _HOLES[0] * added + _HOLES[1] / (1 << (2 * grid.scale))
-            holes = np.count_nonzero(without_holes(region)) - np.count_nonzero(region) < limit
+            holes = bool(np.count_nonzero(without_holes(region) ^ region) < limit)
         else:
             region = before & (region if proposal.whole else ~region)
     if holes:
@@ -178,11 +182,11 @@ def _object_on(scene: Scene, proposal: Proposal, grid: Grid) -> Mask:
     return linked(np.ascontiguousarray(region), inside)
 
 
-def _points(grid: Grid, pixels: Array) -> Array:
+def _points(grid: Grid, pixels: Index) -> Index:
     """Points of the grid nearest to those pixels that lie on it."""
     places = (pixels >> grid.scale) - (grid.top, grid.left)
     there = ((places >= 0) & (places < (len(grid.rows), len(grid.cols)))).all(axis=1)
-    return places[there]
+    return np.asarray(places[there])
 
 
 def _tied(scene: Scene, mask: Mask) -> Mask:

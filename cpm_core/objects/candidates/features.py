@@ -1,5 +1,4 @@
-"""Features of candidates: how strong the edge around them is, how they differ from what is beside them, how the click
-lies in them."""
+"""Features of candidates: the edge around them, their gray levels and those beside them, and where the click lies."""
 
 from __future__ import annotations
 
@@ -10,13 +9,16 @@ from cpm_core.numerics.types import Array, Index, Mask, Pixels, Single
 from cpm_core.objects.candidates.appearance import Appearance
 from cpm_core.objects.candidates.grids import Grid
 
-OBJECT = ("edge", "weak", "depth", "contrast", "texture", "border", "roundness", "variation", "step")
+OBJECT = ("edge", "weak", "depth", "contrast", "texture", "border", "roundness", "step")
 """Features of an object: mean rank of the edge along its boundary; share of the boundary below the rank 3/4; depth of
 the first click, as a share of the largest; logarithm of the difference of gray levels to what is around it over both
-deviations; mean rank of edges inside; share of the boundary on the border of the image; logarithm of 4 pi A / P^2; of
-the deviation of gray levels inside; and of that difference over the deviation of the image."""
+deviations; mean rank of edges inside; share of the boundary on the border of the image; logarithm of 4 pi A / P^2; and
+of that difference over the deviation of the image."""
 
-CHANGE = ("depth", "new edge", "old edge", "new share", "new contrast", "old contrast", "likeness", "size", "variation")
+CHANGE = (
+    "depth of click", "new edge", "old edge", "new share", "new contrast", "old contrast", "likeness", "thickness",
+    "variation",
+)  # fmt: skip
 """Features of a change: depth of the click in it; mean rank of the edge along its new boundary, and along the one that
 vanishes; share of the new one; contrast to what is beyond the one and the other; mean logarithm of the likelihood ratio
 of its gray levels, positive if they belong to where they come; logarithm of its depth [px]; and of its deviation."""
@@ -99,51 +101,25 @@ def _object(
     depth, away = np.empty((rows, cols), np.float32), np.empty((rows, cols), np.float32)
     _distance(mask, True, depth)
     _distance(mask, False, away)
-    boundary, edges, weak, border = 0.0, 0.0, 0.0, 0.0
-    inner, around, deep = np.zeros(3), np.zeros(3), np.zeros(2)
-    ranks, deepest = 0.0, np.float32(0.0)
+    border = _end_at_border(mask, at_border, depth)
+    inner, around = np.zeros(3), np.zeros(3)
+    ranks, deep, deepest = 0.0, np.zeros(2), np.float32(0.0)
     for r in range(rows):
         for c in range(cols):
-            value = float(gray[r, c])
-            if not mask[r, c]:
-                if _NEAR < away[r, c] <= _FAR:
-                    around[0] += 1.0
-                    around[1] += value
-                    around[2] += value * value
-                continue
-            inner[0] += 1.0
-            inner[1] += value
-            inner[2] += value * value
-            ranks += rank[r, c]
-            here = depth[r, c]
-            if at_border[0]:
-                here = min(here, np.float32(r + 1))
-            if at_border[1]:
-                here = min(here, np.float32(c + 1))
-            if at_border[2]:
-                here = min(here, np.float32(rows - r))
-            if at_border[3]:
-                here = min(here, np.float32(cols - c))
-            depth[r, c] = here
-            deepest = max(deepest, here)
-            border += (at_border[0] and r == 0) or (at_border[2] and r == rows - 1)
-            border += (at_border[1] and c == 0) or (at_border[3] and c == cols - 1)
-            strongest, outer = rank[r, c], 0
-            for k in range(4):
-                y, x = r + (k == 0) - (k == 1), c + (k == 2) - (k == 3)
-                if 0 <= y < rows and 0 <= x < cols and not mask[y, x]:
-                    strongest, outer = max(strongest, rank[y, x]), outer + 1
-            if outer:
-                boundary += 1.0
-                edges += strongest
-                weak += strongest < _WEAK
-            if here > _DEEP:
-                deep[0] += 1.0
-                deep[1] += rank[r, c]
+            if mask[r, c]:
+                _add(inner, gray[r, c])
+                ranks += rank[r, c]
+                deepest = max(deepest, depth[r, c])
+                if depth[r, c] > _DEEP:
+                    deep[0] += 1.0
+                    deep[1] += rank[r, c]
+            elif _NEAR < away[r, c] <= _FAR:
+                _add(around, gray[r, c])
     for k in range(len(found)):
         found[k] = 0.0
     if inner[0] == 0.0:
         return
+    boundary, edges, weak = _boundary(mask, rank)
     mean, spread = _moments(inner)
     other, other_spread = (mean, spread) if around[0] <= 3.0 else _moments(around)
     step, perimeter = abs(mean - other), boundary + border + 1e-9
@@ -154,8 +130,44 @@ def _object(
     found[4] = deep[1] / deep[0] if deep[0] > 8.0 else ranks / inner[0]
     found[5] = border / perimeter
     found[6] = np.log(4.0 * np.pi * inner[0] / perimeter**2 + 0.01)
-    found[7] = np.log(spread / deviation + 0.02)
-    found[8] = np.log(step / deviation + 0.02)
+    found[7] = np.log(step / deviation + 0.02)
+
+
+@compiled
+def _end_at_border(mask: Mask, at_border: Mask, depth: Single) -> float:
+    """Let the depth end at the border of the image; the number of sides of pixels there."""
+    rows, cols = mask.shape
+    border = 0.0
+    for r in range(rows):
+        for c in range(cols):
+            if mask[r, c]:
+                sides = (r + 1, c + 1, rows - r, cols - c)
+                for k in range(4):
+                    if at_border[k]:
+                        depth[r, c] = min(depth[r, c], np.float32(sides[k]))
+                        border += sides[k] == 1
+    return border
+
+
+@compiled
+def _boundary(mask: Mask, rank: Single) -> tuple[float, float, float]:
+    """Points of a mask beside others; the sum of the strongest rank at each; and the number of weak ones."""
+    rows, cols = mask.shape
+    boundary, edges, weak = 0.0, 0.0, 0.0
+    for r in range(rows):
+        for c in range(cols):
+            if not mask[r, c]:
+                continue
+            strongest, outer = rank[r, c], 0
+            for k in range(4):
+                y, x = r + (k == 0) - (k == 1), c + (k == 2) - (k == 3)
+                if 0 <= y < rows and 0 <= x < cols and not mask[y, x]:
+                    strongest, outer = max(strongest, rank[y, x]), outer + 1
+            if outer:
+                boundary += 1.0
+                edges += strongest
+                weak += strongest < _WEAK
+    return boundary, edges, weak
 
 
 @compiled
@@ -178,47 +190,57 @@ def _change(
     _distance(change, True, depth)
     _distance(change, False, away)
     inner, beyond, behind = np.zeros(3), np.zeros(3), np.zeros(3)
-    new, old = np.zeros(2), np.zeros(2)
     likeness, deepest = 0.0, np.float32(0.0)
     for r in range(rows):
         for c in range(cols):
-            value = float(gray[r, c])
+            if change[r, c]:
+                _add(inner, gray[r, c])
+                likeness += ratio[bins[r, c]]
+                deepest = max(deepest, depth[r, c])
+            elif away[r, c] <= _FAR:
+                _add(behind if chosen[r, c] == adding else beyond, gray[r, c])
+    for k in range(len(found)):
+        found[k] = 0.0
+    if inner[0] == 0.0:
+        return
+    new, old = _ends(change, chosen, adding, rank)
+    mean, spread = _moments(inner)
+    found[0] = depth[row, col] / deepest if change[row, col] else 0.0
+    found[1] = new[1] / new[0] if new[0] > 0.0 else 0.5
+    found[2] = old[1] / old[0] if old[0] > 0.0 else 0.5
+    found[3] = new[0] / (new[0] + old[0] + 1.0)
+    for k, beside in enumerate((beyond, behind)):
+        if beside[0] > 3.0:
+            other, other_spread = _moments(beside)
+            found[4 + k] = np.log(abs(mean - other) / (spread + other_spread + 0.03 * deviation) + 0.02)
+    found[6] = likeness / inner[0] * (1.0 if adding else -1.0)
+    found[7] = np.log(deepest * stride + 0.5)
+    found[8] = np.log(spread / deviation + 0.02)
+
+
+@compiled
+def _ends(change: Mask, chosen: Mask, adding: bool, rank: Single) -> tuple[Array, Array]:
+    """Number of sides of a change on its new boundary, and on the old one, and the sums of the ranks there."""
+    rows, cols = change.shape
+    new, old = np.zeros(2), np.zeros(2)
+    for r in range(rows):
+        for c in range(cols):
             if not change[r, c]:
-                if away[r, c] <= _FAR:
-                    side = behind if chosen[r, c] == adding else beyond
-                    side[0] += 1.0
-                    side[1] += value
-                    side[2] += value * value
                 continue
-            inner[0] += 1.0
-            inner[1] += value
-            inner[2] += value * value
-            likeness += ratio[bins[r, c]]
-            deepest = max(deepest, depth[r, c])
             for k in range(4):
                 y, x = r + (k == 0) - (k == 1), c + (k == 2) - (k == 3)
                 if 0 <= y < rows and 0 <= x < cols and not change[y, x]:
                     side = old if chosen[y, x] == adding else new
                     side[0] += 1.0
                     side[1] += max(rank[r, c], rank[y, x])
-    for k in range(len(found)):
-        found[k] = 0.0
-    if inner[0] == 0.0:
-        return
-    mean, spread = _moments(inner)
-    found[0] = depth[row, col] / deepest if change[row, col] else 0.0
-    found[1] = new[1] / new[0] if new[0] > 0.0 else 0.5
-    found[2] = old[1] / old[0] if old[0] > 0.0 else 0.5
-    found[3] = new[0] / (new[0] + old[0] + 1.0)
-    if beyond[0] > 3.0:
-        other, other_spread = _moments(beyond)
-        found[4] = np.log(abs(mean - other) / (spread + other_spread + 0.03 * deviation) + 0.02)
-    if behind[0] > 3.0:
-        other, other_spread = _moments(behind)
-        found[5] = np.log(abs(mean - other) / (spread + other_spread + 0.03 * deviation) + 0.02)
-    found[6] = likeness / inner[0] * (1.0 if adding else -1.0)
-    found[7] = np.log(deepest * stride + 0.5)
-    found[8] = np.log(spread / deviation + 0.02)
+    return new, old
+
+
+@compiled
+def _add(sums: Array, value: float) -> None:
+    sums[0] += 1.0
+    sums[1] += value
+    sums[2] += value * value
 
 
 @compiled

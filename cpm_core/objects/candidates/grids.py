@@ -45,12 +45,12 @@ class Grid(NamedTuple):
         """What a mask of the whole image, shape (H, W), is at the points."""
         if self.scale == 0:
             return np.ascontiguousarray(mask[self.rows[0] : self.rows[-1] + 1, self.cols[0] : self.cols[-1] + 1])
-        return mask[self.rows[:, None], self.cols]
+        return np.asarray(mask[self.rows[:, None], self.cols])
 
     def nearest(self, pixels: Index) -> Index:
         """Points nearest to pixels of the image, both of shape (N, 2)."""
         limit = np.array([len(self.rows) - 1, len(self.cols) - 1])
-        return np.clip((pixels >> self.scale) - (self.top, self.left), 0, limit)
+        return np.asarray(np.clip((pixels >> self.scale) - (self.top, self.left), 0, limit))
 
 
 def grid_over(box: Box, shape: tuple[int, ...]) -> Grid:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.boundary import prices
@@ -21,6 +22,7 @@ from cpm_core.objects.candidates.appearance import LEVELS, Appearance
 from cpm_core.objects.candidates.flooding import flood
 from cpm_core.objects.candidates.grids import Box, box_of, union
 from cpm_core.objects.clicks import Clicked
+from cpm_core.objects.faces.basins import Labels
 from cpm_core.objects.minimum_cut import minimum_cut
 
 _FIRST_BALLOONS = np.geomspace(0.0003, 0.2, 12)
@@ -34,8 +36,10 @@ _KEPT = 0.03
 """Reward for each pixel near the click that stays on its side [1 / px]."""
 
 _RADII = (1.5, 4.0, 7.0)
+_LEVEL_RADII = (6.0, 14.0, 32.0)
 _MARGIN = 8.0
-"""Disks around a click [px]; and distance from the boundary up to which a click may mean a margin."""
+"""Disks around a click, without and with a threshold [px]; and distance from the boundary up to which a click may mean
+a margin."""
 
 
 class Kind(IntEnum):
@@ -47,6 +51,7 @@ class Kind(IntEnum):
     DISK = 3
     MARGIN = 4
     LOCAL_CUT = 5
+    LOCAL_LEVEL = 6
 
 
 class Proposal(NamedTuple):
@@ -129,6 +134,7 @@ def proposals(scene: Scene) -> Iterator[Proposal]:
     yield from _floods(scene, 1.12, 12)
     yield from _disks(scene)
     yield from _margins(scene)
+    yield from _local_levels(scene, scene.chosen)
     yield from _local_cuts(scene, scene.chosen)
     yield from _cuts(scene, _BALLOONS)
 
@@ -156,7 +162,7 @@ def _floods(scene: Scene, growth: float, most: int) -> Iterator[Proposal]:
         found = flood(levels, LEVELS, allowed, seeds, limit)
         for count, box in found.regions(growth, most):
 
-            def within(rows: Index, cols: Index, count: int = count, place: Array = found.position) -> Mask:
+            def within(rows: Index, cols: Index, count: int = count, place: NDArray[np.int32] = found.position) -> Mask:
                 return np.asarray(place[rows[:, None], cols] < count)
 
             yield Proposal(kind, scene.chosen is None, box, within)
@@ -190,15 +196,61 @@ def _margins(scene: Scene) -> Iterator[Proposal]:
     if away >= _MARGIN:
         return
     for width in (away + 0.3, 1.6 * away + 0.5):
+        for radius in (4.0 * away + 6.0, 10.0 * away + 12.0, np.inf):
 
-        def within(rows: Index, cols: Index, width: float = width) -> Mask:
-            r, c = rows - box[0], cols - box[2]
-            known = ((r >= 0) & (r < part.shape[0]))[:, None] & (c >= 0) & (c < part.shape[1])
-            r, c = np.clip(r, 0, part.shape[0] - 1), np.clip(c, 0, part.shape[1] - 1)
-            near = distance[r[:, None], c] <= width
-            return np.asarray(known & near & allowed[rows[:, None], cols])
+            def within(rows: Index, cols: Index, width: float = width, radius: float = radius) -> Mask:
+                r, c = rows - box[0], cols - box[2]
+                known = ((r >= 0) & (r < part.shape[0]))[:, None] & (c >= 0) & (c < part.shape[1])
+                r, c = np.clip(r, 0, part.shape[0] - 1), np.clip(c, 0, part.shape[1] - 1)
+                near = (distance[r[:, None], c] <= width) & (_away(rows, cols, scene.pixel) <= radius**2)
+                return np.asarray(known & near & allowed[rows[:, None], cols])
 
-        yield Proposal(Kind.MARGIN, False, box, within)
+            yield Proposal(Kind.MARGIN, False, _around(scene, radius, box), within)
+
+
+def _local_levels(scene: Scene, chosen: Mask) -> Iterator[Proposal]:
+    """Pixels near the click whose gray level is nearer to that of the side where they would come to."""
+    allowed, _ = _allowed(scene)
+    level = scene.look.level
+    own = float(level[scene.pixel[0], scene.pixel[1]])
+    for radius in _LEVEL_RADII:
+        box = _around(scene, radius, (0, level.shape[0], 0, level.shape[1]))
+        part = level[box[0] : box[1], box[2] : box[3]]
+        rows, cols = np.arange(box[0], box[1]), np.arange(box[2], box[3])
+        near = _away(rows, cols, scene.pixel) <= radius**2
+        same = near & (chosen[box[0] : box[1], box[2] : box[3]] == scene.adding)
+        other = near & ~same
+        if not same.any() or not other.any():
+            continue
+        here, there = float(part[same].mean()), float(part[other].mean())
+        for least in (0.5 * (here + there), own + 0.35 * (there - own)):
+
+            def within(
+                rows: Index, cols: Index, least: float = least, radius: float = radius, sign: float = here - there
+            ) -> Mask:
+                like = (level[rows[:, None], cols] - least) * sign >= 0.0
+                return np.asarray(like & (_away(rows, cols, scene.pixel) <= radius**2) & allowed[rows[:, None], cols])
+
+            yield Proposal(Kind.LOCAL_LEVEL, False, box, within)
+
+
+def _away(rows: Index, cols: Index, pixel: Index) -> Index:
+    """Squared distance of pixels from one."""
+    return np.asarray((rows[:, None] - pixel[0]) ** 2 + (cols - pixel[1]) ** 2)
+
+
+def _around(scene: Scene, radius: float, box: Box) -> Box:
+    """The part of a box within a distance of the click."""
+    if not np.isfinite(radius):
+        return box
+    row, col = scene.pixel.tolist()
+    reach = int(radius) + 1
+    return (
+        max(box[0], row - reach),
+        min(box[1], row + reach + 1),
+        max(box[2], col - reach),
+        min(box[3], col + reach + 1),
+    )
 
 
 def _cuts(scene: Scene, balloons: Array) -> Iterator[Proposal]:
@@ -213,7 +265,7 @@ def _cuts(scene: Scene, balloons: Array) -> Iterator[Proposal]:
         yield _of_faces(scene, Kind.CUT, minimum_cut(graph.arcs, price, leaving, entering), labels)
 
 
-def _of_faces(scene: Scene, kind: Kind, faces: Mask, labels: Array) -> Proposal:
+def _of_faces(scene: Scene, kind: Kind, faces: Mask, labels: Labels) -> Proposal:
     entries = np.append(faces, False)
 
     def within(rows: Index, cols: Index) -> Mask:
