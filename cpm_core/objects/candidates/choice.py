@@ -126,7 +126,7 @@ def _first(scene: Scene, proposal: Proposal) -> Array | None:
         return None
     middle = np.rint(scene.inside.mean(axis=0)).astype(np.int64)
     features = object_features(scene.look, grid, mask, middle)
-    return np.append(features[_FIRST], float(proposal.kind == Kind.CUT))
+    return np.append(features[_FIRST], [float(proposal.kind == Kind.CUT), proposal.instability])
 
 
 def _next(scene: Scene, proposal: Proposal, before: Array, ratio: Array) -> Array | None:
@@ -142,12 +142,12 @@ def _next(scene: Scene, proposal: Proposal, before: Array, ratio: Array) -> Arra
     near = grid_over(proposal.box, shape)
     was = near.of(scene.chosen)
     now = proposal.within(near.rows, near.cols)
-    change = (now & ~was if scene.adding else was & ~now) if proposal.whole else now
+    change = ((now != was) & (was != scene.adding)) if proposal.whole else now
     if not change.any():
         return None
     changed = change_features(scene.look, near, change, was, ratio, scene.pixel, scene.adding)
     area = max(scene.area, 1)
-    sizes = [np.log(pixels / area), np.log(pixels), float(scene.adding)]
+    sizes = [np.log(pixels / area), np.log(pixels), float(scene.adding), proposal.instability]
     kinds = [
         float(proposal.kind == kind) for kind in (Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT, Kind.LOCAL_LEVEL)
     ]
@@ -162,24 +162,30 @@ def _whole_box(scene: Scene, proposal: Proposal) -> Box:
 
 def _object_on(scene: Scene, proposal: Proposal, grid: Grid) -> Mask:
     """The object that a proposal makes, on a grid: linked with the clicks, without small holes."""
+    inside, outside = _points(grid, scene.inside), _points(grid, scene.outside)
     region = proposal.within(grid.rows, grid.cols)
-    holes = scene.chosen is None
-    if scene.chosen is not None:
-        before = grid.of(scene.chosen)
-        if scene.adding:
-            added = np.count_nonzero(region & ~before)
-            region = region | before
-            limit = _HOLES[0] * added + _HOLES[1] / (1 << (2 * grid.scale))
-            holes = bool(np.count_nonzero(without_holes(region) ^ region) < limit)
-        else:
-            region = before & (region if proposal.whole else ~region)
-    if holes:
-        region = without_holes(np.ascontiguousarray(region))
-    inside = _points(grid, scene.inside)
-    outside = _points(grid, scene.outside)
+    if scene.chosen is None:
+        region[outside[:, 0], outside[:, 1]] = False
+        region = without_holes(np.ascontiguousarray(region), outside)
+    else:
+        region = _changed(scene, proposal, grid, region, outside)
     region[outside[:, 0], outside[:, 1]] = False
     region[inside[:, 0], inside[:, 1]] = True
     return linked(np.ascontiguousarray(region), inside)
+
+
+def _changed(scene: Scene, proposal: Proposal, grid: Grid, region: Mask, outside: Index) -> Mask:
+    """The object after a change; only what is linked with the click changes."""
+    assert scene.chosen is not None
+    before = grid.of(scene.chosen)
+    change = (region != before) if proposal.whole else region
+    change = linked(np.ascontiguousarray(change & (before != scene.adding)), _points(grid, scene.pixel[None]))
+    if not scene.adding:
+        return before & ~change
+    after = before | change
+    filled = without_holes(after, outside)
+    limit = _HOLES[0] * np.count_nonzero(change) + _HOLES[1] / (1 << (2 * grid.scale))
+    return filled if np.count_nonzero(filled ^ after) < limit else after
 
 
 def _points(grid: Grid, pixels: Index) -> Index:

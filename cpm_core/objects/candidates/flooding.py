@@ -18,6 +18,9 @@ from cpm_core.objects.candidates.grids import Box
 _LEAST = 12
 """Pixels of the smallest region."""
 
+_RISE = 12
+"""Levels over which the growth of a region is measured."""
+
 _JUMP = 1.15
 """Growth in the next level before which a region is always one to look at."""
 
@@ -33,14 +36,21 @@ class Flood(NamedTuple):
         Pixels reached at the end of each level.
     boxes : ndarray of int64, shape (L, 4)
         The boxes of these pixels.
+    levels : ndarray of int64, shape (L,)
+        These levels.
     """
 
     position: NDArray[np.int32]
     counts: Index
     boxes: Index
+    levels: Index
 
-    def regions(self, growth: float, most: int) -> list[tuple[int, Box]]:
-        """Counts and boxes of at most `most` levels, each larger than the one before by a factor, or before a jump."""
+    def regions(self, growth: float, most: int) -> list[tuple[int, Box, float]]:
+        """Counts, boxes and instability of at most `most` levels.
+
+        Each is larger than the one before by the factor `growth`, or stands before a jump. The instability is the
+        logarithm of the factor by which the region grows while the level rises by `_RISE`.
+        """
         following = np.append(self.counts[1:], np.iinfo(np.int64).max)[: len(self.counts)]
         found, last = [], 0.0
         for k, (count, after) in enumerate(zip(self.counts.tolist(), following.tolist(), strict=True)):
@@ -50,7 +60,12 @@ class Flood(NamedTuple):
         if len(found) > most:
             found = [found[k] for k in np.linspace(0, len(found) - 1, most).round().astype(int).tolist()]
         boxes = self.boxes.tolist()
-        return [(int(self.counts[k]), (boxes[k][0], boxes[k][1], boxes[k][2], boxes[k][3])) for k in found]
+        later = np.searchsorted(self.levels, self.levels[found] + _RISE, side="right") - 1
+        ratios = np.log(self.counts[later] / self.counts[found]).tolist()
+        return [
+            (int(self.counts[k]), (boxes[k][0], boxes[k][1], boxes[k][2], boxes[k][3]), ratio)
+            for k, ratio in zip(found, ratios, strict=True)
+        ]
 
 
 def flood(level: NDArray[np.int16], count: int, allowed: Mask, seeds: Index, most: int) -> Flood:
@@ -77,13 +92,13 @@ def flood(level: NDArray[np.int16], count: int, allowed: Mask, seeds: Index, mos
 @compiled
 def _flood(
     level: NDArray[np.int16], levels: int, allowed: Mask, seeds: Index, current: int, most: int
-) -> tuple[NDArray[np.int32], Index, Index]:
+) -> tuple[NDArray[np.int32], Index, Index, Index]:
     rows, cols = level.shape
     never = np.int32(2**31 - 1)
     position = np.full((rows, cols), never, np.int32)
     head, after = np.full(levels, -1, np.int32), np.full(rows * cols, -1, np.int32)
     seen = np.zeros((rows, cols), np.bool_)
-    counts, boxes = np.empty(levels, np.int64), np.empty((levels, 4), np.int64)
+    counts, boxes, reached = np.empty(levels, np.int64), np.empty((levels, 4), np.int64), np.empty(levels, np.int64)
     for k in range(len(seeds)):
         r, c = seeds[k, 0], seeds[k, 1]
         if allowed[r, c] and not seen[r, c]:
@@ -96,7 +111,7 @@ def _flood(
     while count < most:
         if head[current] < 0:
             if count > 0 and (made == 0 or counts[made - 1] < count):
-                counts[made] = count
+                counts[made], reached[made] = count, current
                 boxes[made, 0], boxes[made, 1], boxes[made, 2], boxes[made, 3] = top, bottom, left, right
                 made += 1
             while current < levels and head[current] < 0:
@@ -116,4 +131,4 @@ def _flood(
                 at = max(level[y, x], current)
                 after[y * cols + x] = head[at]
                 head[at] = y * cols + x
-    return position, counts[:made], boxes[:made]
+    return position, counts[:made], boxes[:made], reached[:made]

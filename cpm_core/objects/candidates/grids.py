@@ -97,21 +97,27 @@ def linked(mask: Mask, seeds: Index) -> Mask:
 
 
 @compiled
-def without_holes(mask: Mask) -> Mask:
-    """The true pixels of a mask, shape (H, W), and all that they enclose."""
+def without_holes(mask: Mask, outside: Index) -> Mask:
+    """The true pixels of a mask, shape (H, W), and what they enclose, but for holes that hold a pixel of `outside`."""
     rows, cols = mask.shape
     free = ~mask
-    outside = np.zeros((rows, cols), np.bool_)
+    open_ = np.zeros((rows, cols), np.bool_)
     waiting = np.empty(rows * cols, np.int64)
     count = 0
     for r in range(rows):
         for c in range(cols):
             if (r == 0 or c == 0 or r == rows - 1 or c == cols - 1) and free[r, c]:
-                outside[r, c] = True
+                open_[r, c] = True
                 waiting[count] = r * cols + c
                 count += 1
-    _spread(free, outside, waiting, count)
-    return ~outside
+    for k in range(len(outside)):
+        r, c = outside[k, 0], outside[k, 1]
+        if free[r, c] and not open_[r, c]:
+            open_[r, c] = True
+            waiting[count] = r * cols + c
+            count += 1
+    _spread(free, open_, waiting, count)
+    return ~open_
 
 
 @compiled

@@ -67,12 +67,15 @@ class Proposal(NamedTuple):
         Box that holds what changes.
     within : callable
         ``within(rows, cols)`` says which pixels of these rows and columns are in it.
+    instability : float
+        Logarithm of the factor by which it grows when its threshold, or the reward of size, rises by a step.
     """
 
     kind: Kind
     whole: bool
     box: Box
     within: Callable[[Index, Index], Mask]
+    instability: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,12 +163,12 @@ def _floods(scene: Scene, growth: float, most: int) -> Iterator[Proposal]:
     level = scene.look.level
     for kind, levels in ((Kind.DARK, level), (Kind.BRIGHT, (LEVELS - 1 - level).astype(np.int16))):
         found = flood(levels, LEVELS, allowed, seeds, limit)
-        for count, box in found.regions(growth, most):
+        for count, box, instability in found.regions(growth, most):
 
             def within(rows: Index, cols: Index, count: int = count, place: NDArray[np.int32] = found.position) -> Mask:
                 return np.asarray(place[rows[:, None], cols] < count)
 
-            yield Proposal(kind, scene.chosen is None, box, within)
+            yield Proposal(kind, scene.chosen is None, box, within, instability)
 
 
 def _disks(scene: Scene) -> Iterator[Proposal]:
@@ -259,19 +262,23 @@ def _cuts(scene: Scene, balloons: Array) -> Iterator[Proposal]:
     price = prices(graph, scene.strong)
     rim = graph.rim * (0.3 if len(scene.outside) else 1.0)
     labels = clicked.faces.labels
+    found = []
     for balloon in balloons:
         leaving = np.where(clicked.inside, np.inf, np.where(clicked.outside, 0.0, balloon * graph.area))
         entering = np.where(clicked.outside, np.inf, np.where(clicked.inside, 0.0, rim))
-        yield _of_faces(scene, Kind.CUT, minimum_cut(graph.arcs, price, leaving, entering), labels)
+        found.append(minimum_cut(graph.arcs, price, leaving, entering))
+    areas = [max(float(graph.area[faces].sum()), 1.0) for faces in found]
+    for faces, area, larger in zip(found, areas, [*areas[1:], areas[-1]], strict=True):
+        yield _of_faces(scene, faces, labels, float(np.log(larger / area)))
 
 
-def _of_faces(scene: Scene, kind: Kind, faces: Mask, labels: Labels) -> Proposal:
+def _of_faces(scene: Scene, faces: Mask, labels: Labels, instability: float) -> Proposal:
     entries = np.append(faces, False)
 
     def within(rows: Index, cols: Index) -> Mask:
         return np.asarray(entries[labels[rows[:, None], cols]])
 
-    return Proposal(kind, True, _box_of_faces(scene, faces), within)
+    return Proposal(Kind.CUT, True, _box_of_faces(scene, faces), within, instability)
 
 
 def _box_of_faces(scene: Scene, faces: Mask) -> Box:
