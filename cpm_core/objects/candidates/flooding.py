@@ -82,7 +82,7 @@ def flood(level: NDArray[np.int16], count: int, allowed: Mask, seeds: Index, mos
     seeds : ndarray, shape (N, 2)
         Pixels that the flood starts from, at the level that four fifths of them have.
     most : int
-        Pixels after which it ends.
+        Pixels after which it ends; a level that is not complete by then is left out.
     """
     levels = np.sort(level[seeds[:, 0], seeds[:, 1]])
     start = int(levels[min(int(0.8 * len(levels)), len(levels) - 1)])
