@@ -27,6 +27,8 @@ class Clicked:
         The faces, of which those that were clicked as both have been cut.
     inside, outside : ndarray of bool, shape (F,)
         Faces that must be inside, and outside.
+    within, beyond : ndarray of int64, shape (M, 2) and (K, 2)
+        The pixels that were clicked as inside, and as outside.
     remark : str
         What was unusual, in one sentence, or empty.
     """
@@ -34,6 +36,8 @@ class Clicked:
     faces: Faces
     inside: Mask
     outside: Mask
+    within: Index
+    beyond: Index
     remark: str
 
 
@@ -65,16 +69,25 @@ def clicked(faces: Faces, ground: Ground, inside: Array, outside: Array, newer: 
         Which places inside count where the same pixel has been clicked as both; by default none.
     """
     remark = _words(inside, outside, ground)
-    within, beyond = _pixels(inside, ground), _pixels(outside, ground)
+    within, beyond = _rounded(inside, ground), _rounded(outside, ground)
     same = (within[:, None] == beyond[None]).all(axis=2)
     if same.any():
         remark = "The same place has been said to be inside and outside; what was said last counts."
         kept = newer if newer is not None else np.zeros(len(within), np.bool_)
         within, beyond = within[kept | ~same.any(axis=1)], beyond[~(same & kept[:, None]).any(axis=0)]
-    faces = split(faces, ground, within, beyond)
-    tied, barred = _touched(faces, ground, within), _touched(faces, ground, beyond)
-    sure_in, sure_out = _at(faces, within), _at(faces, beyond)
-    return Clicked(faces, (tied & ~barred) | (sure_in & ~sure_out), (barred & ~tied & ~sure_in) | sure_out, remark)
+    within, beyond = (pixels[ground.interest[tuple(pixels.T)]] for pixels in (within, beyond))
+    near_in, near_out = _smoothest(within, ground), _smoothest(beyond, ground)
+    faces = split(faces, ground, near_in, near_out)
+    tied, barred = _touched(faces, ground, near_in), _touched(faces, ground, near_out)
+    sure_in, sure_out = _at(faces, near_in), _at(faces, near_out)
+    return Clicked(
+        faces,
+        (tied & ~barred) | (sure_in & ~sure_out),
+        (barred & ~tied & ~sure_in) | sure_out,
+        within,
+        beyond,
+        remark,
+    )
 
 
 def _words(inside: Array, outside: Array, ground: Ground) -> str:
@@ -94,9 +107,9 @@ def _rounded(places: Array, ground: Ground) -> Index:
     return np.rint(np.clip(places, 0, limit)).astype(np.int64)
 
 
-def _pixels(places: Array, ground: Ground) -> Index:
-    """The pixel of each place, shape (N, 2); beside a contour the smoothest one near it."""
-    pixel = _rounded(places, ground)
+def _smoothest(pixels: Index, ground: Ground) -> Index:
+    """The pixels, shape (N, 2); of one beside a contour the smoothest one near it."""
+    pixel = pixels.copy()
     if not len(pixel):
         return pixel
     on_line = ground.beside[tuple(pixel.T)]

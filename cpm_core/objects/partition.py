@@ -1,8 +1,8 @@
 """The partition of an image into faces, and the choice of an object among them by clicks.
 
 Contours, closed and open, and the ridges of the edge map between them cut the image into faces (`faces`). An object is
-a set of faces. Its boundary is the cheapest closed one (`boundary`, `minimum_cut`) between what has been said to be
-inside and what to be outside, and what the gray levels say (`evidence`).
+what the best of many candidates encloses (`candidates`): sets of faces with the cheapest boundary (`boundary`,
+`minimum_cut`) between what has been said to be inside and what to be outside, and regions of like gray levels.
 """
 
 from __future__ import annotations
@@ -19,14 +19,13 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.boundary import prices
+from cpm_core.objects.answers import Answers, among
+from cpm_core.objects.candidates.appearance import Appearance, appearance
+from cpm_core.objects.candidates.choice import chosen
 from cpm_core.objects.clicks import as_places, clicked
-from cpm_core.objects.evidence import evidence
 from cpm_core.objects.faces.basins import Labels
 from cpm_core.objects.faces.faces import Faces, Ground, find_faces, ground
-from cpm_core.objects.minimum_cut import minimum_cut
 from cpm_core.objects.outline.outline import SMOOTHING, outlines
-from cpm_core.objects.regrouping import connected, filled, kept_where_unconcerned
 from cpm_core.objects.selection import Selection, confidence_of
 from cpm_core.parameters import Parameters
 from cpm_core.particles.initialization import uniform_grid
@@ -108,8 +107,8 @@ class Partition:
         inside, outside : array_like, shape (M, 2) and (K, 2)
             Places (row, col) [px]. A place outside the image counts as the nearest one in it.
         previous : Selection, optional
-            What was chosen before the last places were added. What does not hang together with a change at one of the
-            new places stays as it was.
+            What was chosen before the last places were added. A new place inside only adds to it, and one outside only
+            takes away. By default the last answer to some of the same places, if there was one.
 
         Returns
         -------
@@ -122,21 +121,16 @@ class Partition:
             When the places are not rows and columns.
         """
         within, beyond = as_places(inside), as_places(outside)
-        newer = None if previous is None else ~_among(within, previous.inside)
+        before = previous if previous is not None else self._answers.nearest(within, beyond)
+        newer = None if before is None else ~among(within, before.inside)
         found = clicked(self._faces, self._ground, within, beyond, newer)
-        graph = found.faces.graph
-        chosen = np.zeros(graph.count, np.bool_)
-        if found.inside.any():
-            near = np.clip(within, 0.0, np.array(self.shape) - 1.0)
-            leaving, entering = evidence(graph, found.inside, found.outside, near)
-            price = prices(graph, self._ground.strong, near)
-            chosen = minimum_cut(graph.arcs, price, leaving, entering)
-            if previous is not None:
-                new = ~_among(within, previous.inside), ~_among(beyond, previous.outside)
-                changed = np.concatenate([within[new[0]], beyond[new[1]]])
-                chosen = kept_where_unconcerned(chosen, found, previous.mask, changed)
-            chosen = filled(connected(chosen, found.inside, graph), found.outside, graph)
-        return self.selection_of(np.append(chosen, False)[found.faces.labels], within, beyond, found.remark)
+        mask = np.zeros(self.shape, np.bool_)
+        if len(found.within):
+            former = None if before is None else before.mask
+            mask = chosen(self._look, found, self._ground.strong, former)
+        selection = self.selection_of(mask, within, beyond, found.remark)
+        self._answers.remember(selection)
+        return selection
 
     def selection_of(
         self, mask: Mask, inside: Array = NOWHERE, outside: Array = NOWHERE, remark: str = ""
@@ -157,7 +151,10 @@ class Partition:
     def _faces(self) -> Faces:
         return find_faces(self._ground)
 
+    @cached_property
+    def _look(self) -> Appearance:
+        return appearance(self._ground.values, self._ground.strength)
 
-def _among(places: Array, others: Array) -> Mask:
-    """Which places, shape (N, 2), are among others."""
-    return np.asarray((places[:, None] == others[None]).all(axis=2).any(axis=1))
+    @cached_property
+    def _answers(self) -> Answers:
+        return Answers()
