@@ -19,6 +19,7 @@ levels = st.tuples(SIDES, SIDES).flatmap(lambda shape: hnp.arrays(np.int16, shap
 masks = st.tuples(SIDES, SIDES).flatmap(lambda shape: hnp.arrays(np.bool_, shape))
 
 
+@settings(deadline=None)
 @given(levels, st.data())
 def test_what_a_flood_reaches_is_the_component_of_the_threshold_that_holds_the_seed(level, data):
     seed = tuple(data.draw(st.integers(0, size - 1)) for size in level.shape)
@@ -32,6 +33,7 @@ def test_what_a_flood_reaches_is_the_component_of_the_threshold_that_holds_the_s
         assert box.tolist() == [rows.min(), rows.max() + 1, cols.min(), cols.max() + 1]
 
 
+@settings(deadline=None)
 @given(levels, st.data())
 def test_a_flood_stays_where_it_is_allowed(level, data):
     allowed = data.draw(hnp.arrays(np.bool_, level.shape))
@@ -42,6 +44,7 @@ def test_a_flood_stays_where_it_is_allowed(level, data):
     assert np.array_equal(found.position < level.size, parts == parts[seed])
 
 
+@settings(deadline=None)
 @given(masks)
 def test_holes_are_those_of_scipy(mask):
     nowhere = np.empty((0, 2), np.int64)
@@ -56,6 +59,7 @@ def test_a_hole_that_holds_a_place_outside_stays_open():
     assert filled[2:5, 9:12].all()
 
 
+@settings(deadline=None)
 @given(masks, st.data())
 def test_what_is_linked_are_the_components_of_the_seeds(mask, data):
     place = st.tuples(*(st.integers(0, size - 1) for size in mask.shape))
