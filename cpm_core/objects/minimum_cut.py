@@ -80,6 +80,44 @@ def minimum_cut(graph: Arcs, price: Array, leaving: Array, entering: Array) -> M
     return _cut(graph, capacity, excess.astype(np.int64))
 
 
+class FreePart:
+    """Part of a graph in which nodes are free to be inside or outside, while all others stay where they are.
+
+    Parameters
+    ----------
+    first, second : ndarray of int64, shape (E,)
+        The links of the graph.
+    price : ndarray, shape (E,)
+        Price of each.
+    free : ndarray of bool, shape (N,)
+        Which nodes are free.
+    inside : ndarray of bool, shape (N,)
+        Which nodes are inside, as far as they are not free.
+    """
+
+    def __init__(self, first: Index, second: Index, price: Array, free: Mask, inside: Mask) -> None:
+        self._free, self._inside = free, inside
+        count = int(np.count_nonzero(free))
+        number = np.cumsum(free) - 1
+        within = free[first] & free[second]
+        self._graph = arcs(number[first[within]], number[second[within]], count)
+        self._price = price[within]
+        self._leaving, self._entering = np.zeros(count), np.zeros(count)
+        for own, other in ((first, second), (second, first)):  # a link to a node that stays is a price of the free one
+            ends = free[own] & ~free[other]
+            to_inside = inside[other[ends]]
+            nodes, prices = number[own[ends]], price[ends]
+            self._leaving += np.bincount(nodes, prices * to_inside, count)
+            self._entering += np.bincount(nodes, prices * ~to_inside, count)
+
+    def cut(self, leaving: Array, entering: Array) -> Mask:
+        """As `minimum_cut` of the whole graph, for the prices of all its nodes, shape (N,)."""
+        found = self._inside.copy()
+        own = self._leaving + leaving[self._free], self._entering + entering[self._free]
+        found[self._free] = minimum_cut(self._graph, self._price, *own)
+        return found
+
+
 @compiled
 def _cut(graph: Arcs, capacity: Index, excess: Index) -> Mask:
     """Fill the graph with flow; `capacity` and `excess` become what is left of them."""

@@ -79,8 +79,11 @@ def reconstruct_once() -> None:
 
 
 def _choose(result: Result) -> None:
-    """Run the loops of the choice of objects, also of a face that clicks cut."""
-    partition(result).select([(15.0, 15.0)], [(15.0, 19.0), (30.0, 2.0)])
+    """Run the loops of the choice of objects: of a first click, of further ones, and of a face that clicks cut."""
+    faces = partition(result)
+    mask = faces.select([(15.0, 15.0)]).mask
+    missing, wrong = np.argwhere(~mask)[0], np.argwhere(mask)[-1]
+    faces.select([(15.0, 15.0), missing], [wrong, (15.0, 19.0)])
 
 
 def end_with_the_caller() -> None:

@@ -16,7 +16,7 @@ from cpm_core.objects.candidates.appearance import Appearance, log_ratio
 from cpm_core.objects.candidates.features import OBJECT, change_features, object_features
 from cpm_core.objects.candidates.grids import Box, Grid, grid_over, linked, union, without_holes
 from cpm_core.objects.candidates.proposals import Kind, Proposal, Scene, proposals
-from cpm_core.objects.candidates.ranking import CHANGES, FIRST
+from cpm_core.objects.candidates.ranking import CHANGES, FIRST, START, Ranking
 from cpm_core.objects.clicks import Clicked
 
 _MOST = 0.97
@@ -30,6 +30,9 @@ _NOW = [OBJECT.index(name) for name in ("edge", "weak", "contrast", "texture", "
 _MORE = [OBJECT.index(name) for name in ("edge", "weak", "contrast", "border", "roundness", "depth")]
 """Features of an object that count for a first click; for a change; and those of which the difference counts then."""
 
+
+_SEVERAL = 3
+"""So many first places tell a size: that of the circle with their mean distance from their middle."""
 
 _KINDS = Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT, Kind.LOCAL_LEVEL
 
@@ -102,8 +105,14 @@ def _best(scene: Scene) -> Mask:
     if not found:
         before = np.zeros(shape, np.bool_) if scene.chosen is None else scene.chosen
         return _tied(scene, before.copy())
-    scores = (FIRST if scene.chosen is None else CHANGES).scores(np.array([each.features for each in found]))
+    scores = _ranking(scene).scores(np.array([each.features for each in found]))
     return mask_of(scene, found[int(np.argmax(scores))].proposal)
+
+
+def _ranking(scene: Scene) -> Ranking:
+    if scene.chosen is not None:
+        return CHANGES
+    return START if len(scene.inside) >= _SEVERAL else FIRST
 
 
 def mask_of(scene: Scene, proposal: Proposal) -> Mask:
@@ -126,7 +135,11 @@ def _first(scene: Scene, proposal: Proposal) -> Array | None:
         return None
     middle = np.rint(scene.inside.mean(axis=0)).astype(np.int64)
     features = object_features(scene.look, grid, mask, middle)
-    return np.append(features[_FIRST], [float(proposal.kind == Kind.CUT), proposal.instability])
+    known = [float(proposal.kind == Kind.CUT), proposal.instability]
+    if len(scene.inside) >= _SEVERAL:
+        radius = float(np.linalg.norm(scene.inside - middle, axis=1).mean())
+        known.append(np.log(pixels / max(np.pi * radius**2, 1.0)))
+    return np.append(features[_FIRST], known)
 
 
 def _next(scene: Scene, proposal: Proposal, before: Array, ratio: Array) -> Array | None:

@@ -23,7 +23,7 @@ from cpm_core.objects.candidates.flooding import flood
 from cpm_core.objects.candidates.grids import Box, box_of, union
 from cpm_core.objects.clicks import Clicked
 from cpm_core.objects.faces.basins import Labels
-from cpm_core.objects.minimum_cut import minimum_cut
+from cpm_core.objects.minimum_cut import FreePart, minimum_cut
 
 _FIRST_BALLOONS = np.geomspace(0.0003, 0.2, 12)
 _BALLOONS = np.geomspace(0.0005, 0.1, 4)
@@ -119,13 +119,6 @@ class Scene:
         """Box of the object chosen so far."""
         assert self.chosen is not None
         return box_of(self.chosen)
-
-    @cached_property
-    def boxes(self) -> Index:
-        """Boxes of the faces, shape (F, 4)."""
-        found = scipy.ndimage.find_objects(self.clicked.faces.labels + 1, self.clicked.faces.graph.count)
-        empty = (0, 0, 0, 0)
-        return np.array([empty if b is None else (b[0].start, b[0].stop, b[1].start, b[1].stop) for b in found])
 
 
 def proposals(scene: Scene) -> Iterator[Proposal]:
@@ -282,7 +275,7 @@ def _of_faces(scene: Scene, faces: Mask, labels: Labels, instability: float) -> 
 
 
 def _box_of_faces(scene: Scene, faces: Mask) -> Box:
-    boxes = scene.boxes[faces]
+    boxes = scene.clicked.faces.boxes[faces]
     if not len(boxes):
         return 0, 1, 0, 1
     low, high = boxes.min(axis=0).tolist(), boxes.max(axis=0).tolist()
@@ -298,19 +291,17 @@ def _local_cuts(scene: Scene, chosen: Mask) -> Iterator[Proposal]:
     before = np.bincount(labels[known], chosen[known], graph.count) > 0.5 * graph.area
     away = np.linalg.norm(graph.center - scene.pixel, axis=1)
     entries = np.append(before, False)
+    kept = _KEPT * graph.area
     for reach in _REACHES:
-        far = away > reach * np.sqrt(scene.area)
+        free = (away <= reach * np.sqrt(scene.area)) | clicked.inside | clicked.outside
+        part = FreePart(graph.first, graph.second, price, free, before)
         for balloon in _LOCAL_BALLOONS:
-            stay = np.where(far, np.inf, _KEPT * graph.area)
-            pull = np.where(far, 0.0, balloon * graph.area)
-            leaving, entering = np.where(before, stay, 0.0), np.where(before, 0.0, stay)
-            if scene.adding:
-                leaving, entering = leaving + pull, np.where(far, entering, 0.0)
-            else:
-                leaving, entering = np.where(far, leaving, 0.0), entering + pull
+            pull = balloon * graph.area
+            leaving = np.where(before, kept, 0.0) + pull if scene.adding else np.zeros(graph.count)
+            entering = np.zeros(graph.count) if scene.adding else np.where(before, 0.0, kept) + pull
             leaving = np.where(clicked.inside, np.inf, np.where(clicked.outside, 0.0, leaving))
             entering = np.where(clicked.outside, np.inf, np.where(clicked.inside, 0.0, entering))
-            after = minimum_cut(graph.arcs, price, leaving, entering)
+            after = part.cut(leaving, entering)
             changed = after != before
             if not changed.any():
                 continue

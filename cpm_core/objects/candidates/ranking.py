@@ -46,6 +46,18 @@ FIRST = Ranking({
 })  # fmt: skip
 """For the object around a first click."""
 
+START = Ranking({
+    "edge": (0.826, 0.135, 0.695),
+    "weak": (0.240, 0.254, -0.548),
+    "depth": (0.658, 0.267, 0.765),
+    "border": (0.136, 0.172, -0.105),
+    "step": (0.238, 0.913, 0.389),
+    "by cut": (0.250, 0.433, 0.296),
+    "instability": (0.406, 0.748, 0.050),
+    "fullness": (3.685, 1.954, -0.758),
+})  # fmt: skip
+"""For the object around a drawn start, or around several places given at once."""
+
 CHANGES = Ranking({
     "edge": (0.863, 0.136, 0.465),
     "weak": (0.172, 0.233, -0.336),

@@ -11,6 +11,7 @@ import scipy
 import skimage
 
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.maximum_filter import running_maximum
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.faces.basins import Labels, basins
@@ -83,6 +84,27 @@ class Faces:
 
     labels: Labels
     graph: FaceGraph
+
+    @cached_property
+    def boxes(self) -> Index:
+        """First row, row behind the last, first column and column behind the last of each face, shape (F, 4)."""
+        return _boxes(self.labels, self.graph.count)
+
+
+@compiled
+def _boxes(labels: Labels, count: int) -> Index:
+    rows, cols = labels.shape
+    found = np.zeros((count, 4), np.int64)
+    for k in range(count):
+        found[k, 0], found[k, 2] = rows, cols
+    for r in range(rows):
+        for c in range(cols):
+            k = labels[r, c]
+            if k >= 0:
+                box = found[k]
+                box[0], box[1] = min(box[0], r), max(box[1], r + 1)
+                box[2], box[3] = min(box[2], c), max(box[3], c + 1)
+    return found
 
 
 def ground(values: Array, strength: Array, contours: Sequence[Array], regions: Regions | None) -> Ground:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_flow
 
-from cpm_core.objects.minimum_cut import arcs, minimum_cut
+from cpm_core.objects.minimum_cut import FreePart, arcs, minimum_cut
 
 
 @st.composite
@@ -67,6 +67,18 @@ def test_tied_nodes_are_where_they_must_be_whatever_that_costs():
     graph = arcs(np.array([0, 1]), np.array([1, 2]), 3)
     found = minimum_cut(graph, price, np.array([np.inf, 0.0, 0.0]), np.array([0.0, 0.0, np.inf]))
     assert found.tolist() == [True, False, False]
+
+
+@settings(deadline=None, max_examples=60)
+@given(graphs(30), st.integers(0, 2**32 - 1))
+def test_a_cut_of_a_part_is_that_of_the_whole_with_the_others_tied(graph, seed):
+    first, second, price, leaving, entering = graph
+    free, inside = np.random.default_rng(seed).random((2, len(leaving))) < 0.5
+    found = FreePart(first, second, price, free, inside).cut(leaving, entering)
+    tied = np.where(~free & inside, np.inf, leaving), np.where(~free & ~inside, np.inf, entering)
+    whole = np.where(~free & ~inside, 0.0, tied[0]), np.where(~free & inside, 0.0, tied[1])
+    assert np.array_equal(found[~free], inside[~free])
+    assert np.array_equal(found, minimum_cut(arcs(first, second, len(free)), price, *whole))
 
 
 @settings(deadline=None, max_examples=60)
