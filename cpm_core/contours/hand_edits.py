@@ -251,7 +251,9 @@ def _added(lines: list[PolygonalLine], edit: HandEdit) -> tuple[list[PolygonalLi
         line = lines[first.line]
         begin, end = sorted((first.along, last.along))
         kept = line.part(begin, end)
-        return [*rest, ring(joined(kept if first.at_last else kept.reversed(), piece))], found
+        closed = ring(joined(kept if first.at_last else kept.reversed(), piece))
+        # a piece that leads back along the line encloses nothing
+        return ([*rest, closed] if len(closed.points) > 2 else lines), found
     if first is not None:
         piece = joined(_up_to(lines, first), piece)
     if last is not None:

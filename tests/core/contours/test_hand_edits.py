@@ -257,6 +257,14 @@ EDITS = st.one_of(
 )
 
 
+def test_a_piece_that_leads_back_along_its_line_closes_nothing():
+    line = Contour(np.array([(0.0, 0.0), (0.0, 6.0)]), False, 1.0)
+    edit = HandEdit(added=((0.0, 6.0), (0.0, 0.0)), before=((0.0, 6.0),), after=((0.0, 0.0),))
+    edited, missed = apply([line], [edit])
+    assert [contour.closed for contour in edited] == [False]
+    assert not missed
+
+
 @settings(max_examples=150, deadline=None)
 @given(st.lists(st.tuples(LINES, st.booleans()), max_size=4), st.lists(EDITS, max_size=5), st.integers(0, 3))
 def test_whatever_is_edited_contours_remain_contours(drawn, edits, own):
