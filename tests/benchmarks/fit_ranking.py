@@ -4,7 +4,8 @@
 
 FOLDER holds images, and beside each NAME.png a NAME_mask.png (one object) or NAME_labels.png (a label an object). A
 simulated person clicks into the middle of each object, then into the middle of the largest wrong place, and draws a
-circle of half its depth in the object. Half of the first round follows the truth; a further round follows the weights of the one before.
+circle of half its depth in the object. Half of the first round follows the truth; a further round follows the weights
+of the one before.
 """
 
 import argparse
