@@ -135,10 +135,10 @@ def _first(scene: Scene, proposal: Proposal) -> Array | None:
         return None
     middle = np.rint(scene.inside.mean(axis=0)).astype(np.int64)
     features = object_features(scene.look, grid, mask, middle)
-    known = [float(proposal.kind == Kind.CUT), proposal.instability]
+    known = [float(proposal.kind == Kind.CUT)]
     if len(scene.inside) >= _SEVERAL:
         radius = float(np.linalg.norm(scene.inside - middle, axis=1).mean())
-        known.append(np.log(pixels / max(np.pi * radius**2, 1.0)))
+        known += [proposal.instability, np.log(pixels / max(np.pi * radius**2, 1.0))]
     return np.append(features[_FIRST], known)
 
 
