@@ -1,10 +1,11 @@
 """The boundary of what a start lies in: where its free flight ends.
 
 A particle that flies from the start comes to rest on the first edges that hold it. Single particles slip through weak
-stretches, so the first edges are found for the start as a whole: the basin of the start in the edge map is flooded
-against one from the border of the image (watershed by flooding from markers, Meyer 1994,
-doi:10.1016/0165-1684(94)90060-4). Both meet on the edges that are highest between the start and the border, also across
-gaps. What other edges, strong enough to hold particles, enclose within the basin is left out again.
+stretches, so the first edges are found for each connected piece of the start as a whole: its basin in the edge map is
+flooded against those of the other pieces and one from the border of the image (watershed by flooding from markers,
+Meyer 1994, doi:10.1016/0165-1684(94)90060-4). They meet on the edges that are highest between them, also across gaps.
+Two pieces in one thing, with no edge between them, share a basin. What other edges, strong enough to hold particles,
+enclose within a basin is left out again.
 """
 
 from __future__ import annotations
@@ -35,6 +36,10 @@ at this damping; it falls with the squared damping, as the kinetic energy of a p
 _EVEN, _LARGE = 0.02, 0.04
 """Fraction of the largest edge strength up to which the image is flat, and of the start that a flat part must cover."""
 
+_JOINS = 0.5
+"""Strength of the border between the basins of two pieces of a start, in multiples of the weaker one of their other
+boundaries, below which both lie in the same thing."""
+
 _LEAST_BETA = 0.01
 """Damping that counts where there is less."""
 
@@ -57,7 +62,7 @@ class Bounds(NamedTuple):
     sigma : float
         Smoothing of the edge map that it was found in, about its inaccuracy [px].
     whole : bool
-        Whether the start lies on one side of it; otherwise it also runs through the start.
+        Whether each piece of the start lies on one side of it; otherwise it also runs through one.
     """
 
     boundary: Mask
@@ -84,63 +89,107 @@ def bounds_of(values: Array, area: Mask, closed: Mask, beta: float) -> Bounds:
     stride = int(np.ceil(np.sqrt(values.size / _MOST_PIXELS)))
     sigma = max(sigma, 0.5 * stride)
     strength = magnitude(gradient(values, sigma))[::stride, ::stride]
-    start, shut = area[::stride, ::stride] & ~closed[::stride, ::stride], closed[::stride, ::stride]
-    shut = shut | _frame(shut.shape, sigma / stride)
-    if not start.any():
-        start = scipy.ndimage.maximum_filter(area, stride)[::stride, ::stride]
-    start, basin = _basin(strength, start, shut)
-    labels = _parts(strength, start, basin, beta)
+    shut = closed[::stride, ::stride] | _frame(strength.shape, sigma / stride)
+    pieces, basins = _basins(strength, _pieces(area, closed, stride), shut)
+    labels = _parts(strength, pieces, basins, beta)
+    touched = np.unique(np.stack([pieces, labels])[:, (pieces > 0) & (labels > 0)], axis=1)
     own = np.zeros(labels.max() + 1, bool)
-    own[labels[start]] = True
-    own[0] = False
+    own[touched[1]] = True
     beside = _beside(np.where(own[labels], labels, 0)) & ~_rim(shut)
     if stride > 1:
         beside, inside = (_enlarged(mask, stride, values.shape) for mask in (beside, own[labels]))
     else:
         inside = own[labels]
-    return Bounds(beside, inside, sigma, int(own.sum()) == 1)
+    return Bounds(beside, inside, sigma, touched.shape[1] == len(np.unique(touched[0])) > 0)
 
 
-def _basin(strength: Array, start: Mask, shut: Mask) -> tuple[Mask, Mask]:
-    """The start, and its basin in the edge map, flooded against what is shut, the image border among it.
+def _pieces(area: Mask, closed: Mask, stride: int) -> Labels:
+    """Number the connected pieces of a start from 1, on a coarser grid; also those that lie between its pixels."""
+    pieces, _ = scipy.ndimage.label(area, np.ones((3, 3), bool))
+    coarse = np.where(closed, 0, pieces)[::stride, ::stride]
+    lost = np.setdiff1d(pieces, coarse)
+    if not len(lost):
+        return np.asarray(coarse, np.int32)
+    around = scipy.ndimage.maximum_filter(np.where(np.isin(pieces, lost), pieces, 0), stride)[::stride, ::stride]
+    return np.asarray(np.where(coarse > 0, coarse, around), np.int32)
 
-    Where flat parts of the start are enclosed by edges and others are not, only the first count; where none is
-    enclosed, the start lies in the open, and everything belongs to its basin.
+
+def _basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels]:
+    """The pieces of a start, and their basins in the edge map, flooded against each other and against what is shut.
+
+    Where flat parts of a piece are enclosed by edges and others are not, only the first count; where none is
+    enclosed, the piece lies in the open, and everything else belongs to its basin. Pieces in one basin get one number.
     """
     flat, count = scipy.ndimage.label((strength <= _EVEN * float(strength.max())) & ~shut)
-    size = np.bincount(flat[start], minlength=count + 1)
-    large = size >= _LARGE * np.count_nonzero(start)
-    large[0] = False
+    size = np.bincount((pieces * (count + 1) + flat).ravel(), minlength=(pieces.max() + 1) * (count + 1))
+    size = size.reshape(-1, count + 1)
+    large = size >= np.maximum(_LARGE * size.sum(axis=1, keepdims=True), 1)
+    large[0], large[:, 0] = False, False
     open_ = np.zeros(count + 1, bool)
     open_[flat[_rim(shut)]] = True
-    enclosed = large & ~open_
-    outside = shut.copy()
-    if enclosed.any() and (large & open_).any():
-        outside |= (large & open_)[flat]
-        start = start & enclosed[flat]
-    elif (large & open_).any():
-        return start, ~shut
-    markers = np.zeros(strength.shape, np.int32)
-    markers[outside] = 2
-    markers[start] = 1
-    return start, np.asarray(_flooded(strength, markers) == 1)
+    enclosed, opened = (large & ~open_).any(axis=1), (large & open_).any(axis=1)
+    pieces = np.where((enclosed & opened)[pieces] & ~(large & ~open_)[pieces, flat], 0, pieces).astype(np.int32)
+    background = int(pieces.max()) + 1
+    markers = np.where(shut | (large & open_)[enclosed].any(axis=0)[flat], background, 0).astype(np.int32)
+    bounded = (pieces > 0) & ~(opened & ~enclosed)[pieces]
+    markers[bounded] = pieces[bounded]
+    basins = np.where(shut, background, 1).astype(np.int32)
+    if bounded.any():
+        basins = _flooded(strength, markers)
+    number = _joined(strength, basins, background)
+    number[0], number[background] = 0, 0
+    in_open = opened & ~enclosed
+    if in_open.any():
+        number = np.append(number, number.max() + 1)
+        number[np.flatnonzero(in_open)] = number[-1]
+        basins[(basins == background) & ~shut] = background + 1
+    return number[pieces], number[basins]
 
 
-def _parts(strength: Array, start: Mask, basin: Mask, beta: float) -> Labels:
-    """Number the parts of a basin that edges strong enough separate, from 1; 0 outside."""
-    rim = _rim(~basin) & basin
-    usual = float(np.median(strength[rim])) if rim.any() else 0.0
-    strongest = float(strength[basin].max())
-    least = max(WEAKEST_EDGE * strongest, min(background_strength(strength), usual))
-    level = max(_HOLDS * usual * (_BETA / max(beta, _LEAST_BETA)) ** 2, least)
-    parts, count = scipy.ndimage.label(basin & (strength < level))
-    size = np.bincount(parts.ravel(), minlength=count + 1)
-    small = size < max(_LEAST_PART, _PART_OF_START * np.count_nonzero(start))
+def _joined(strength: Array, basins: Labels, background: int) -> Labels:
+    """Number of each basin; the same for neighbors whose common border is weak beside the rest of their boundaries."""
+    count = background + 1
+    pairs, crossed = [np.zeros((2, 0), np.int32)], [np.zeros(0)]
+    for axis in range(2):
+        line, height = np.moveaxis(basins, axis, 0), np.moveaxis(strength, axis, 0)
+        other = line[1:] != line[:-1]
+        pairs.append(np.sort(np.stack([line[1:][other], line[:-1][other]]), axis=0))
+        crossed.append(np.maximum(height[1:], height[:-1])[other])
+    pair, height = np.concatenate(pairs, axis=1), np.concatenate(crossed)
+    code = pair[0] * count + pair[1]
+    borders = np.unique(code)
+    median = np.asarray(scipy.ndimage.median(height, code, borders)) if len(borders) else np.zeros(0)
+    one, other = borders // count, borders % count
+    outer = np.full(count, np.inf)
+    outer[one[other == background]] = median[other == background]
+    usual = np.minimum(outer[one], outer[other])
+    weak = (other < background) & np.isfinite(usual) & (median < _JOINS * usual)
+    graph = scipy.sparse.csr_array((np.ones(np.count_nonzero(weak)), (one[weak], other[weak])), shape=(count, count))
+    _, group = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    return np.asarray(group + 1, np.int32)
+
+
+def _parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labels:
+    """Number the parts of the basins that edges strong enough separate, from 1; 0 outside."""
+    every = np.arange(basins.max() + 1)
+    rim = np.where(_beside(basins), basins, 0)
+    usual = np.nan_to_num(scipy.ndimage.median(strength, rim, every))
+    strongest = np.nan_to_num(scipy.ndimage.maximum(strength, basins, every))
+    least = np.maximum(WEAKEST_EDGE * strongest, np.minimum(background_strength(strength), usual))
+    level = np.maximum(_HOLDS * usual * (_BETA / max(beta, _LEAST_BETA)) ** 2, least)
+    numbered: Callable[..., Labels] = skimage.measure.label
+    parts = numbered(np.where(strength < level[basins], basins, 0), connectivity=1)
+    of = np.zeros(parts.max() + 1, np.int32)
+    of[parts] = basins
+    size = np.bincount(parts.ravel())
+    small = size < np.maximum(_LEAST_PART, _PART_OF_START * np.bincount(pieces.ravel(), minlength=len(every))[of])
     small[0] = True
     parts[small[parts]] = 0
-    if not parts[start].any():
-        return basin.astype(np.int32)
-    return _flooded(strength, parts.astype(np.int32), basin)
+    held = np.zeros(len(every), bool)
+    held[basins[(pieces > 0) & (pieces == basins) & (parts > 0)]] = True
+    whole = ~held[basins] & (basins > 0)
+    parts[whole] = parts.max() + basins[whole]
+    return _flooded(strength, parts.astype(np.int32), basins > 0)
 
 
 def _flooded(strength: Array, markers: Labels, basin: Mask | None = None) -> Labels:

@@ -79,6 +79,46 @@ def test_starts_in_two_objects_find_both():
     assert [contour.closed for contour in result.contours] == [True, True]
 
 
+def test_starts_in_many_objects_of_unlike_strength_find_each_of_them():
+    centers = [(row, col) for row in (16.0, 48.0, 80.0) for col in np.arange(14.0, 150.0, 22.0)]
+    values = sum(disk(center, 8.0, 60.0 + 8.0 * number) for number, center in enumerate(centers))
+    result = segment(values, np.concatenate([circle(center, 4.0) for center in centers]), SHAPE)
+    assert sum(contour.closed for contour in result.contours) == len(result.contours) == len(centers)
+    assert all(covered(result.contours, center, 8.0) == 1.0 for center in centers)
+
+
+def halves(left, right):
+    """A rectangle of two levels whose common border is column 80."""
+    inside = (np.abs(ROW - 48) < 24) & (np.abs(COL - 80) < 36)
+    return np.where(inside, np.where(COL < 80, left, right), 0.0)
+
+
+def ways_between(values, start):
+    """Ways to the edges between the halves."""
+    found = map_of(values, start)
+    return {found.way_of(np.array([[row, 79.0], [row, 80.0]])) for row in np.arange(38.0, 59.0)}
+
+
+def test_separate_starts_in_two_things_that_touch_also_reach_the_border_between_them():
+    starts = np.concatenate([circle((48.0, 62.0), 8.0), circle((48.0, 98.0), 8.0)])
+    assert ways_between(halves(100.0, 200.0), starts) == {"flight"}
+
+
+@pytest.mark.parametrize(
+    "start",
+    [circle((48.0, 80.0), 16.0), np.concatenate([circle((48.0, 62.0), 8.0), circle((48.0, 98.0), 8.0)])],
+    ids=["one", "two"],
+)
+def test_a_border_that_is_weak_beside_the_outline_parts_neither_one_start_nor_two(start):
+    assert "flight" not in ways_between(halves(170.0, 200.0), start)
+
+
+def test_a_start_in_the_open_takes_nothing_from_one_in_an_object():
+    both = np.concatenate([START, circle((20.0, 80.0), 6.0)])
+    values = disk(LEFT, RADIUS, 200.0)
+    assert np.array_equal(map_of(values, both).way, map_of(values).way)
+
+
 def test_without_a_limit_a_border_that_meets_the_object_is_found_too():
     near = segment(crossed(), START, replace(LOCAL, reach=0.0))
     far = segment(crossed(), START, replace(LOCAL, reach=UNLIMITED_REACH))
