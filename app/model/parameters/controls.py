@@ -9,7 +9,7 @@ from typing import Any
 
 from app.model.text.language import tr
 from app.model.text.wording import WORDS, Wording, rich
-from cpm_core.parameters import AUTOMATIC, DEFAULTS, PARAMETERS, Parameters
+from cpm_core.parameters import AUTOMATIC, DEFAULTS, OF_STARTS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import Invalidates
 
 RATIO = "ratio"
@@ -146,9 +146,9 @@ def acts(invalidates: Invalidates) -> str:
 
 
 def controls() -> tuple[Control, ...]:
-    """All controls in the order shown: those that decide which contours there are, of the motion, advanced ones."""
+    """All controls in the order shown: how far a start reaches, the motion, which contours there are, advanced ones."""
     made = [_ratio() if name == "w1" else _from_core(name) for name in PARAMETERS]
-    return tuple(sorted(made, key=lambda control: (control.advanced, control.moves)))
+    return tuple(sorted(made, key=lambda control: (control.advanced, control.name not in OF_STARTS, not control.moves)))
 
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:

@@ -17,14 +17,15 @@ from tests.app.panels.test_contour_table import found  # noqa: F401  # a fixture
 LEFT = Qt.MouseButton.LeftButton
 
 
-def test_what_decides_which_contours_there_are_stands_first_then_motion_then_the_rest() -> None:
+def test_reach_stands_first_then_motion_then_what_decides_which_contours_there_are() -> None:
     names = [control.name for control in controls()]
-    first = ("smoothing", "edge_floor", "max_gap", "min_strength", "min_length")
     motion = ("beta", "ratio", "annealing")
+    filters = ("smoothing", "edge_floor", "max_gap", "min_strength", "min_length")
     advanced = [control.name for control in controls() if control.advanced]
-    assert max(map(names.index, first)) < min(map(names.index, motion))
-    assert max(map(names.index, motion)) < min(map(names.index, advanced))
-    assert not {*first, *motion} & {*advanced}
+    assert names[:2] == ["reach", "weakest_edge"]
+    assert max(map(names.index, motion)) < min(map(names.index, filters))
+    assert max(map(names.index, filters)) < min(map(names.index, advanced))
+    assert not {*motion, *filters} & {*advanced}
 
 
 @settings(max_examples=60, deadline=None)
