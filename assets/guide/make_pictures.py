@@ -42,6 +42,7 @@ def show(window: MainWindow, file: str) -> None:
     """Open a sample."""
     sample = sample_called(file)
     assert sample is not None
+    window.feature(OpenSaveFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
     session, before = window.session, window.session.image_generation
     window.open_image(str(sample.path))
     wait(lambda: session.image_generation != before and session.idle and not session.status.busy)
@@ -104,7 +105,7 @@ def main() -> None:
     session.edit("everywhere", lambda document: edits.toggle_everywhere(document, "grid"))
     run(window)
     take(window, "hand_finger")
-    window.feature(OpenSaveFeature).document_file.forget()  # nobody is there to be asked whether it is to be saved
+    window.feature(OpenSaveFeature).document_file.forget()
     window.close()
 
 

@@ -22,6 +22,7 @@ from PySide6.QtWidgets import QWidget
 from app.model.document import edits
 from app.model.document.samples import sample_called
 from app.views.application import make_application, open_window
+from app.views.features.contours.objects import ObjectsFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.main_window import MainWindow
@@ -103,6 +104,39 @@ def rest(stand: Stand) -> None:
     stand.take("rest")
 
 
+def objects(stand: Stand) -> None:
+    """Nuclei taken as objects of two classes, and one of two that touch selected by a click in each."""
+    window = stand.window
+    selection, taken = window.workspace.object_selection, window.workspace.object_list
+    stand.open("nuclei.png")
+    stand.run()
+    stand.do("objects")
+    wait(lambda: selection.ready)
+    for place, category in (
+        ((69.0, 223.0), 1),
+        ((76.0, 280.0), 1),
+        ((167.0, 33.0), 2),
+        ((264.0, 39.0), 2),
+        ((284.0, 193.0), 2),
+    ):
+        selection.click((place,))
+        stand.settle()
+        wait(lambda: selection.idle and bool(selection.proposals))
+        selection.take()
+        taken.classify(category)
+        stand.settle()
+    for category, name in ((1, "small"), (2, "large")):
+        taken.name_class(category, name)
+    window.feature(ObjectsFeature).name_field.hide()
+    selection.click(((214.0, 206.0),))
+    selection.click(((238.0, 231.0),), inside=False)
+    window.docks.reveal("objects")
+    stand.settle()
+    wait(lambda: selection.idle and bool(selection.proposals))
+    stand.do("fit")
+    stand.take("objects")
+
+
 def steering(stand: Stand) -> None:
     """A hand with a charge that attracts, one that repels, and a barrier, and the field that follows them."""
     session = stand.window.session
@@ -181,6 +215,7 @@ def mosaic(stand: Stand) -> None:
 PICTURES: Mapping[str, Callable[[Stand], None]] = {
     "window": midway,
     "rest": rest,
+    "objects": objects,
     "steering": steering,
     "branches": branches,
     "trust": trust,

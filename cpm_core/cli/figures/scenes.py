@@ -10,13 +10,14 @@ import scipy
 from cpm_core.cli.figures.outlines import Rings, coverage
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.types import Array
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import Parameters
 
 Size = tuple[int, int]
 Layer = tuple[Rings, float]
 """Outlines, and the difference of gray levels between their inside and outside."""
 
-SHAPE = PRESETS["shape"]
+SHAPE = Parameters()
+"""The parameters of the publication, whose runs find all that is connected to a start."""
 
 
 @dataclass(frozen=True, eq=False)
