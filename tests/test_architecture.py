@@ -303,6 +303,7 @@ def test_the_top_level_holds_what_it_should_and_nothing_else():
         "assets",
         "README.md",
         "ARCHITECTURE.md",
+        "CHANGELOG.md",
         "LICENSE",
     }
 

@@ -271,7 +271,7 @@ SAMPLES = (
 CHANGED = {
     "rings.png": {"reach": 300.0, "weakest_edge": 0.0},
     "artery.png": {"reach": 300.0, "weakest_edge": 0.0},
-    "hand.png": {"smoothing": 1.5, "sure_edge": 0.25, "min_length": 25.0},
+    "hand.png": {"reach": 300.0, "weakest_edge": 0.0, "smoothing": 1.5, "sure_edge": 0.25, "min_length": 25.0},
 }
 """What is set otherwise than in the preset, by file."""
 

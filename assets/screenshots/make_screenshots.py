@@ -196,14 +196,14 @@ def skeleton(stand: Stand) -> None:
 
 
 def mosaic(stand: Stand) -> None:
-    """A sweep of smoothing and edge floor on the hand."""
+    """A sweep of smoothing and reach on the hand."""
     stand.open("hand.png")
     stand.do("mosaic")
     dialog = stand.window.feature(MosaicFeature).dialog
     assert dialog is not None
-    for axis, symbol, values in ((dialog.down, "σ", "1, 2, 4"), (dialog.across, "β", "0.4, 0.8, 2")):
+    for axis, symbol, values in ((dialog.down, "σ", "1, 2, 4"), (dialog.across, "r", "2, 30, 300")):
         titles = [axis.choice.itemText(index) for index in range(axis.choice.count())]
-        axis.choice.setCurrentIndex(next(index for index, title in enumerate(titles) if title.endswith(symbol)))
+        axis.choice.setCurrentIndex(next(index for index, title in enumerate(titles) if title.endswith(f" {symbol}")))
         axis.values.setText(values)
     dialog.start_button.click()
     wait(lambda: bool(dialog.tiles) and all(tile.done for tile in dialog.tiles.values()))

@@ -68,7 +68,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_objects(parser.add_argument_group("object"))
     parameters = parser.add_argument_group("parameters")
     parameters.add_argument(
-        "--preset", choices=tuple(PRESETS), help="named settings (default: shape, or the session's)"
+        "--preset",
+        choices=tuple(PRESETS),
+        help="named settings (default: the publication's values, or the session's)",
     )
     add_parameters(parameters)
     outcome = parser.add_argument_group("outcome")

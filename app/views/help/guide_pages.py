@@ -113,7 +113,7 @@ _HAND = Page(
                 "another run.")),
     ),
     (tr("For your own image: draw the circle so that it crosses the edges that you need. Lower {=beta} if the "
-        "particles stop too early."),),
+        "particles stop too early. {=reach} is at its largest here; lower it to find only what the circle lies in."),),
     "hand.png",
 )  # fmt: skip
 
