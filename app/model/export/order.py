@@ -168,13 +168,15 @@ def closed(result: Result | Skeleton, order: ExportOrder, image: Image, paramete
 class Account:
     """How many contours are written and left out, and how many of those written were open and have been closed.
 
-    `learned` is the number of those that are left out because they resemble rejected ones.
+    `learned` is the number of those that are left out because they resemble rejected ones. `objects` is the number of
+    objects whose boundaries the contours are, 0 for other contours.
     """
 
     written: int
     left_out: int
     bridged: int
     learned: int = 0
+    objects: int = 0
 
 
 def account(
@@ -183,12 +185,17 @@ def account(
     """What a file with a suffix holds of a result `before` and `after` open contours were closed."""
     missing = left_out(after, suffix, outlines=order.outlines)
     bridged = sum(one.closed for one in after.contours) - sum(one.closed for one in before.contours)
-    return Account(len(after.contours) - missing, missing, bridged, learned)
+    whole = isinstance(after, Result) and order.source == "objects"
+    objects = len({one.group for one in after.contours}) if whole else 0
+    return Account(len(after.contours) - missing, missing, bridged, learned, objects)
 
 
 def in_words(counts: Account) -> str:
     """What is written and what is left out, in one line."""
-    parts = [tr("1 contour") if counts.written == 1 else tr("{count} contours").format(count=counts.written)]
+    if counts.objects:
+        parts = [tr("1 object") if counts.objects == 1 else tr("{count} objects").format(count=counts.objects)]
+    else:
+        parts = [tr("1 contour") if counts.written == 1 else tr("{count} contours").format(count=counts.written)]
     if counts.bridged:
         parts.append(tr("{count} of them closed for the export").format(count=counts.bridged))
     if counts.left_out:

@@ -229,6 +229,7 @@ def test_objects_are_offered_and_written_without_a_run(window, hand, tmp_path) -
     dialog = asked(hand, window)
     assert [name for name, button in dialog.sources.items() if button.isEnabled()] == ["objects"]
     assert dialog.order.source == "objects"
+    assert dialog.counts.text() == "Writes 1 object."
     type_into(hand, dialog.file.folder, str(tmp_path))
     type_into(hand, dialog.file.name, "objects.json")
     (contour,) = json.loads(write(hand, window, dialog).read_text(encoding="utf-8"))["contours"]
