@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 from app.model.text.language import tr
 from app.session.scene import Item
+from app.views.panels.item_table.columns import Column, number_text, place
 from cpm_core.contours.contour import Reached
 
 VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
@@ -21,22 +21,6 @@ REACHED: Mapping[Reached, str] = {
 _ORDER = {"kept": 0, "": 1, "rejected": 3}
 
 
-@dataclass(frozen=True, slots=True)
-class Column:
-    """One column: heading (with ``{unit}`` for the unit of lengths), tooltip, text and sort key of an item.
-
-    `sample` is the widest usual text; `numeric` columns are aligned to the right.
-    """
-
-    name: str
-    title: str
-    tip: str
-    text: Callable[[Item], str]
-    value: Callable[[Item], float | str]
-    sample: str
-    numeric: bool = True
-
-
 def _verdict(item: Item) -> str:
     return LEFT_OUT if item.reviewed.left_out else VERDICTS[item.reviewed.verdict]
 
@@ -44,11 +28,6 @@ def _verdict(item: Item) -> str:
 def _likely(item: Item) -> str:
     chance = item.reviewed.probability
     return "–" if chance is None else f"{chance:.0%}"
-
-
-def number_text(value: float) -> str:
-    """A number with three significant digits, or all digits before the point."""
-    return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}" if value < 100 else f"{value:.0f}"
 
 
 def _ends(item: Item) -> str:
@@ -60,7 +39,7 @@ def _contrast(item: Item) -> str:
     return "–" if contrast is None else f"{contrast:.2f}"
 
 
-COLUMNS: tuple[Column, ...] = (
+COLUMNS: tuple[Column[Item], ...] = (
     Column("number", tr("#"), tr("Number; it stays with the contour through sliders and runs."),
            lambda i: str(i.measures.number), lambda i: i.measures.number, "0000"),
     Column("name", tr("Name"), tr("Name and color; double-click or press F2 to rename."), lambda i: i.contour.name,
@@ -96,5 +75,5 @@ COLUMNS: tuple[Column, ...] = (
 )  # fmt: skip
 """All columns in the order shown."""
 
-NAME = next(index for index, column in enumerate(COLUMNS) if column.name == "name")
+NAME = place(COLUMNS, "name")
 """Index of the column of names."""

@@ -1,0 +1,35 @@
+"""A column of a table: the text of each row and its sort key."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+Row = TypeVar("Row")
+
+
+@dataclass(frozen=True)
+class Column(Generic[Row]):
+    """One column: heading (with ``{unit}`` for the unit of lengths), tooltip, text and sort key of a row.
+
+    `sample` is the widest usual text; `numeric` columns are aligned to the right.
+    """
+
+    name: str
+    title: str
+    tip: str
+    text: Callable[[Row], str]
+    value: Callable[[Row], float | str]
+    sample: str
+    numeric: bool = True
+
+
+def place(columns: Sequence[Column[Any]], name: str) -> int:
+    """Place of a column among all."""
+    return next(index for index, column in enumerate(columns) if column.name == name)
+
+
+def number_text(value: float) -> str:
+    """A number with three significant digits, or all digits before the point."""
+    return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}" if value < 100 else f"{value:.0f}"

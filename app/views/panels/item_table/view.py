@@ -1,0 +1,188 @@
+"""A table of items whose selection is shared with the canvas."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterable, Set
+from typing import Any
+
+from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIndex, QPersistentModelIndex, Qt
+from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
+from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
+
+from app.views.panels.item_table.columns import place
+from app.views.panels.item_table.model import ItemModel, Sorted
+
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
+_PAD = 18
+
+
+class NameDelegate(QStyledItemDelegate):
+    """Editor of names that is not disturbed by updates."""
+
+    def setEditorData(self, editor: QWidget, index: QModelIndex | QPersistentModelIndex) -> None:
+        """Start with the present name; text that the user has typed is not overwritten."""
+        if not (isinstance(editor, QLineEdit) and editor.isModified()):
+            super().setEditorData(editor, index)
+
+
+class ItemTable(QTableView):
+    """Shows the items of a model, selects and names them.
+
+    Parameters
+    ----------
+    rows : ItemModel
+        The items.
+    ordered : Sorted
+        The same in the order shown.
+    name : str
+        Accessible name.
+    """
+
+    def __init__(self, rows: ItemModel[Any], ordered: Sorted, name: str) -> None:
+        super().__init__()
+        self._showing = False
+        self._stale = False
+        self._rows = rows
+        self._sorted = ordered
+        rows.setParent(self)
+        ordered.setParent(self)
+        self.setModel(ordered)
+        self.setItemDelegate(NameDelegate(self))
+        self.setAccessibleName(name)
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.EditKeyPressed)
+        self.setSortingEnabled(True)
+        self.sortByColumn(0, Qt.SortOrder.AscendingOrder)
+        self.setShowGrid(False)
+        self.setAlternatingRowColors(True)
+        self.setWordWrap(False)
+        self.setMouseTracking(True)
+        self.setTabKeyNavigation(False)
+        self.setMinimumHeight(96)
+        self._lay_out()
+        self.entered.connect(lambda index: self.hover(self._key(index)))
+        self.doubleClicked.connect(lambda index: self._edit_name(index.row()))
+        self.selectionModel().selectionChanged.connect(self._report_selection)
+
+    @abstractmethod
+    def hover(self, key: int | None) -> None:
+        """Point at an item, or at none."""
+
+    @abstractmethod
+    def choose(self, keys: Iterable[int]) -> None:
+        """Select items everywhere."""
+
+    @abstractmethod
+    def chosen(self) -> Set[int]:
+        """Keys of the items that are selected."""
+
+    @abstractmethod
+    def remove(self) -> None:
+        """Do to the selected items what the key Delete stands for."""
+
+    def column(self, name: str) -> list[str]:
+        """The texts of a column, from top to bottom."""
+        number = place(self._rows.columns, name)
+        return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
+
+    def name_selected(self) -> None:
+        """Edit the name in the selected row."""
+        rows = self.selectionModel().selectedRows()
+        if rows:
+            self._edit_name(rows[0].row())
+
+    def show_items(self) -> None:
+        """Show the present items; a hidden table waits until it is seen, and takes no time from a run."""
+        self._stale = not self.isVisible()
+        if self._stale:
+            return
+        self._showing = True
+        self._rows.refresh()
+        self._showing = False
+        self.show_selection()
+
+    def show_selection(self) -> None:
+        """Show which items are selected."""
+        if self._stale:
+            return
+        wanted = self.chosen()
+        if {self._key(index) for index in self.selectionModel().selectedRows()} == wanted:
+            return
+        rows = [row for key in wanted if (row := self._rows.row(key)) is not None]
+        selection = QItemSelection()
+        last = len(self._rows.columns) - 1
+        for row in rows:
+            first = self._sorted.mapFromSource(self._rows.index(row, 0))
+            if first.isValid():  # else the row is not shown
+                selection.select(first, first.siblingAtColumn(last))
+        self._showing = True
+        self.selectionModel().select(selection, QItemSelectionModel.SelectionFlag.ClearAndSelect)
+        if rows and self.state() != QAbstractItemView.State.EditingState:
+            at = self._sorted.mapFromSource(self._rows.index(rows[0], self._rows.name_column))
+            self.selectionModel().setCurrentIndex(at, QItemSelectionModel.SelectionFlag.NoUpdate)
+            self.scrollTo(at)
+        self._showing = False
+
+    # Qt interface
+
+    def event(self, event: QEvent) -> bool:
+        """Handle the keys of the table before they act as shortcuts of the window."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _DELETE:
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Edit the name on Enter, remove on Delete."""
+        if event.key() in _ENTER:
+            self._edit_name(self.currentIndex().row())
+        elif event.key() in _DELETE:
+            self.remove()
+        else:
+            super().keyPressEvent(event)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Give the remaining width to the names."""
+        names = self._rows.name_column
+        others = sum(self.columnWidth(index) for index in range(len(self._rows.columns)) if index != names)
+        self.setColumnWidth(names, max(self._name_width, event.size().width() - others))
+        super().resizeEvent(event)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Update the table if items have changed while it was hidden."""
+        super().showEvent(event)
+        if self._stale:
+            self.show_items()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Clear the highlight when the pointer leaves."""
+        self.hover(None)
+        super().leaveEvent(event)
+
+    # Internal
+
+    def _lay_out(self) -> None:
+        self.verticalHeader().hide()
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
+        header = self.horizontalHeader()
+        header.setHighlightSections(False)
+        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        for index, column in enumerate(self._rows.columns):
+            texts = (column.sample, column.title.format(unit="px"))
+            self.setColumnWidth(index, max(map(self.fontMetrics().horizontalAdvance, texts)) + _PAD)
+        self._name_width = self.columnWidth(self._rows.name_column) + 2 * _PAD
+        header.setMinimumSectionSize(44)
+
+    def _key(self, index: QModelIndex) -> int:
+        return self._rows.key(self._sorted.mapToSource(index).row())
+
+    def _edit_name(self, row: int) -> None:
+        if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
+            self.edit(self._sorted.index(row, self._rows.name_column))
+
+    def _report_selection(self) -> None:
+        if not self._showing:
+            self.choose(self._key(index) for index in self.selectionModel().selectedRows())
