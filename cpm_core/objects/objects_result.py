@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cpm_core.contours.contour import Bridge
+from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
@@ -48,6 +48,19 @@ def objects_result(selections: Sequence[Selection], image: Image, names: Sequenc
     for gap in (gap for selection in selections for gap in selection.gaps):
         mean = float(interpolate(strength[None], polyline.sampled(gap, 1.0)).mean())
         bridges.append(Bridge(gap, polyline.length(gap), mean))
+    place = (image.shape, image.spacing, image.unit, image.source)
+    return replace(boundaries_result(contours, bridges, *place), image=image)
+
+
+def boundaries_result(
+    contours: Sequence[Contour],
+    bridges: Sequence[Bridge],
+    shape: tuple[int, ...],
+    spacing: tuple[float, ...],
+    unit: str | None,
+    source: str,
+) -> Result:
+    """The boundaries of objects and their gaps as a result, in an image of which the rest says what it is."""
     return Result(
         particles=np.empty((0, 2)),
         contours=tuple(contours),
@@ -55,10 +68,9 @@ def objects_result(selections: Sequence[Selection], image: Image, names: Sequenc
         steps=0,
         converged=True,
         stop_reason="the objects have been chosen",
-        shape=image.shape,
-        spacing=image.spacing,
-        unit=image.unit,
-        source=image.source,
+        shape=shape,
+        spacing=spacing,
+        unit=unit,
+        source=source,
         bridges=tuple(bridges),
-        image=image,
     )

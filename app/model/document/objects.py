@@ -15,6 +15,7 @@ from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
 from cpm_core.numerics.polyline import length, thinned
 from cpm_core.numerics.types import Array
+from cpm_core.objects.objects_result import boundaries_result
 from cpm_core.objects.segmented.segmented_object import (
     Click,
     Line,
@@ -212,19 +213,9 @@ def objects_result(document: Document) -> Result | None:
     shown = [item for item in objects.items if not item.hidden]
     if image is None or not shown:
         return None
-    return Result(
-        particles=np.empty((0, 2)),
-        contours=tuple(contour for item in shown for contour in _contours(objects, item)),
-        surface=None,
-        steps=0,
-        converged=True,
-        stop_reason="the objects have been chosen",
-        shape=image.shape,
-        spacing=image.spacing,
-        unit=image.unit,
-        source=image.name,
-        bridges=tuple(Bridge(np.array(gap), length(gap), 0.0) for item in shown for gap in item.gaps),
-    )
+    contours = [contour for item in shown for contour in _contours(objects, item)]
+    bridges = [Bridge(np.array(gap), length(gap), 0.0) for item in shown for gap in item.gaps]
+    return boundaries_result(contours, bridges, image.shape, image.spacing, image.unit, image.name)
 
 
 def _contours(objects: SegmentedObjects, item: SegmentedObject) -> list[Contour]:

@@ -31,16 +31,10 @@ def measured():
 
 
 @pytest.fixture
-def command(monkeypatch, capsys, measured):
+def bench(monkeypatch, command, measured):
     """Function that runs the command on the measurements of the fixture."""
     monkeypatch.setattr("cpm_core.cli.bench.command.measurements", lambda _patience, _image: iter(measured))
-
-    def run(*arguments):
-        status = cli.main(["bench", *map(str, arguments)])
-        output = capsys.readouterr()
-        return status, output.out, output.err
-
-    return run
+    return lambda *arguments: command("bench", *arguments)
 
 
 def test_every_part_is_measured_beside_something(measured):
@@ -64,15 +58,15 @@ def test_measured_results_are_right(measured):
         assert error <= bound, what
 
 
-def test_json_is_one_object_with_the_rows_of_the_table(command, measured):
-    status, out, err = command("--json", "--quick")
+def test_json_is_one_object_with_the_rows_of_the_table(bench, measured):
+    status, out, err = bench("--json", "--quick")
     facts = json.loads(out)
     assert (status, err) == (0, "")
     assert list(facts) == ["machine", "quick", "seconds", "measurements"]
     assert facts["machine"]["cores"] >= 1
     assert facts["quick"] is True
     assert [list(row) for row in facts["measurements"]] == [KEYS] * len(measured)
-    status, out, err = command()
+    status, out, err = bench()
     lines = out.splitlines()
     assert (status, err) == (0, "")
     assert [line for line in lines if "  " in line][1:] == lines[2:-1]

@@ -30,18 +30,6 @@ def disk(tmp_path):
     return tmp_path / "disk.png"
 
 
-@pytest.fixture
-def command(monkeypatch, capsys):
-    """Function that runs the command line and returns its exit status, output and error output."""
-
-    def run(*arguments):
-        status = cli.main([str(argument) for argument in arguments])
-        output = capsys.readouterr()
-        return status, output.out, output.err
-
-    return run
-
-
 START = ("--circle", "40,50,12")
 
 

@@ -6,8 +6,6 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from cpm_core import cli
-
 CENTER, RADIUS = (40.0, 50.0), 18.0
 
 
@@ -20,16 +18,6 @@ def disk(tmp_path):
     values += np.clip(12.5 - np.hypot(row - 40.0, col - 110.0), 0, 1)
     PIL.Image.fromarray((220 * values).astype(np.uint8)).save(tmp_path / "disk.png")
     return tmp_path / "disk.png"
-
-
-@pytest.fixture
-def command(capsys):
-    def run(*arguments):
-        status = cli.main([str(argument) for argument in arguments])
-        output = capsys.readouterr()
-        return status, output.out, output.err
-
-    return run
 
 
 def test_an_object_is_told_as_json_and_written_as_a_mask_of_one_label(disk, command, tmp_path):

@@ -19,7 +19,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from cpm_core import Parameters, cli, load_image, segment, uniform_grid
+from cpm_core import Parameters, load_image, segment, uniform_grid
 from cpm_core.cli import workers
 from cpm_core.cli.jobs import Done, Job
 from cpm_core.contours.features import contour_features
@@ -31,18 +31,6 @@ from cpm_core.shapes import Circle, Everywhere, Region
 ROOT = Path(__file__).parents[3]
 SAMPLES = ROOT / "assets" / "samples"
 CENTERS, RADIUS = ((40.0, 30.0), (40.0, 75.0)), 14.0
-
-
-@pytest.fixture
-def command(monkeypatch, capsys):
-    """Function that runs the command line and returns its exit status, output and error output."""
-
-    def run(*arguments):
-        status = cli.main([str(argument) for argument in arguments])
-        output = capsys.readouterr()
-        return status, output.out, output.err
-
-    return run
 
 
 @pytest.fixture

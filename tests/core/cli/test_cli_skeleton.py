@@ -6,7 +6,6 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from cpm_core import cli
 from cpm_core.cli import skeleton as skeleton_command
 from cpm_core.formats import load_image
 
@@ -20,18 +19,6 @@ def image(tmp_path):
     values = scenes.polygon((60, 100), np.array([(20.3, 20.3), (20.3, 80.3), (40.3, 80.3), (40.3, 20.3)])).values
     PIL.Image.fromarray(values.astype(np.uint8)).save(tmp_path / "bar.png")
     return tmp_path / "bar.png"
-
-
-@pytest.fixture
-def command(capsys):
-    """Function that runs the command line and returns its exit status, output and error output."""
-
-    def run(*arguments):
-        status = cli.main([str(argument) for argument in arguments])
-        output = capsys.readouterr()
-        return status, output.out, output.err
-
-    return run
 
 
 def test_the_skeleton_is_told_as_json(image, command):
