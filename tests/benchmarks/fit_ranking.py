@@ -50,15 +50,15 @@ def collect(data, *, guided, seed):
     """Candidates of all clicks: pairs of features and overlaps, for first and for further clicks, and for starts."""
     groups, random, best = ([], [], []), np.random.default_rng(seed), choice._best
 
-    def watched(scene):
-        found = choice.candidates(scene)
-        gains = np.array([overlap(choice.mask_of(scene, each.proposal), truth) for each in found])
+    def watched(situation):
+        found = choice.described(situation)
+        gains = np.array([overlap(choice.mask_of(situation, each.candidate), truth) for each in found])
         features = np.array([each.features for each in found])
-        several = len(scene.inside) >= choice._SEVERAL
-        groups[(2 if several else 0) if scene.chosen is None else 1].append((features, gains))
+        several = len(situation.inside) >= choice._SEVERAL
+        groups[(2 if several else 0) if situation.chosen is None else 1].append((features, gains))
         if guided and random.random() < 0.5:
-            return choice.mask_of(scene, found[int(random.choice(np.argsort(-gains)[:10]))].proposal)
-        return best(scene)
+            return choice.mask_of(situation, found[int(random.choice(np.argsort(-gains)[:10]))].candidate)
+        return best(situation)
 
     choice._best = watched
     try:

@@ -15,8 +15,9 @@ from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.candidates.appearance import Appearance, log_ratio
 from cpm_core.objects.candidates.features import OBJECT, change_features, object_features
 from cpm_core.objects.candidates.grids import Box, Grid, grid_over, linked, union, without_holes
-from cpm_core.objects.candidates.proposals import Kind, Proposal, Scene, proposals
+from cpm_core.objects.candidates.kinds import Candidate, Kind, candidates
 from cpm_core.objects.candidates.ranking import CHANGES, FIRST, START, Ranking
+from cpm_core.objects.candidates.situation import Situation
 from cpm_core.objects.clicks import Clicked
 
 _MOST = 0.97
@@ -37,25 +38,29 @@ _SEVERAL = 3
 _KINDS = Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT, Kind.LOCAL_LEVEL
 
 
-class Candidate(NamedTuple):
-    """A proposal with its features, shape (K,)."""
+class Described(NamedTuple):
+    """A candidate with its features, shape (K,)."""
 
-    proposal: Proposal
+    candidate: Candidate
     features: Array
 
 
-def candidates(scene: Scene) -> list[Candidate]:
-    """All proposals that change something, with their features."""
+def described(situation: Situation) -> list[Described]:
+    """All candidates that change something, with their features."""
     before = ratio = None
-    if scene.chosen is not None:
-        ratio = log_ratio(scene.look.resolutions[0].bin, scene.chosen)
-        grid = grid_over(scene.box, scene.chosen.shape)
-        before = object_features(scene.look, grid, grid.of(scene.chosen), scene.inside[0])
+    if situation.chosen is not None:
+        ratio = log_ratio(situation.look.resolutions[0].bin, situation.chosen)
+        grid = grid_over(situation.box, situation.chosen.shape)
+        before = object_features(situation.look, grid, grid.of(situation.chosen), situation.inside[0])
     found = []
-    for proposal in proposals(scene):
-        features = _first(scene, proposal) if before is None or ratio is None else _next(scene, proposal, before, ratio)
+    for candidate in candidates(situation):
+        features = (
+            _first(situation, candidate)
+            if before is None or ratio is None
+            else _next(situation, candidate, before, ratio)
+        )
         if features is not None:
-            found.append(Candidate(proposal, features))
+            found.append(Described(candidate, features))
     return found
 
 
@@ -80,7 +85,7 @@ def chosen(look: Appearance, clicks: Clicked, strong: float, before: Mask | None
     """
     mask, inside, outside = before, clicks.within, clicks.beyond
     if mask is None or not mask.any():
-        mask = _best(Scene(look, clicks, strong, inside, outside, inside[0], True, None))
+        mask = _best(Situation(look, clicks, strong, inside[0], True, None))
     every = np.concatenate([inside, outside])
     meant = np.arange(len(every)) < len(inside)
     while True:
@@ -89,7 +94,7 @@ def chosen(look: Appearance, clicks: Clicked, strong: float, before: Mask | None
             return mask
         numbers = np.flatnonzero(wrong)
         worst = int(numbers[np.argmax(_depths(mask, every[numbers]))]) if len(numbers) > 1 else int(numbers[0])
-        mask = _best(Scene(look, clicks, strong, inside, outside, every[worst], bool(meant[worst]), mask))
+        mask = _best(Situation(look, clicks, strong, every[worst], bool(meant[worst]), mask))
 
 
 def _depths(mask: Mask, pixels: Index) -> Array:
@@ -98,102 +103,102 @@ def _depths(mask: Mask, pixels: Index) -> Array:
     return np.asarray((within + beyond)[pixels[:, 0], pixels[:, 1]])
 
 
-def _best(scene: Scene) -> Mask:
+def _best(situation: Situation) -> Mask:
     """The object after the last click, shape (H, W)."""
-    found = candidates(scene)
-    shape = scene.look.level.shape
+    found = described(situation)
+    shape = situation.look.level.shape
     if not found:
-        before = np.zeros(shape, np.bool_) if scene.chosen is None else scene.chosen
-        return _tied(scene, before.copy())
-    scores = _ranking(scene).scores(np.array([each.features for each in found]))
-    return mask_of(scene, found[int(np.argmax(scores))].proposal)
+        before = np.zeros(shape, np.bool_) if situation.chosen is None else situation.chosen
+        return _tied(situation, before.copy())
+    scores = _ranking(situation).scores(np.array([each.features for each in found]))
+    return mask_of(situation, found[int(np.argmax(scores))].candidate)
 
 
-def _ranking(scene: Scene) -> Ranking:
-    if scene.chosen is not None:
+def _ranking(situation: Situation) -> Ranking:
+    if situation.chosen is not None:
         return CHANGES
-    return START if len(scene.inside) >= _SEVERAL else FIRST
+    return START if len(situation.inside) >= _SEVERAL else FIRST
 
 
-def mask_of(scene: Scene, proposal: Proposal) -> Mask:
-    """The object that a proposal makes, shape (H, W)."""
-    rows, cols = scene.look.level.shape
-    top, bottom, left, right = _whole_box(scene, proposal)
+def mask_of(situation: Situation, candidate: Candidate) -> Mask:
+    """The object that a candidate makes, shape (H, W)."""
+    rows, cols = situation.look.level.shape
+    top, bottom, left, right = _whole_box(situation, candidate)
     top, bottom, left, right = max(top - 1, 0), min(bottom + 1, rows), max(left - 1, 0), min(right + 1, cols)
     everything = Grid(0, top, left, np.arange(top, bottom), np.arange(left, right), (False,) * 4)
     mask = np.zeros((rows, cols), np.bool_)
-    mask[top:bottom, left:right] = _object_on(scene, proposal, everything)
+    mask[top:bottom, left:right] = _object_on(situation, candidate, everything)
     return mask
 
 
-def _first(scene: Scene, proposal: Proposal) -> Array | None:
-    grid = grid_over(proposal.box, scene.look.level.shape)
-    mask = _object_on(scene, proposal, grid)
+def _first(situation: Situation, candidate: Candidate) -> Array | None:
+    grid = grid_over(candidate.box, situation.look.level.shape)
+    mask = _object_on(situation, candidate, grid)
     pixels = np.count_nonzero(mask) << (2 * grid.scale)
-    size = scene.look.level.size
+    size = situation.look.level.size
     if not 0 < pixels <= _MOST * size:
         return None
-    middle = np.rint(scene.inside.mean(axis=0)).astype(np.int64)
-    features = object_features(scene.look, grid, mask, middle)
-    known = [float(proposal.kind == Kind.CUT)]
-    if len(scene.inside) >= _SEVERAL:
-        radius = float(np.linalg.norm(scene.inside - middle, axis=1).mean())
-        known += [proposal.instability, np.log(pixels / max(np.pi * radius**2, 1.0))]
+    middle = np.rint(situation.inside.mean(axis=0)).astype(np.int64)
+    features = object_features(situation.look, grid, mask, middle)
+    known = [float(candidate.kind == Kind.CUT)]
+    if len(situation.inside) >= _SEVERAL:
+        radius = float(np.linalg.norm(situation.inside - middle, axis=1).mean())
+        known += [candidate.instability, np.log(pixels / max(np.pi * radius**2, 1.0))]
     return np.append(features[_FIRST], known)
 
 
-def _next(scene: Scene, proposal: Proposal, before: Array, ratio: Array) -> Array | None:
-    assert scene.chosen is not None
-    shape = scene.look.level.shape
-    grid = grid_over(_whole_box(scene, proposal), shape)
-    mask, former = _object_on(scene, proposal, grid), grid.of(scene.chosen)
+def _next(situation: Situation, candidate: Candidate, before: Array, ratio: Array) -> Array | None:
+    assert situation.chosen is not None
+    shape = situation.look.level.shape
+    grid = grid_over(_whole_box(situation, candidate), shape)
+    mask, former = _object_on(situation, candidate, grid), grid.of(situation.chosen)
     changed_points = np.count_nonzero(mask ^ former)
     pixels = changed_points << (2 * grid.scale)
-    if not changed_points or np.count_nonzero(mask) << (2 * grid.scale) > _MOST * scene.look.level.size:
+    if not changed_points or np.count_nonzero(mask) << (2 * grid.scale) > _MOST * situation.look.level.size:
         return None
-    features = object_features(scene.look, grid, mask, scene.inside[0])
-    near = grid_over(proposal.box, shape)
-    was = near.of(scene.chosen)
-    now = proposal.within(near.rows, near.cols)
-    change = ((now != was) & (was != scene.adding)) if proposal.whole else now
+    features = object_features(situation.look, grid, mask, situation.inside[0])
+    near = grid_over(candidate.box, shape)
+    was = near.of(situation.chosen)
+    now = candidate.within(near.rows, near.cols)
+    change = ((now != was) & (was != situation.adding)) if candidate.whole else now
     if not change.any():
         return None
-    changed = change_features(scene.look, near, change, was, ratio, scene.pixel, scene.adding)
-    area = max(scene.area, 1)
-    sizes = [np.log(pixels / area), np.log(pixels), float(scene.adding), proposal.instability]
+    changed = change_features(situation.look, near, change, was, ratio, situation.pixel, situation.adding)
+    area = max(situation.area, 1)
+    sizes = [np.log(pixels / area), np.log(pixels), float(situation.adding), candidate.instability]
     kinds = [
-        float(proposal.kind == kind) for kind in (Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT, Kind.LOCAL_LEVEL)
+        float(candidate.kind == kind) for kind in (Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT, Kind.LOCAL_LEVEL)
     ]
     differences = features[_MORE] - before[_MORE]
     return np.concatenate([features[_NOW], differences, changed, sizes, kinds])
 
 
-def _whole_box(scene: Scene, proposal: Proposal) -> Box:
+def _whole_box(situation: Situation, candidate: Candidate) -> Box:
     """Box that holds the object before and after."""
-    return proposal.box if scene.chosen is None else union(scene.box, proposal.box)
+    return candidate.box if situation.chosen is None else union(situation.box, candidate.box)
 
 
-def _object_on(scene: Scene, proposal: Proposal, grid: Grid) -> Mask:
-    """The object that a proposal makes, on a grid: linked with the clicks, without small holes."""
-    inside, outside = _points(grid, scene.inside), _points(grid, scene.outside)
-    region = proposal.within(grid.rows, grid.cols)
-    if scene.chosen is None:
+def _object_on(situation: Situation, candidate: Candidate, grid: Grid) -> Mask:
+    """The object that a candidate makes, on a grid: linked with the clicks, without small holes."""
+    inside, outside = _points(grid, situation.inside), _points(grid, situation.outside)
+    region = candidate.within(grid.rows, grid.cols)
+    if situation.chosen is None:
         region[outside[:, 0], outside[:, 1]] = False
         region = without_holes(np.ascontiguousarray(region), outside)
     else:
-        region = _changed(scene, proposal, grid, region, outside)
+        region = _changed(situation, candidate, grid, region, outside)
     region[outside[:, 0], outside[:, 1]] = False
     region[inside[:, 0], inside[:, 1]] = True
     return linked(np.ascontiguousarray(region), inside)
 
 
-def _changed(scene: Scene, proposal: Proposal, grid: Grid, region: Mask, outside: Index) -> Mask:
+def _changed(situation: Situation, candidate: Candidate, grid: Grid, region: Mask, outside: Index) -> Mask:
     """The object after a change; only what is linked with the click changes."""
-    assert scene.chosen is not None
-    before = grid.of(scene.chosen)
-    change = (region != before) if proposal.whole else region
-    change = linked(np.ascontiguousarray(change & (before != scene.adding)), _points(grid, scene.pixel[None]))
-    if not scene.adding:
+    assert situation.chosen is not None
+    before = grid.of(situation.chosen)
+    change = (region != before) if candidate.whole else region
+    change = linked(np.ascontiguousarray(change & (before != situation.adding)), _points(grid, situation.pixel[None]))
+    if not situation.adding:
         return before & ~change
     after = before | change
     filled = without_holes(after, outside)
@@ -208,7 +213,7 @@ def _points(grid: Grid, pixels: Index) -> Index:
     return np.asarray(places[there])
 
 
-def _tied(scene: Scene, mask: Mask) -> Mask:
-    mask[scene.outside[:, 0], scene.outside[:, 1]] = False
-    mask[scene.inside[:, 0], scene.inside[:, 1]] = True
-    return linked(mask, scene.inside)
+def _tied(situation: Situation, mask: Mask) -> Mask:
+    mask[situation.outside[:, 0], situation.outside[:, 1]] = False
+    mask[situation.inside[:, 0], situation.inside[:, 1]] = True
+    return linked(mask, situation.inside)

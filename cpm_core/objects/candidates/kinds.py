@@ -1,4 +1,4 @@
-"""Proposals: regions that a click may mean.
+"""Kinds of candidates: the regions that a click may mean.
 
 For the first click the regions are whole objects, for a further one changes of the object chosen so far: what is to be
 added around a click inside, or taken away around one outside.
@@ -7,9 +7,7 @@ added around a click inside, or taken away around one outside.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from enum import IntEnum
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,11 +15,10 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.objects.boundary import prices
-from cpm_core.objects.candidates.appearance import LEVELS, Appearance
+from cpm_core.objects.candidates.appearance import LEVELS
 from cpm_core.objects.candidates.flooding import flood
-from cpm_core.objects.candidates.grids import Box, box_of, union
-from cpm_core.objects.clicks import Clicked
+from cpm_core.objects.candidates.grids import Box, union
+from cpm_core.objects.candidates.situation import Situation
 from cpm_core.objects.faces.basins import Labels
 from cpm_core.objects.minimum_cut import FreePart, minimum_cut
 
@@ -43,7 +40,7 @@ a margin."""
 
 
 class Kind(IntEnum):
-    """Where a proposal comes from."""
+    """Where a candidate comes from."""
 
     DARK = 0
     BRIGHT = 1
@@ -54,7 +51,7 @@ class Kind(IntEnum):
     LOCAL_LEVEL = 6
 
 
-class Proposal(NamedTuple):
+class Candidate(NamedTuple):
     """A region that may be meant.
 
     Attributes
@@ -78,82 +75,25 @@ class Proposal(NamedTuple):
     instability: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """What is known when a click comes.
-
-    Attributes
-    ----------
-    look : Appearance
-        The image.
-    clicked : Clicked
-        The faces that all clicks have chosen, this one among them.
-    strong : float
-        Edge strength that counts as strong.
-    inside, outside : ndarray of int64, shape (M, 2) and (K, 2)
-        Pixels said to be inside, and outside.
-    pixel : ndarray of int64, shape (2,)
-        The last one.
-    adding : bool
-        Whether it is inside.
-    chosen : ndarray of bool, shape (H, W), or None
-        The object chosen so far; None for the first click.
-    """
-
-    look: Appearance
-    clicked: Clicked
-    strong: float
-    inside: Index
-    outside: Index
-    pixel: Index
-    adding: bool
-    chosen: Mask | None
-
-    @cached_property
-    def area(self) -> int:
-        """Pixels of the object chosen so far."""
-        return 0 if self.chosen is None else int(np.count_nonzero(self.chosen))
-
-    @cached_property
-    def box(self) -> Box:
-        """Box of the object chosen so far."""
-        assert self.chosen is not None
-        return box_of(self.chosen)
-
-
-def proposals(scene: Scene) -> Iterator[Proposal]:
+def candidates(situation: Situation) -> Iterator[Candidate]:
     """All regions to choose from."""
-    if scene.chosen is None:
-        yield from _floods(scene, 1.06, 36)
-        yield from _cuts(scene, _FIRST_BALLOONS)
+    if situation.chosen is None:
+        yield from _floods(situation, 1.06, 36)
+        yield from _cuts(situation, _FIRST_BALLOONS)
         return
-    yield from _floods(scene, 1.12, 12)
-    yield from _disks(scene)
-    yield from _margins(scene)
-    yield from _local_levels(scene, scene.chosen)
-    yield from _local_cuts(scene, scene.chosen)
-    yield from _cuts(scene, _BALLOONS)
+    yield from _floods(situation, 1.12, 12)
+    yield from _disks(situation)
+    yield from _margins(situation)
+    yield from _local_levels(situation, situation.chosen)
+    yield from _local_cuts(situation, situation.chosen)
+    yield from _cuts(situation, _BALLOONS)
 
 
-def _allowed(scene: Scene) -> tuple[Mask, int]:
-    """Pixels that may change, and how many of them at most."""
-    size = scene.look.level.size
-    faces = scene.clicked.faces.labels
-    if scene.chosen is None:
-        allowed, most = faces >= 0, int(0.7 * size)
-    else:
-        allowed = (faces >= 0) & ~scene.chosen if scene.adding else scene.chosen.copy()
-        most = min(int(0.4 * size), max(4 * scene.area, 2000))
-    kept = scene.outside if scene.adding else scene.inside
-    allowed[kept[:, 0], kept[:, 1]] = False
-    return allowed, most
-
-
-def _floods(scene: Scene, growth: float, most: int) -> Iterator[Proposal]:
+def _floods(situation: Situation, growth: float, most: int) -> Iterator[Candidate]:
     """Pixels around the click that are not brighter, or not darker, than some level."""
-    allowed, limit = _allowed(scene)
-    seeds = scene.inside if scene.chosen is None else scene.pixel[None]
-    level = scene.look.level
+    allowed, limit = situation.allowed, situation.limit
+    seeds = situation.inside if situation.chosen is None else situation.pixel[None]
+    level = situation.look.level
     for kind, levels in ((Kind.DARK, level), (Kind.BRIGHT, (LEVELS - 1 - level).astype(np.int16))):
         found = flood(levels, LEVELS, allowed, seeds, limit)
         for count, box, instability in found.regions(growth, most):
@@ -161,33 +101,35 @@ def _floods(scene: Scene, growth: float, most: int) -> Iterator[Proposal]:
             def within(rows: Index, cols: Index, count: int = count, place: NDArray[np.int32] = found.position) -> Mask:
                 return np.asarray(place[rows[:, None], cols] < count)
 
-            yield Proposal(kind, scene.chosen is None, box, within, instability)
+            yield Candidate(kind, situation.chosen is None, box, within, instability)
 
 
-def _disks(scene: Scene) -> Iterator[Proposal]:
-    allowed, _ = _allowed(scene)
-    row, col = scene.pixel.tolist()
+def _disks(situation: Situation) -> Iterator[Candidate]:
+    allowed = situation.allowed
+    row, col = situation.pixel.tolist()
     for radius in _RADII:
-        box = _within_image((row - int(radius), row + int(radius) + 1, col - int(radius), col + int(radius) + 1), scene)
+        box = _within_image(
+            (row - int(radius), row + int(radius) + 1, col - int(radius), col + int(radius) + 1), situation
+        )
 
         def within(rows: Index, cols: Index, square: float = radius**2) -> Mask:
-            near = (rows[:, None] - row) ** 2 + (cols - col) ** 2 <= square
+            near = _away(rows, cols, situation.pixel) <= square
             return np.asarray(near & allowed[rows[:, None], cols])
 
-        yield Proposal(Kind.DISK, False, box, within)
+        yield Candidate(Kind.DISK, False, box, within)
 
 
-def _margins(scene: Scene) -> Iterator[Proposal]:
+def _margins(situation: Situation) -> Iterator[Candidate]:
     """A margin all around the object that reaches the click, or twice as far."""
-    assert scene.chosen is not None
-    allowed, _ = _allowed(scene)
+    assert situation.chosen is not None
+    allowed = situation.allowed
     reach = int(2 * _MARGIN) + 2
-    row, col = scene.pixel.tolist()
-    box = union(scene.box, (row, row + 1, col, col + 1))
-    box = _within_image((box[0] - reach, box[1] + reach, box[2] - reach, box[3] + reach), scene)
-    part = scene.chosen[box[0] : box[1], box[2] : box[3]]
+    row, col = situation.pixel.tolist()
+    box = union(situation.box, (row, row + 1, col, col + 1))
+    box = _within_image((box[0] - reach, box[1] + reach, box[2] - reach, box[3] + reach), situation)
+    part = situation.chosen[box[0] : box[1], box[2] : box[3]]
     # beyond the border of the image the object goes on
-    distance = scipy.ndimage.distance_transform_edt(part if not scene.adding else ~part)
+    distance = scipy.ndimage.distance_transform_edt(part if not situation.adding else ~part)
     away = float(distance[row - box[0], col - box[2]])
     if away >= _MARGIN:
         return
@@ -198,23 +140,23 @@ def _margins(scene: Scene) -> Iterator[Proposal]:
                 r, c = rows - box[0], cols - box[2]
                 known = ((r >= 0) & (r < part.shape[0]))[:, None] & (c >= 0) & (c < part.shape[1])
                 r, c = np.clip(r, 0, part.shape[0] - 1), np.clip(c, 0, part.shape[1] - 1)
-                near = (distance[r[:, None], c] <= width) & (_away(rows, cols, scene.pixel) <= radius**2)
+                near = (distance[r[:, None], c] <= width) & (_away(rows, cols, situation.pixel) <= radius**2)
                 return np.asarray(known & near & allowed[rows[:, None], cols])
 
-            yield Proposal(Kind.MARGIN, False, _around(scene, radius, box), within)
+            yield Candidate(Kind.MARGIN, False, _around(situation, radius, box), within)
 
 
-def _local_levels(scene: Scene, chosen: Mask) -> Iterator[Proposal]:
+def _local_levels(situation: Situation, chosen: Mask) -> Iterator[Candidate]:
     """Pixels near the click whose gray level is nearer to that of the side where they would come to."""
-    allowed, _ = _allowed(scene)
-    level = scene.look.level
-    own = float(level[scene.pixel[0], scene.pixel[1]])
+    allowed = situation.allowed
+    level = situation.look.level
+    own = float(level[situation.pixel[0], situation.pixel[1]])
     for radius in _LEVEL_RADII:
-        box = _around(scene, radius, (0, level.shape[0], 0, level.shape[1]))
+        box = _around(situation, radius, (0, level.shape[0], 0, level.shape[1]))
         part = level[box[0] : box[1], box[2] : box[3]]
         rows, cols = np.arange(box[0], box[1]), np.arange(box[2], box[3])
-        near = _away(rows, cols, scene.pixel) <= radius**2
-        same = near & (chosen[box[0] : box[1], box[2] : box[3]] == scene.adding)
+        near = _away(rows, cols, situation.pixel) <= radius**2
+        same = near & (chosen[box[0] : box[1], box[2] : box[3]] == situation.adding)
         other = near & ~same
         if not same.any() or not other.any():
             continue
@@ -225,9 +167,11 @@ def _local_levels(scene: Scene, chosen: Mask) -> Iterator[Proposal]:
                 rows: Index, cols: Index, least: float = least, radius: float = radius, sign: float = here - there
             ) -> Mask:
                 like = (level[rows[:, None], cols] - least) * sign >= 0.0
-                return np.asarray(like & (_away(rows, cols, scene.pixel) <= radius**2) & allowed[rows[:, None], cols])
+                return np.asarray(
+                    like & (_away(rows, cols, situation.pixel) <= radius**2) & allowed[rows[:, None], cols]
+                )
 
-            yield Proposal(Kind.LOCAL_LEVEL, False, box, within)
+            yield Candidate(Kind.LOCAL_LEVEL, False, box, within)
 
 
 def _away(rows: Index, cols: Index, pixel: Index) -> Index:
@@ -235,11 +179,11 @@ def _away(rows: Index, cols: Index, pixel: Index) -> Index:
     return np.asarray((rows[:, None] - pixel[0]) ** 2 + (cols - pixel[1]) ** 2)
 
 
-def _around(scene: Scene, radius: float, box: Box) -> Box:
+def _around(situation: Situation, radius: float, box: Box) -> Box:
     """The part of a box within a distance of the click."""
     if not np.isfinite(radius):
         return box
-    row, col = scene.pixel.tolist()
+    row, col = situation.pixel.tolist()
     reach = int(radius) + 1
     return (
         max(box[0], row - reach),
@@ -249,56 +193,54 @@ def _around(scene: Scene, radius: float, box: Box) -> Box:
     )
 
 
-def _cuts(scene: Scene, balloons: Array) -> Iterator[Proposal]:
+def _cuts(situation: Situation, balloons: Array) -> Iterator[Candidate]:
     """What the cheapest boundaries around all clicks enclose, for some rewards of size."""
-    clicked, graph = scene.clicked, scene.clicked.faces.graph
-    price = prices(graph, scene.strong)
-    rim = graph.rim * (0.3 if len(scene.outside) else 1.0)
+    clicked, graph = situation.clicked, situation.clicked.faces.graph
+    rim = graph.rim * (0.3 if len(situation.outside) else 1.0)
     labels = clicked.faces.labels
     found = []
     for balloon in balloons:
         leaving = np.where(clicked.inside, np.inf, np.where(clicked.outside, 0.0, balloon * graph.area))
         entering = np.where(clicked.outside, np.inf, np.where(clicked.inside, 0.0, rim))
-        found.append(minimum_cut(graph.arcs, price, leaving, entering))
+        found.append(minimum_cut(graph.arcs, situation.price, leaving, entering))
     areas = [max(float(graph.area[faces].sum()), 1.0) for faces in found]
     for faces, area, larger in zip(found, areas, [*areas[1:], areas[-1]], strict=True):
-        yield _of_faces(scene, faces, labels, float(np.log(larger / area)))
+        yield _of_faces(situation, faces, labels, float(np.log(larger / area)))
 
 
-def _of_faces(scene: Scene, faces: Mask, labels: Labels, instability: float) -> Proposal:
+def _of_faces(situation: Situation, faces: Mask, labels: Labels, instability: float) -> Candidate:
     entries = np.append(faces, False)
 
     def within(rows: Index, cols: Index) -> Mask:
         return np.asarray(entries[labels[rows[:, None], cols]])
 
-    return Proposal(Kind.CUT, True, _box_of_faces(scene, faces), within, instability)
+    return Candidate(Kind.CUT, True, _box_of_faces(situation, faces), within, instability)
 
 
-def _box_of_faces(scene: Scene, faces: Mask) -> Box:
-    boxes = scene.clicked.faces.boxes[faces]
+def _box_of_faces(situation: Situation, faces: Mask) -> Box:
+    boxes = situation.clicked.faces.boxes[faces]
     if not len(boxes):
         return 0, 1, 0, 1
     low, high = boxes.min(axis=0).tolist(), boxes.max(axis=0).tolist()
     return low[0], high[1], low[2], high[3]
 
 
-def _local_cuts(scene: Scene, chosen: Mask) -> Iterator[Proposal]:
+def _local_cuts(situation: Situation, chosen: Mask) -> Iterator[Candidate]:
     """Cheapest boundaries that differ from the present one near the click alone."""
-    clicked, graph = scene.clicked, scene.clicked.faces.graph
+    clicked, graph = situation.clicked, situation.clicked.faces.graph
     labels = clicked.faces.labels
-    price = prices(graph, scene.strong)
     known = labels >= 0
     before = np.bincount(labels[known], chosen[known], graph.count) > 0.5 * graph.area
-    away = np.linalg.norm(graph.center - scene.pixel, axis=1)
+    away = np.linalg.norm(graph.center - situation.pixel, axis=1)
     entries = np.append(before, False)
     kept = _KEPT * graph.area
     for reach in _REACHES:
-        free = (away <= reach * np.sqrt(scene.area)) | clicked.inside | clicked.outside
-        part = FreePart(graph.first, graph.second, price, free, before)
+        free = (away <= reach * np.sqrt(situation.area)) | clicked.inside | clicked.outside
+        part = FreePart(graph.first, graph.second, situation.price, free, before)
         for balloon in _LOCAL_BALLOONS:
             pull = balloon * graph.area
-            leaving = np.where(before, kept, 0.0) + pull if scene.adding else np.zeros(graph.count)
-            entering = np.zeros(graph.count) if scene.adding else np.where(before, 0.0, kept) + pull
+            leaving = np.where(before, kept, 0.0) + pull if situation.adding else np.zeros(graph.count)
+            entering = np.zeros(graph.count) if situation.adding else np.where(before, 0.0, kept) + pull
             leaving = np.where(clicked.inside, np.inf, np.where(clicked.outside, 0.0, leaving))
             entering = np.where(clicked.outside, np.inf, np.where(clicked.inside, 0.0, entering))
             after = part.cut(leaving, entering)
@@ -311,9 +253,9 @@ def _local_cuts(scene: Scene, chosen: Mask) -> Iterator[Proposal]:
                 face = labels[rows[:, None], cols]
                 return np.where(now[face] == entries[face], chosen[rows[:, None], cols], now[face])
 
-            yield Proposal(Kind.LOCAL_CUT, True, _box_of_faces(scene, changed), within)
+            yield Candidate(Kind.LOCAL_CUT, True, _box_of_faces(situation, changed), within)
 
 
-def _within_image(box: Box, scene: Scene) -> Box:
-    rows, cols = scene.look.level.shape
+def _within_image(box: Box, situation: Situation) -> Box:
+    rows, cols = situation.look.level.shape
     return max(box[0], 0), min(box[1], rows), max(box[2], 0), min(box[3], cols)
