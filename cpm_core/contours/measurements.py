@@ -71,7 +71,7 @@ class Measures:
     by_hand: float = 0.0
 
 
-def labels_of(contours: Sequence[Contour]) -> tuple[int, ...]:
+def contour_labels(contours: Sequence[Contour]) -> tuple[int, ...]:
     """Label of each contour: 1, 2, ... over the closed ones in their order, 0 for open ones and holes.
 
     The outlines of one object share a label.
@@ -118,7 +118,7 @@ def measure(
         if contour.hole and outer is not None:
             net[outer] -= contour.area
     rows: list[Measures] = []
-    numbers, labels = numbers_of(contours), labels_of(contours)
+    numbers, labels = numbers_of(contours), contour_labels(contours)
     for number, label, contour, outer, own in zip(numbers, labels, contours, around, net.tolist(), strict=True):
         rows.append(
             Measures(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from skimage.draw import polygon
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import containment, labels_of
+from cpm_core.contours.measurements import containment, contour_labels
 from cpm_core.numerics.types import Mask
 
 Labels = NDArray[np.unsignedinteger]
@@ -39,7 +39,9 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
         Labels, 0 outside every contour; 32 bits where there are more than 65535.
     """
     mask = np.zeros(shape, dtype=label_type(len(contours)))
-    closed = [(contour, label) for contour, label in zip(contours, labels_of(contours), strict=True) if contour.closed]
+    closed = [
+        (contour, label) for contour, label in zip(contours, contour_labels(contours), strict=True) if contour.closed
+    ]
     for contour, label in sorted(closed, key=lambda pair: -pair[0].area):
         inside = polygon(contour.points[:, 0], contour.points[:, 1], shape)  # type: ignore[no-untyped-call]
         mask[inside] = label

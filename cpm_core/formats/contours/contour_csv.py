@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from cpm_core.contours.contour import numbers_of
-from cpm_core.contours.measurements import labels_of, measure
+from cpm_core.contours.measurements import contour_labels, measure
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
 
@@ -40,7 +40,7 @@ def encode(result: Result | Skeleton) -> bytes:
     if branched:
         header.append("radius")
     lines: list[list[object]] = []
-    labels = range(1, len(result.contours) + 1) if branched else labels_of(result.contours)
+    labels = range(1, len(result.contours) + 1) if branched else contour_labels(result.contours)
     each = zip(numbers_of(result.contours), result.contours, labels, strict=True)
     for index, (number, contour, label) in enumerate(each):
         fixed = [number, str(contour.closed).upper(), label, f"{contour.strength:.6g}"]

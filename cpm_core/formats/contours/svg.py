@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import labels_of
+from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import DEFAULT
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -37,7 +37,7 @@ def encode(result: Result | Skeleton) -> bytes:
         paths = [_path(c, n, r) for n, (c, r) in enumerate(zip(result.contours, result.radii, strict=True), start=1)]
     else:
         title = "Contours"
-        paths = [_path(contour, n) for contour, n in zip(result.contours, labels_of(result.contours), strict=True)]
+        paths = [_path(contour, n) for contour, n in zip(result.contours, contour_labels(result.contours), strict=True)]
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="-0.5 -0.5 {cols} {rows}" '

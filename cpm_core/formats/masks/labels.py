@@ -12,8 +12,8 @@ import PIL.Image
 from numpy.typing import NDArray
 from skimage.draw import line
 
-from cpm_core.contours import measurements
 from cpm_core.contours.contour import Contour, numbers_of
+from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type, paint
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -131,7 +131,7 @@ def _count(result: Result | Skeleton, outlines: bool = False) -> int:
         count = max(numbers_of(result.contours), default=0)
         nothing = f"{result.source} has no contours, so a picture of them would be empty: let it run on"
     else:
-        count = max(measurements.labels_of(result.contours), default=0)
+        count = max(contour_labels(result.contours), default=0)
         nothing = f"No contour of {result.source} is closed, so a label mask would be empty: let it run on"
     if count == 0:
         raise ValueError(f"{nothing}, or export to SVG or CSV.")
