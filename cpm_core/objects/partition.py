@@ -7,7 +7,7 @@ what the best of many candidates encloses (`candidates`): sets of faces with the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,6 +36,9 @@ NOWHERE = np.empty((0, 2))
 
 EVERYWHERE = Parameters(smoothing=1.5)
 """Parameters of the run from everywhere that finds the contours of an image."""
+
+
+_NOTHING = "No object was found around these places: only their own pixels are chosen."
 
 
 def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Partition:
@@ -129,6 +132,8 @@ class Partition:
             former = None if before is None else before.mask
             mask = chosen(self._look, found, self._ground.strong, former)
         selection = self.selection_of(mask, within, beyond, found.remark)
+        if selection.only_places and not selection.remark:
+            selection = replace(selection, remark=_NOTHING)
         self._answers.remember(selection)
         return selection
 

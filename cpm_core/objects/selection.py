@@ -42,6 +42,11 @@ class Selection:
     outside: Array
     remark: str = ""
 
+    @property
+    def only_places(self) -> bool:
+        """Whether it holds no more than the pixels of the places inside: no object was found around them."""
+        return bool(0 < np.count_nonzero(self.mask) <= len(self.inside))
+
 
 def confidence_of(outlines: Sequence[Outline], ground: Ground) -> float:
     """How well the image supports a boundary: mean over its length.

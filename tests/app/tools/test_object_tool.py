@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
+from app.session.features.objects.selector import Selector
 from app.session.storage.session_file import DocumentFile
+from cpm_core import circle, partition
 from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
@@ -273,6 +275,15 @@ def test_each_start_offers_its_own_object_and_all_are_taken_in_one_step(window, 
     assert len(taken(window)) == 2
     session.undo()
     assert taken(window) == ()
+
+
+def test_a_start_around_which_no_object_is_found_offers_none() -> None:
+    values = np.zeros((64, 64))
+    values[:, 26:38] = 200.0
+    selector = Selector(partition(values), (), 0)
+    across, within = (circle(center=(32.0, 32.0), radius=radius) for radius in (14.0, 3.0))
+    assert selector.proposals([across]) == ()
+    assert len(selector.proposals([across, within])) == 1
 
 
 def test_what_is_frozen_is_not_offered_again_and_holds_particles_back(window, hand, objects) -> None:

@@ -199,3 +199,15 @@ def test_all_like_this_finds_the_others_and_parts_those_that_touch():
 
 def test_nothing_chosen_has_no_likes(scene_partition):
     assert similar(scene_partition, scene_partition.select([])) == ()
+
+
+def test_places_on_both_sides_of_all_edges_choose_no_more_than_themselves_and_that_is_told():
+    values = np.zeros((64, 64))
+    values[:, 26:38] = 200.0
+    seeds = circle(center=(32.0, 32.0), radius=14.0)
+    chosen = partition(values).select(seeds)
+    assert chosen.only_places
+    assert chosen.remark.startswith("No object was found")
+    one = partition(values).select([(32, 32)])
+    assert not one.only_places
+    assert one.remark == ""

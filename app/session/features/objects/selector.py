@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from skimage.draw import polygon2mask
 
 from app.session.scene import Proposal
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, places_of, selection_of
 from cpm_core.objects.selection import Selection
-
-_AS_DRAWN = 0.85
-"""Overlap from which a selection is just what was drawn."""
 
 _SAME_OBJECT = 0.5
 """Overlap (intersection over union) from which the selections of two starts are of one object."""
@@ -79,11 +75,8 @@ class Selector:
         for seeds in starts:
             clicks = (Click(tuple((row, col) for row, col in seeds.tolist())),)
             selection = self.selection(clicks)
-            if selection is None or not selection.contours:
-                continue
-            drawn = polygon2mask(self.partition.shape, seeds)  # type: ignore[no-untyped-call]
-            if overlap(selection.mask, drawn) > _AS_DRAWN:
-                continue  # a start across an edge, in which nothing but itself was found
+            if selection is None or not selection.contours or selection.only_places:
+                continue  # nothing was found, as from a start across an edge
             if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
                 continue
             known = self._known_at(seeds)
