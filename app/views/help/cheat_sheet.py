@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 from app.model.text.language import tr
 from app.views.widgets.action_spec import LAYER, ActionSpec
 from app.views.window.keys.panel_action import PanelAction
-from app.views.window.menus import MENUS
+from app.views.window.menus.menu_bar import MENUS
 
 KeyTable = Sequence[tuple[tuple[str, ...], str]]
 """Rows of equivalent keys and their effect."""

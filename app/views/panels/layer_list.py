@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QPoint, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
@@ -10,6 +11,7 @@ from app.views.canvas.layers import Layers, form_of
 from app.views.canvas.layers.layer import Layer
 from app.views.theme import theme
 from app.views.theme.icons import swatch
+from app.views.widgets.action_spec import LAYER
 from app.views.widgets.marked_slider import MarkedSlider
 
 _FOLD, _OPACITY = 18, 84
@@ -98,8 +100,15 @@ class LayerRow(QWidget):
         self.box.toggled.connect(layer.set_shown)
         self.opacity.moved_to.connect(layer.set_opacity)
         self.opacity.restored.connect(lambda: layer.set_opacity(1.0))
+        opaque = QAction(tr("Restore the &opacity"), self)
+        opaque.triggered.connect(lambda: layer.set_opacity(1.0))
+        self.addAction(opaque)
         layer.changed.connect(self._show)
         self._show()
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The layer. See `MenuOwner`."""
+        return f"{LAYER}{self.layer.name}", point if point is not None else self.box.geometry().center()
 
     def _make_box(self) -> QCheckBox:
         layer = self.layer

@@ -65,6 +65,7 @@ class TimelinePanel(QWidget):
         for label in (self._of, self._memory):
             label.setObjectName("dim")
         self.branch = BranchForm(navigation)
+        self.view.addActions(self.branch.in_menu)
         self._lay_out()
         self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
         self._later.timeout.connect(self._show)
