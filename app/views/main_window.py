@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -9,6 +10,8 @@ from PySide6.QtCore import QByteArray, QEvent, QSize, Qt
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QAbstractButton, QMainWindow
 
+from app.model.display.lengths import prefer_unit
+from app.model.preferences.table import UNIT
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.session.workspace import Workspace
@@ -26,7 +29,8 @@ from app.views.widgets.actions import Actions
 from app.views.window.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.garbage import GarbageCollector
-from app.views.window.menus import Menus
+from app.views.window.menus import MENUS, Menus
+from app.views.window.shortcuts import Shortcuts, use_keys
 from app.views.window.tool_bar import ToolBar
 from app.views.window.tool_palette import ToolPalette
 
@@ -55,6 +59,7 @@ class MainWindow(QMainWindow):
         self.workspace = workspace
         self.session = session = workspace.session
         self.preferences = preferences or Preferences(self)
+        self.preferences.follow(UNIT, lambda: prefer_unit(self.preferences.value(UNIT)))
         self._garbage = GarbageCollector(self)
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
@@ -68,6 +73,7 @@ class MainWindow(QMainWindow):
             preferences=self.preferences,
             action_specs=lambda: self.actions_by_name.specs,
             preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
+            shortcuts=lambda: self.shortcuts,
             reveal=self._reveal,
             use_theme=self.use_theme,
             refresh=self.refresh,
@@ -82,6 +88,7 @@ class MainWindow(QMainWindow):
         panels = [panel for feature in self.features.values() for panel in feature.panels()]
         self.panels = {panel.name: panel.widget for panel in panels}
         self.docks = Docks(self, panels)
+        self.shortcuts = self._make_shortcuts()
         restore = QAction(tr("Restore pane&ls"), self)
         restore.setStatusTip(tr("Move every panel to its initial place."))
         restore.triggered.connect(self.docks.restore)
@@ -164,6 +171,25 @@ class MainWindow(QMainWindow):
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features
+
+    def _make_shortcuts(self) -> Shortcuts:
+        made = Shortcuts(self.preferences, self)
+        for spec in self.actions_by_name.specs:
+            menu = spec.menu.partition(">")[0]
+            group = tr("Tools") if spec.group == "tool" else MENUS[menu].replace("&", "")
+            title = spec.text.replace("&", "").rstrip("…")
+            made.add(spec.name, title, group, spec.shortcuts, partial(self.actions_by_name.use_keys, spec.name))
+        for dock in self.docks:
+            action = dock.toggleViewAction()
+            keys = [key.toString() for key in action.shortcuts()]
+            made.add(f"panel_{dock.objectName()}", dock.windowTitle(), tr("Panels"), keys, partial(use_keys, action))
+        made.changed.connect(self._use_keys)
+        self._use_keys()
+        return made
+
+    def _use_keys(self) -> None:
+        for feature in self.features.values():
+            feature.use_keys()
 
     def _show(self) -> None:
         self.actions_by_name.show(self.session.situation)
