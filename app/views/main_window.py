@@ -31,7 +31,7 @@ from app.views.window.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.garbage import GarbageCollector
 from app.views.window.menus import MENUS, Menus
-from app.views.window.shortcuts import Shortcuts, use_keys
+from app.views.window.preferences.keys import Shortcuts, use_keys
 from app.views.window.tool_bar import ToolBar
 from app.views.window.tool_palette import ToolPalette
 
@@ -67,20 +67,7 @@ class MainWindow(QMainWindow):
         self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
         self.canvas_area = CanvasArea(workspace)
         self.setCentralWidget(self.canvas_area)
-        context = FeatureContext(
-            window=self,
-            workspace=workspace,
-            canvas_area=self.canvas_area,
-            preferences=self.preferences,
-            action_specs=lambda: self.actions_by_name.specs,
-            preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
-            shortcuts=lambda: self.shortcuts,
-            reveal=self._reveal,
-            use_theme=self.use_theme,
-            refresh=self.refresh,
-            open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
-            show_menu=lambda name, at: self.menus[name].popup(at),  # the menus are made after the features
-        )
+        context = self._make_context()
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
         specs = [spec for feature in self.features.values() for spec in feature.action_specs()]
         self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.import_file
@@ -174,6 +161,22 @@ class MainWindow(QMainWindow):
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features
+
+    def _make_context(self) -> FeatureContext:
+        return FeatureContext(
+            window=self,
+            workspace=self.workspace,
+            canvas_area=self.canvas_area,
+            preferences=self.preferences,
+            action_specs=lambda: self.actions_by_name.specs,
+            preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
+            shortcuts=lambda: self.shortcuts,
+            reveal=self._reveal,
+            use_theme=self.use_theme,
+            refresh=self.refresh,
+            open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
+            show_menu=lambda name, at: self.menus[name].popup(at),  # the menus are made after the features
+        )
 
     def _make_shortcuts(self) -> Shortcuts:
         made = Shortcuts(self.preferences, self)

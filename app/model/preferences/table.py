@@ -94,6 +94,14 @@ SESSION_FOLDER = Folder(
     needs=(SESSION_PLACE, FIXED),
 )  # fmt: skip
 
+SAVE_IN_FOLDER = Flag(
+    name="files/save_in_folder", page="files", label=tr("Next image of the folder"), default=False,
+    text=tr("Save without asking"), note=tr("The session is written beside the image, under its name."),
+)  # fmt: skip
+KEEP_PARAMETERS = Flag(
+    name="parameters/keep", page="run", label=tr("Next image"), default=False,
+    text=tr("Keep parameters for the next image"),
+)  # fmt: skip
 TIMELINE_MEMORY = Number(
     name="timeline/megabytes", page="run", label=tr("Memory for steps"), default=256.0, low=16, high=16384, step=64,
     suffix=tr(" MB"),
@@ -117,6 +125,8 @@ PREFERENCES: tuple[Preference[Any], ...] = (
     EXPORT_FOLDER,
     SESSION_PLACE,
     SESSION_FOLDER,
+    SAVE_IN_FOLDER,
+    KEEP_PARAMETERS,
     TIMELINE_MEMORY,
 )
 """All of them, in the order of the dialog."""

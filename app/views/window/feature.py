@@ -20,7 +20,7 @@ from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
-from app.views.window.shortcuts import Shortcuts
+from app.views.window.preferences.keys import Shortcuts
 
 Area = Literal["left", "right", "bottom"]
 

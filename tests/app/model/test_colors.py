@@ -67,7 +67,6 @@ def test_the_rim_of_a_swatch_separates_any_color_from_the_background(used):
 
 
 def test_marks_on_the_canvas_are_seen_on_its_background():
-    marks = {name: color for name, color in vars(theme).items()
     marks = {
         name: color
         for name, color in vars(theme).items()

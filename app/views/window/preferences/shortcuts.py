@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 from app.model.preferences.shortcuts import refusal
 from app.model.text.language import tr
 from app.views.widgets.space_key import own_space
-from app.views.window.shortcuts import Shortcuts, native
+from app.views.window.preferences.keys import Shortcuts, native
 
 _NAME = Qt.ItemDataRole.UserRole
 
