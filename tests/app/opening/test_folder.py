@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QCheckBox
 
 from app.model.document import edits
 from app.model.preferences.table import SAVE_IN_FOLDER
@@ -18,7 +17,6 @@ from app.session.core_functions import Core
 from app.session.tasks.folder_images import _counted, images_beside, session_beside
 from app.views.features.file.folder import FolderFeature
 from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.file.preferences import PreferencesFeature
 from app.views.main_window import MainWindow
 from cpm_core import load_image
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
@@ -137,11 +135,7 @@ def draw(window: MainWindow) -> None:
 
 
 def test_work_is_saved_on_the_way_by_choice(window, hand, folder) -> None:
-    dialog = window.feature(PreferencesFeature).show()
-    box = dialog.rows[SAVE_IN_FOLDER.label]
-    assert isinstance(box, QCheckBox)
-    box.click()
-    dialog.reject()
+    window.preferences.choose(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand1.npy")
     draw(window)
     go(window, hand, NEXT, "hand2.npy")

@@ -311,7 +311,7 @@ def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> 
     field.setFocus()
     field.selectAll()
     hand.qtbot.keyClicks(field, "16")
-    hand.qtbot.keyClick(field, KEY.Key_Tab)
+    hand.qtbot.keyClick(field, KEY.Key_Return)
     assert rested.preferences.value(TIMELINE_MEMORY) == 16
     hand.wait(lambda: navigation(rested).outline.budget == 16 * MEGABYTE)
     hand.qtbot.keyClick(dialog, KEY.Key_Escape)
