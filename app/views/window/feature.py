@@ -20,7 +20,8 @@ from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
-from app.views.window.preferences.keys import Shortcuts
+from app.views.window.keys.areas import Areas
+from app.views.window.keys.shortcuts import Shortcuts
 
 Area = Literal["left", "right", "bottom"]
 
@@ -47,6 +48,8 @@ class FeatureContext:
         Returns the keys of all actions, once the window is built.
     reveal : callable
         Opens a panel by name and brings it to the front.
+    areas : callable
+        Returns what gives the keyboard to panels, once the window is built.
     use_theme : callable
         Sets the theme of the window.
     refresh : callable
@@ -65,6 +68,7 @@ class FeatureContext:
     preference_rows: Callable[[], Iterable[PreferenceRow]]
     shortcuts: Callable[[], Shortcuts]
     reveal: Callable[[str], None]
+    areas: Callable[[], Areas]
     use_theme: Callable[[Theme], None]
     refresh: Callable[[], None]
     open_file: Callable[[Path, bool], None]

@@ -30,6 +30,7 @@ from app.views.features.file.recovery import RecoveryFeature
 from app.views.help.cheat_sheet import groups
 from app.views.theme import theme
 from app.views.theme.look import look
+from app.views.window.keys.panel_action import PanelAction
 from cpm_core.shapes import Barrier
 
 KEY = Qt.Key
@@ -199,8 +200,8 @@ def test_keys_that_the_image_takes_are_refused(window, dialog, hand) -> None:
 
 def test_panels_have_keys_too_and_actions_are_found_by_typing(window, dialog, hand) -> None:
     page = dialog.shortcuts
-    press_as_new_key(hand, dialog, "panel_timeline", KEY.Key_F5)
-    assert window.docks["timeline"].toggleViewAction().shortcut() == QKeySequence("F5")
+    press_as_new_key(hand, dialog, "panel_timeline", KEY.Key_F9, CTRL | SHIFT)
+    assert window.findChild(PanelAction, "panel_timeline").shortcut() == QKeySequence("Ctrl+Shift+F9")
     page.search.setFocus()
     hand.qtbot.keyClicks(page.search, "timeline")
     seen = [name for name, item in page._items.items() if not item.isHidden()]
@@ -216,8 +217,8 @@ def test_no_two_actions_share_a_key_by_default(window) -> None:
 def test_tooltips_of_layers_follow_their_keys(window) -> None:
     box = window.panels["layers"].boxes["contours"]
     assert box.toolTip().endswith("(Ctrl+2)")
-    window.shortcuts.choose("layer_contours", "F5")
-    assert box.toolTip().endswith("(F5)")
+    window.shortcuts.choose("layer_contours", "Ctrl+Shift+F9")
+    assert box.toolTip().endswith("(Ctrl+Shift+F9)")
 
 
 def test_all_preferences_have_a_row(window, dialog) -> None:

@@ -51,8 +51,8 @@ class RunControlFeature(Feature):
             ActionSpec(name="step", menu="Run", text=tr("&Step"), short=tr("Step"), do=session.step, shortcuts=(".",),
                        tip=tr("Take a single step."), icon="step", when=can_step),
             ActionSpec(name="reset", menu="Run", text=tr("&Reset"), short=tr("Reset"), do=session.reset,
-                       shortcuts=("R",), tip=tr("Discard the run and go back to the initialization."), icon="reset",
-                       when=is_started),
+                       shortcuts=("R",), icon="reset",
+                       tip=tr("Go back to the initialization; the run stays on the timeline."), when=is_started),
             ActionSpec(name="faster", menu="Run", text=tr("&Faster"), do=self.speed.faster, shortcuts=("]",),
                        tip=tr("Allow more steps per second."), gap=True),
             ActionSpec(name="slower", menu="Run", text=tr("S&lower"), do=self.speed.slower, shortcuts=("[",),
@@ -61,7 +61,7 @@ class RunControlFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The panel of the run."""
-        return (Panel(name="run", title=tr("Run"), widget=self.panel, shortcut="F6"),)
+        return (Panel(name="run", title=tr("Run"), widget=self.panel, shortcut="F5"),)
 
     def close(self) -> bool:
         """Stop the updates."""

@@ -38,6 +38,7 @@ class TimelinePanel(QWidget):
         self._running = running
         self._theme: Theme | None = None
         self.view = TimelineView(navigation)
+        self.setFocusProxy(self.view)
         self.view.step_requested.connect(navigation.go)
         self.buttons = {
             name: timeline_button(name, tip, do)
@@ -135,7 +136,7 @@ class TimelinePanel(QWidget):
             "last": step < last,
         }
         for name, button in self.buttons.items():
-            button.setEnabled(there and enabled.get(name, True))
+            button.setEnabled(enabled.get(name, True) if there else navigation.recorded and name in ("back", "last"))
         self.step.setEnabled(there)
         self.branch.show_branch(known)
         self._show_memory()

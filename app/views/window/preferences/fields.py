@@ -22,7 +22,6 @@ from app.model.preferences.preference import Choice, Color, Flag, Folder, Number
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
-from app.views.widgets.space_key import own_space
 from app.views.window.dialogs import ask_for_folder
 
 V = TypeVar("V")
@@ -74,7 +73,6 @@ class FlagField(Field[bool]):
 
     def __init__(self, flag: Flag, preferences: Preferences) -> None:
         self.box = QCheckBox(flag.text)
-        own_space(self.box)
         super().__init__(flag, preferences, self.box)
         self.box.toggled.connect(self.store)
 
@@ -125,7 +123,6 @@ class ColorField(Field[str]):
         self.button = QPushButton()
         self.button.setMinimumWidth(_COLOR_WIDTH)
         self.button.setAutoDefault(False)
-        own_space(self.button)
         super().__init__(color, preferences, self.button)
         self.button.setToolTip(tr("Choose another color…"))
         self.button.clicked.connect(self._ask)
@@ -153,7 +150,6 @@ class FolderField(Field[str]):
         self.path.setAccessibleName(folder.label)
         self.button = QPushButton(tr("Choose…"))
         self.button.setAutoDefault(False)
-        own_space(self.button)
         both.setFocusProxy(self.button)
         row = QHBoxLayout(both)
         row.setContentsMargins(0, 0, 0, 0)

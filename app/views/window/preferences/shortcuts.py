@@ -19,8 +19,7 @@ from PySide6.QtWidgets import (
 
 from app.model.preferences.shortcuts import refusal
 from app.model.text.language import tr
-from app.views.widgets.space_key import own_space
-from app.views.window.preferences.keys import Shortcuts, native
+from app.views.window.keys.shortcuts import Shortcuts, native
 
 _NAME = Qt.ItemDataRole.UserRole
 
@@ -76,7 +75,6 @@ class ShortcutsPage(QWidget):
         button = QPushButton(text)
         button.setToolTip(tip)
         button.setAutoDefault(False)
-        own_space(button)
         button.clicked.connect(do)
         return button
 
