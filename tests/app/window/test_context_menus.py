@@ -125,9 +125,11 @@ def test_the_menu_of_a_table_row_selects_the_row_and_is_that_of_the_canvas(ready
 
 
 def test_the_timeline_shows_the_step_under_the_pointer_and_opens_its_menu(ready, hand, menus) -> None:
+    ready.resize(1400, 800)
     run(ready, hand)
     view, navigation = ready.panels["timeline"].view, ready.workspace.navigation
     branch, last = navigation.place
+    hand.wait(lambda: view.visibleRegion().contains(view.point(branch, last // 2).toPoint()))
     ask(view, view.point(branch, last // 2).toPoint())
     hand.wait(lambda: abs(navigation.place[1] - last // 2) <= 2)  # as exact as a pixel
     assert texts(menus.menu)[:2] == ["Rename the branch…", "Compare the branch with…"]
