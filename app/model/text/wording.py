@@ -31,8 +31,8 @@ _FORCES = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>
 
 WORDS: Mapping[str, Words] = MappingProxyType(
     {
-        "reach": Words(tr("Reach beyond the object"), tr("over junctions at most {law}").format(
-            law="<i>r</i> · [<i>w</i>₁/(<i>w</i>₂ − <i>w</i>₁)] / (1 − <i>a</i>), in those of the paper")),
+        "reach": Words(tr("Reach beyond the object"), tr("over junctions at most {law}, in those of the paper").format(
+            law="<i>r</i> · [<i>w</i>₁/(<i>w</i>₂ − <i>w</i>₁)] / (1 − <i>a</i>)")),
         "weakest_edge": Words(tr("As strong as around the start"), tr("reached where {law}").format(
             law="<i>f</i> ≥ <i>f</i><sub>first</sub> · median <i>f</i> around the start")),
         "beta": Words(tr("Calm the particles"), _FORCES),
