@@ -23,8 +23,8 @@ WORDING, MOTION = "parameters/wording", "motion"
 """Preferences: labels of parameters, and whether illustrations are animated."""
 
 _WORDINGS: tuple[tuple[Wording, str, str], ...] = (
-    ("intuitive", tr("Parameters in plain &words"), tr("Label parameters by their effect.")),
-    ("formula", tr("Parameters as in the for&mulas"), tr("Label parameters by symbol and name.")),
+    ("name", tr("&Names of parameters first"), tr("Label parameters by name and symbol.")),
+    ("symbol", tr("S&ymbols of parameters first"), tr("Label parameters by symbol and name, as in the formulas.")),
 )
 
 
@@ -52,7 +52,7 @@ class ParametersFeature(Feature):
         """Labels of parameters, and whether illustrations are animated."""
         section, specs = tr("Parameters"), self._wordings()
         return (
-            PreferenceRow(section=section, label=tr("Wording"), make=lambda: choice(specs, f"wording_{self._wording}")),
+            PreferenceRow(section=section, label=tr("Labels"), make=lambda: choice(specs, f"wording_{self._wording}")),
             PreferenceRow(section=section, label=tr("Illustrations"), make=self._make_motion),
         )
 

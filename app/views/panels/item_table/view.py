@@ -16,6 +16,8 @@ from app.views.panels.item_table.model import ItemModel, Sorted
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _PAD = 18
+LEAST = 48
+"""Minimum height of a table, and of what stands beside it [px]."""
 
 
 class NameDelegate(QStyledItemDelegate):
@@ -61,7 +63,7 @@ class ItemTable(QTableView):
         self.setWordWrap(False)
         self.setMouseTracking(True)
         self.setTabKeyNavigation(False)
-        self.setMinimumHeight(96)
+        self.setMinimumHeight(LEAST)
         self._lay_out()
         self.entered.connect(lambda index: self.hover(self._key(index)))
         self.doubleClicked.connect(lambda index: self._edit_name(index.row()))
