@@ -15,6 +15,7 @@ from app.session.workspace import Workspace
 from app.views.canvas.canvas_area import CanvasArea
 from app.views.canvas.pointer_readout import PointerReadout
 from app.views.features import FEATURES
+from app.views.features.file.folder import FolderFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
 from app.views.features.run.parameters import ParametersFeature
@@ -71,12 +72,14 @@ class MainWindow(QMainWindow):
             reveal=self._reveal,
             use_theme=self.use_theme,
             refresh=self.refresh,
+            open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
             show_menu=lambda name, at: self.menus[name].popup(at),  # the menus are made after the features
         )
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
         specs = [spec for feature in self.features.values() for spec in feature.action_specs()]
         self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.import_file
         self.feature(RecoveryFeature).keep(self.feature(OpenSaveFeature).document_file)
+        self.feature(FolderFeature).keep(self.feature(OpenSaveFeature).document_file)
         self.actions_by_name = Actions(self, (spec for spec in specs if isinstance(spec, ActionSpec)))
         self.menus = Menus(self.menuBar(), specs, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels()]

@@ -14,7 +14,7 @@ from app.model.display.display_image import DisplayImage
 from app.model.display.plots import RunMetrics
 from app.model.export.order import Account
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
-from app.session.timeline.timeline import Outline
+from app.session.timeline.outline import Outline
 from cpm_core.contours.result import Result
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
@@ -113,7 +113,11 @@ class Saved(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Opened(Report):
-    """An image has been read and a method is ready, with as many of the requested scales as the image has room for."""
+    """An image is opened: it has been read, and a method is ready.
+
+    `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
+    itself among them, and `beside` is a session of it that has not been opened with it.
+    """
 
     image: Image
     method: Method[Any]
@@ -123,6 +127,16 @@ class Opened(Report):
     notes: tuple[str, ...]
     sha256: str = ""
     saved: Saved | None = None
+    scales: int = 1
+    folder: tuple[Path, ...] = ()
+    beside: Path | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ImageReady(Report):
+    """An image has been prepared and can replace the one that is open."""
+
+    opened: Opened
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +145,14 @@ class NotOpened(Report):
 
     sentence: str
     otherwise: Path | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RunsKept(Report):
+    """The runs on the timeline while none of them is shown, as after a reset."""
+
+    generation: int
+    timeline: Outline
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,9 @@ from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
 from app.views.features.edit.undo_selection import HistoryFeature, UndoSelectionFeature
+from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.export import ClipboardFeature, ExportFeature
+from app.views.features.file.folder import FolderFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature
@@ -28,6 +30,7 @@ from app.views.window.feature import Feature
 
 FEATURES: tuple[type[Feature], ...] = (
     OpenSaveFeature,
+    FolderFeature,
     ExportFeature,
     RecoveryFeature,
     AnimationFeature,
@@ -39,6 +42,7 @@ FEATURES: tuple[type[Feature], ...] = (
     TasksFeature,
     ModesFeature,
     ParametersFeature,
+    BeginningFeature,
     ContoursFeature,
     LearningFeature,
     HandEditingFeature,

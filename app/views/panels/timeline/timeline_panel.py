@@ -178,7 +178,7 @@ class TimelinePanel(QWidget):
             "last": step < last,
         }
         for name, button in self.buttons.items():
-            button.setEnabled(there and enabled.get(name, True))
+            button.setEnabled(enabled.get(name, True) if there else navigation.recorded and name in ("back", "last"))
         self.step.setEnabled(there)
         for form in (self.branch, self._behind):
             form.show_branch(known)
