@@ -34,6 +34,9 @@ _SLOWLY = 100
 _WIDE = 600
 """Width from which the form of the branch stands beside the track; it is behind a button in narrower panels [px]."""
 
+_ROWS = 3
+"""Number of branches that are always seen; the track scrolls to further ones."""
+
 _NARROW, _TRACK = 316, 120
 """Least width of the panel and of its track [px]."""
 
@@ -108,7 +111,7 @@ class TimelinePanel(QWidget):
         scroll.setFrameShape(QFrame.Shape.NoFrame)
         scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        scroll.setMinimumSize(_TRACK, HEAD + ROW + FOOT)
+        scroll.setMinimumWidth(_TRACK)
         scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
         grid = QGridLayout(self)
         grid.setContentsMargins(8, 3, 8, 3)
@@ -190,6 +193,8 @@ class TimelinePanel(QWidget):
                 play.setProperty("icon_name", self._icon_name("play"))
                 play.setIcon(icon(self._icon_name("play"), self._theme.text, faded=self._theme.line))
         self.view.refresh()
+        rows = min(max(len(navigation.outline.branches), 1), _ROWS)
+        self._scroll.setMinimumHeight(HEAD + rows * ROW + FOOT)
         if there:
             self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, ROW)
 
