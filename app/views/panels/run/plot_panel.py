@@ -8,7 +8,6 @@ from PySide6.QtWidgets import QHBoxLayout, QToolButton, QVBoxLayout, QWidget
 from app.model.display.plots import PLOTS, RunMetrics
 from app.model.text.language import tr
 from app.views.panels.run.chart import Chart
-from app.views.widgets.space_key import own_space
 
 
 class PlotPanel(QWidget):
@@ -33,7 +32,6 @@ class PlotPanel(QWidget):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.setAccessibleName(tr("Plot: {title}").format(title=plot.title))
             button.toggled.connect(self._choose)
-            own_space(button)
             row.addWidget(button)
         row.addStretch(1)
         column = QVBoxLayout(self)
