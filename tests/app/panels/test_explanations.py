@@ -7,6 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel
 
 from app.model.parameters.controls import controls
+from app.model.preferences.table import MOTION, WORDING
 from app.model.text.wording import FORMULAS, rich
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.panels.parameters.illustration import Illustration
@@ -54,7 +55,7 @@ def test_an_illustration_is_animated_only_while_it_is_visible_and_animation_is_o
     hand.wait(lambda: illustration.moving)
     window.actions_by_name["motion"].trigger()
     assert not illustration.moving
-    assert window.preferences.get("motion", True) is False
+    assert window.preferences.value(MOTION) is False
     window.actions_by_name["motion"].trigger()
     assert illustration.moving
     window.docks["layers"].raise_()
@@ -106,7 +107,7 @@ def test_labels_begin_with_name_or_symbol_by_choice_which_is_remembered(window, 
     window.actions_by_name["wording_symbol"].trigger()
     assert row.findChild(QLabel).text().startswith("<i>β</i>")
     assert row.slider.accessibleName() == "Damping"
-    assert window.preferences.get("parameters/wording", "") == "symbol"
+    assert window.preferences.value(WORDING) == "symbol"
     window.actions_by_name["wording_name"].trigger()
     assert row.findChild(QLabel).text().startswith("Damping")
 
@@ -118,7 +119,7 @@ def test_symbols_are_set_with_subscripts() -> None:
 
 def test_the_preferences_offer_wording_animation_and_colors(window, hand) -> None:
     dialog = window.feature(PreferencesFeature).show()
-    wording, motion, colors = (dialog.rows[label] for label in ("Labels", "Illustrations", "Colors"))
+    wording, motion, colors = (dialog.rows[label] for label in ("Labels", "Illustrations", "Colors of the window"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
     wording.activated.emit(1)
     assert window.actions_by_name["wording_symbol"].isChecked()
