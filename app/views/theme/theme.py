@@ -150,7 +150,9 @@ def _bars(theme: Theme) -> str:
     QToolBar QToolButton:focus {{ border-color: {theme.accent}; }}
     QToolBar QToolButton:checked {{ background: {theme.button}; border-color: {theme.accent}; }}
     QToolBar QToolButton:disabled {{ color: {theme.faded}; }}
-    QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: right top; }}
+    QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: right center;
+                                            right: 3px; }}
+    QToolBar QToolButton#starts {{ padding-right: 16px; }}
     QToolBar QToolButton#qt_toolbar_ext_button {{ padding: 0; background: {theme.button}; border-color: {theme.line}; }}
     QToolBar QToolButton#primary {{ background: {theme.accent}; color: {theme.accent_text}; font-weight: 600; }}
     QToolBar QToolButton#primary:hover {{ background: {theme.accent_hover}; }}
@@ -177,6 +179,7 @@ def _panels(theme: Theme) -> str:
     QMainWindow::separator {{ width: 1px; height: 1px; background: {theme.line}; }}
     QMainWindow::separator:hover {{ background: {theme.accent}; }}
     QWidget#title {{ background: {theme.window}; border-bottom: 1px solid {theme.line}; }}
+    QWidget#upright {{ background: {theme.window}; border-right: 1px solid {theme.line}; }}
     QToolButton#quiet {{ border: 1px solid transparent; border-radius: 4px; padding: 1px; }}
     QToolButton#quiet:hover {{ background: {theme.button}; }}
     QToolButton#quiet:focus {{ border-color: {theme.accent}; }}

@@ -108,8 +108,8 @@ def template(tmp_path_factory) -> Path:
 
 def test_the_template_holds_the_sentences_of_window_core_and_samples(template) -> None:
     text = template.read_text(encoding="utf-8")
-    for said in ("Drag on the image to draw a circle in or around an object.", "Calm the particles", "Damping",
-                 "Friction that takes speed out of the particles.", "region of interest", "An artery"):  # fmt: skip
+    for said in ("Drag on the image to draw a circle in or around an object.", "Repulsion to attraction", "Damping",
+                 "Friction that slows the particles down.", "region of interest", "An artery"):  # fmt: skip
         assert f'msgid "{said}"' in text
 
 
@@ -158,16 +158,16 @@ def test_a_catalog_is_made_from_its_translation(update, catalog, tmp_path) -> No
 
 
 def test_what_lacks_a_translation_stays_english_and_is_listed(update, monkeypatch, capsys) -> None:
-    monkeypatch.setattr(update, "sentences", lambda: {"Speed": [], "No such sentence {count}": []})
+    monkeypatch.setattr(update, "sentences", lambda: {"Force": [], "No such sentence {count}": []})
     monkeypatch.setattr("sys.argv", ["update.py", "--check"])
     assert update.main() == 1
     assert "de: not translated: No such sentence {count}" in capsys.readouterr().out
     language.use_language("de")
     assert language.language() == "de"
-    assert language.tr("Speed") == "Geschwindigkeit"
+    assert language.tr("Force") == "Kraft"
     assert language.tr("No such sentence {count}") == "No such sentence {count}"
     language.use_language("en")
-    assert language.tr("Speed") == "Speed"
+    assert language.tr("Force") == "Force"
 
 
 @pytest.mark.parametrize("other", ["Stopp", "Halt {amount}", "Halt {count}…"])
