@@ -20,6 +20,8 @@ _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 _PAD = 18
 _ORDERS = ((tr("Smallest first"), Qt.SortOrder.AscendingOrder), (tr("Largest first"), Qt.SortOrder.DescendingOrder))
+LEAST = 48
+"""Minimum height of a table, and of what stands beside it [px]."""
 
 
 class NameDelegate(QStyledItemDelegate):
@@ -68,7 +70,7 @@ class ItemTable(QTableView):
         self.setWordWrap(False)
         self.setMouseTracking(True)
         self.setTabKeyNavigation(False)
-        self.setMinimumHeight(96)
+        self.setMinimumHeight(LEAST)
         self._lay_out()
         self.entered.connect(lambda index: self.hover(self._key(index)))
         self.doubleClicked.connect(lambda index: self._edit_name(index.row()))

@@ -38,7 +38,7 @@ class BranchForm(QWidget):
         self._difference.setObjectName("dim")
         self.in_menu = [QAction(tr("Re&name the branch…"), self), QAction(tr("&Compare the branch with…"), self)]
         self.in_menu[0].triggered.connect(self._ask_name)
-        self.in_menu[1].triggered.connect(self.compare.showPopup)
+        self.in_menu[1].triggered.connect(lambda: self.compare.showPopup() if self.isVisible() else None)
         self.setFixedWidth(_WIDTH)
         column = QGridLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -51,6 +51,7 @@ class BranchForm(QWidget):
         column.addWidget(self._difference, 2, 0, 1, 3)
         column.setColumnStretch(1, 1)
         column.setRowStretch(2, 1)
+        self._difference.hide()
         navigation.comparison.found_changed.connect(self._show_difference)
 
     @property
@@ -87,6 +88,7 @@ class BranchForm(QWidget):
         compared = self._navigation.comparison.found
         if compared is None or compared.state is None:
             self._difference.setText("")
+            self._difference.hide()
             return
         ended = compared.state.step < self._navigation.place[1]
         counts = (
@@ -101,11 +103,13 @@ class BranchForm(QWidget):
             mean, largest = f"{apart.mean_boundary_distance:.2f}", f"{apart.hausdorff:.2f}"
             sentence = template.format(particles=sentence, mean=mean, largest=largest)
         self._difference.setText(sentence)
+        self._difference.show()
         self._difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
 
     def _ask_name(self) -> None:
-        self.name.setFocus()
-        self.name.selectAll()
+        if self.isVisible():
+            self.name.setFocus()
+            self.name.selectAll()
 
     def _rename(self) -> None:
         known = self._navigation.branch(self._navigation.place[0])
