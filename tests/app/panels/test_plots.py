@@ -120,7 +120,7 @@ def test_plots_are_chosen_by_keys_and_remembered(ready, hand, qtbot):
         hand.wait(lambda step=step: window.session.status.step == step and window.session.idle)
     plot.chart.read(7)
     assert re.search(r"potential energy -?\d", plot.chart.reading)
-    hand.key(Qt.Key.Key_Space)
+    hand.key(Qt.Key.Key_Return)
     assert plot.shown == ("epsilon", "count")
     assert "potential energy" not in plot.chart.reading
 
