@@ -77,7 +77,8 @@ def load_image(path: str | os.PathLike[str]) -> Image:
             f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
             "or save it again as PNG or TIFF."
         ) from error
-    return Image(decoded.values, decoded.spacing, decoded.unit, printable(file.name), decoded.notes)
+    name = printable(file.name)
+    return Image(decoded.values, decoded.spacing, decoded.unit, name, decoded.notes, decoded.colors)
 
 
 def _head(file: Path) -> bytes:
