@@ -250,7 +250,7 @@ def _words(result: Result | Skeleton, counts: Account, order: ExportOrder) -> st
     words = tr("Writes {what}.").format(what=in_words(counts))
     opened = sum(not contour.closed for contour in result.contours) if isinstance(result, Result) else 0
     if counts.left_out and order.closing:
-        words += " " + tr("Those have ends too far apart to close them.")
+        words += " " + tr("Their ends are too far apart to be closed.")
     elif counts.left_out:
         words += " " + tr("This format holds closed contours only.")
     elif opened:

@@ -68,4 +68,4 @@ class HistoryFeature(Feature):
 
     def use_theme(self, theme: Theme) -> None:
         """Color the lines for the new palette."""
-        self.panel.mark()
+        self.panel.use_theme(theme)

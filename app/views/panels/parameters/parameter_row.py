@@ -153,7 +153,7 @@ class ParameterRow(QWidget):
         control = self.control
         self.number.setRange(control.low, control.high)
         self.number.setSingleStep(control.step)
-        self.number.setDecimals(0 if control.whole else max(2, -math.floor(math.log10(control.step))))
+        self.number.setDecimals(control.decimals)
         self.number.setKeyboardTracking(False)
         self.number.setSuffix(f" {control.unit}" if control.unit else "")
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
