@@ -13,6 +13,7 @@ from app.model.display.lengths import UNITS
 from app.model.preferences.preference import Choice, Color, Flag, Folder, Number, Preference
 from app.model.text import language
 from app.model.text.language import tr
+from app.model.text.wording import FIRST_WORDING
 
 PAGES = {
     "general": tr("General"),
@@ -35,7 +36,14 @@ THEME = Choice(
 UNIT = Choice(
     name="units", page="general", label=tr("Lengths and areas"), default="image", ways=UNITS,
     note=tr("In tables, in the panel Run, in the status bar and on the scale bar. An image that does not say how large a "
-            "pixel is has lengths in px.")
+            "pixel is has lengths in px."),
+)  # fmt: skip
+WORDING = Choice(
+    name="parameters/wording", page="general", label=tr("Labels"), default=FIRST_WORDING,
+    ways={"name": tr("Names of parameters first"), "symbol": tr("Symbols of parameters first")},
+)  # fmt: skip
+MOTION = Flag(
+    name="motion", page="general", label=tr("Illustrations"), default=True, text=tr("Animate the illustrations")
 )
 
 CONTOUR_WIDTH = Number(
