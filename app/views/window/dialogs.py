@@ -1,37 +1,14 @@
-"""The dialogs that ask for a file, and the question about unsaved work."""
+"""The questions before work or a file is lost."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Literal
 
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QMessageBox, QWidget
 
 from app.model.text.language import tr
-from cpm_core.formats import READABLE
-from cpm_core.formats.sessions.session_file import SUFFIX
 
 Answer = Literal["save", "discard", "cancel"]
-
-
-def ask_for_file(parent: QWidget, folder: str) -> str:
-    """Path of an image or a session to open, empty when the user cancels."""
-    images = " ".join(f"*{suffix}" for suffix in READABLE)
-    kinds = (
-        tr("Images and sessions ({patterns})").format(patterns=f"{images} *{SUFFIX}"),
-        tr("Images ({patterns})").format(patterns=images),
-        tr("Sessions ({patterns})").format(patterns=f"*{SUFFIX}"),
-        tr("All files (*)"),
-    )
-    chosen, _ = QFileDialog.getOpenFileName(parent, tr("Open"), folder, ";;".join(kinds))
-    return chosen
-
-
-def ask_where_to_save(parent: QWidget, suggestion: str) -> str:
-    """Path to save a session to, empty when the user cancels; a missing suffix is added."""
-    kind = tr("Sessions ({patterns})").format(patterns=f"*{SUFFIX}")
-    chosen, _ = QFileDialog.getSaveFileName(parent, tr("Save session"), suggestion, kind)
-    return chosen + SUFFIX if chosen and Path(chosen).suffix.lower() != SUFFIX else chosen
 
 
 def ask_about_unsaved(parent: QWidget, name: str) -> Answer:
@@ -51,3 +28,18 @@ def ask_about_unsaved(parent: QWidget, name: str) -> Answer:
     if chosen == standard.Save:
         return "save"
     return "discard" if chosen == standard.Discard else "cancel"
+
+
+def ask_to_replace(parent: QWidget, name: str) -> bool:
+    """Whether the file of this name may be replaced."""
+    standard = QMessageBox.StandardButton
+    box = QMessageBox(QMessageBox.Icon.Warning, tr("Replace file"), tr("Replace “{name}”?").format(name=name))
+    box.setParent(parent, box.windowFlags())
+    box.setInformativeText(tr("A file of this name exists; what it holds would be lost."))
+    box.setStandardButtons(standard.Yes | standard.Cancel)
+    box.setDefaultButton(standard.Cancel)
+    box.button(standard.Yes).setText(tr("&Replace"))
+    box.button(standard.Cancel).setText(tr("Cancel"))
+    chosen = box.exec()
+    box.deleteLater()
+    return bool(chosen == standard.Yes)
