@@ -18,6 +18,7 @@ from app.session.timeline.outline import Outline
 from cpm_core.contours.result import Result
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
+from cpm_core.image.kind import Kind
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
@@ -116,7 +117,7 @@ class Opened(Report):
     """An image is opened: it has been read, and a method is ready.
 
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
-    itself among them, and `beside` is a session of it that has not been opened with it.
+    itself among them, `beside` is a session of it that has not been opened with it, and `kind` what it looks like.
     """
 
     image: Image
@@ -130,6 +131,7 @@ class Opened(Report):
     scales: int = 1
     folder: tuple[Path, ...] = ()
     beside: Path | None = None
+    kind: Kind | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

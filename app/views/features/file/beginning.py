@@ -1,27 +1,38 @@
-"""How work on an image begins: with fresh parameters, or with those of the image before it."""
+"""How work on an image begins: with fresh parameters, those of the image before it, or those for its kind."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from PySide6.QtWidgets import QCheckBox
 
+from app.model.document.kinds import ADVICE, use_kind
+from app.model.document.samples import sample_at
 from app.model.state.situation import Situation
 from app.model.text.language import tr
+from app.session.exchange.messages import Opened
+from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.offer_bar import OfferBar
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
+from cpm_core.image.kind import Kind
 
-KEEPS = "parameters/keep"
-"""Preference: whether the next image begins with the parameters of the one before it."""
+KEEPS, ADVISES = "parameters/keep", "parameters/advise"
+"""Preferences: whether the next image begins with the parameters of the one before it; whether settings are offered."""
 
 
 class BeginningFeature(Feature):
-    """The parameters that an image begins with."""
+    """The parameters that an image begins with, and what is offered for it in a line above it."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
+        self.bar = OfferBar()
+        context.canvas_area.offers.addWidget(self.bar)
         context.preferences.changed.connect(self._follow)
+        context.session.listen(Opened, self._offer)
+        context.session.status_changed.connect(self._withdraw)
         self._follow(KEEPS)
 
     def action_specs(self) -> Sequence[ActionSpec]:
@@ -34,17 +45,51 @@ class BeginningFeature(Feature):
         )  # fmt: skip
 
     def preferences(self) -> Sequence[PreferenceRow]:
-        """Whether parameters are kept."""
-        return (PreferenceRow(section=tr("Parameters"), label=tr("Next image"), make=self._make_box),)
+        """Whether parameters are kept, and whether settings are offered."""
+        section = tr("Parameters")
+        keeps, advises = tr("Keep parameters for the next image"), tr("Offer settings for kinds of images")
+        return (
+            PreferenceRow(section=section, label=tr("Next image"), make=lambda: self._box(keeps, KEEPS, False)),
+            PreferenceRow(section=section, label=tr("Kind of image"), make=lambda: self._box(advises, ADVISES, True),
+                          note=tr("Fluorescence, angiograms and ultrasound are recognized by their gray levels.")),
+        )  # fmt: skip
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the cross."""
+        self.bar.use_theme(theme)
+
+    def _offer(self, opened: Opened) -> None:
+        self.bar.hide()
+        session, kind = self.context.session, opened.kind
+        if opened.saved is not None or sample_at(opened.path) is not None:
+            return
+        if opened.beside is not None:
+            beside = opened.beside
+            earlier = tr("{name} holds earlier work on this image. Continue it?").format(name=beside.name)
+            self.bar.offer(earlier, (tr("Open session"), lambda: self.context.open_file(beside, False)))
+        elif kind is not None and kind in ADVICE and session.document.mode != "skeleton":
+            self._advise(kind)
+
+    def _advise(self, kind: Kind) -> None:
+        """Offer the settings for a kind of image, unless the user wants no such offers."""
+        if self.context.preferences.get(ADVISES, True):
+            name = tr("settings for the kind of image")
+            take = partial(self.context.session.edit, name, partial(use_kind, kind=kind))
+            self.bar.offer(ADVICE[kind].sentence, (tr("Use these settings"), take))
+
+    def _withdraw(self) -> None:
+        """A run is past the beginning."""
+        if self.bar.isVisible() and self.context.session.status.started:
+            self.bar.hide()
 
     def _differ(self, situation: Situation) -> bool:
         former, document = self.context.session.former_parameters, situation.document
         return former is not None and document.fitting(former) != document.parameters
 
-    def _make_box(self) -> QCheckBox:
-        box = QCheckBox(tr("Keep parameters for the next image"))
-        box.setChecked(self.context.preferences.get(KEEPS, False))
-        box.toggled.connect(lambda wanted: self.context.preferences.put(KEEPS, wanted))
+    def _box(self, text: str, key: str, usual: bool) -> QCheckBox:
+        box = QCheckBox(text)
+        box.setChecked(self.context.preferences.get(key, usual))
+        box.toggled.connect(partial(self.context.preferences.put, key))
         return box
 
     def _follow(self, key: str) -> None:
