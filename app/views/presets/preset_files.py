@@ -14,9 +14,9 @@ from app.model.document.document import Document
 from app.model.parameters.presets import SUFFIX, Preset
 from app.model.text.language import tr
 from app.session.storage.presets import PresetStore
+from app.views.files.file_dialogs import Files, all_files
 from app.views.presets.preset_gallery import PresetGallery, picture_of
 from app.views.window.feature import FeatureContext
-from app.views.window.file_dialogs import Files, all_files
 
 
 class PresetFiles(QObject):

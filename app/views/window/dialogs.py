@@ -1,4 +1,4 @@
-"""The questions before work or a file is lost."""
+"""The question about unsaved work."""
 
 from __future__ import annotations
 
@@ -28,18 +28,3 @@ def ask_about_unsaved(parent: QWidget, name: str) -> Answer:
     if chosen == standard.Save:
         return "save"
     return "discard" if chosen == standard.Discard else "cancel"
-
-
-def ask_to_replace(parent: QWidget, name: str) -> bool:
-    """Whether the file of this name may be replaced."""
-    standard = QMessageBox.StandardButton
-    box = QMessageBox(QMessageBox.Icon.Warning, tr("Replace file"), tr("Replace “{name}”?").format(name=name))
-    box.setParent(parent, box.windowFlags())
-    box.setInformativeText(tr("A file of this name exists; what it holds would be lost."))
-    box.setStandardButtons(standard.Yes | standard.Cancel)
-    box.setDefaultButton(standard.Cancel)
-    box.button(standard.Yes).setText(tr("&Replace"))
-    box.button(standard.Cancel).setText(tr("Cancel"))
-    chosen = box.exec()
-    box.deleteLater()
-    return bool(chosen == standard.Yes)

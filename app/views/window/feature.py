@@ -17,10 +17,10 @@ from app.session.session import Session
 from app.session.storage.preferences import Preferences
 from app.session.workspace import Workspace
 from app.views.canvas.canvas_area import CanvasArea
+from app.views.files.file_dialogs import FileDialogs
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
-from app.views.window.file_dialogs import FileDialogs
 from app.views.window.keys.areas import Areas
 
 Area = Literal["left", "right", "bottom"]

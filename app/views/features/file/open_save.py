@@ -17,11 +17,11 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.features.import_points import PointsRead, read_points
 from app.session.storage.session_file import DocumentFile, Written
+from app.views.files.file_dialogs import images_and_sessions, sessions
+from app.views.files.recent_files import RecentFiles
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window import dialogs
 from app.views.window.feature import Feature, FeatureContext
-from app.views.window.file_dialogs import images_and_sessions, sessions
-from app.views.window.recent_files import RecentFiles
 
 POINTS = ".csv"
 
@@ -49,7 +49,7 @@ class OpenSaveFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Open, save, quit."""
         return (
-            ActionSpec(name="open", menu="File", text=tr("&Open…"), short=tr("Open…"), do=self._open,
+            ActionSpec(name="open", menu="File", text=tr("&Open…"), short=tr("Open…"), do=self.ask_for_file,
                        shortcuts=("Ctrl+O",), tip=tr("Open an image or a session."), icon="open"),
             Submenu(name="recent", menu="File", text=tr("Open &recent"), fill=self.recent.fill),
             Submenu(name="samples", menu="File", text=tr("Open sa&mple"), fill=self._fill_samples),
@@ -88,6 +88,12 @@ class OpenSaveFeature(Feature):
         if elsewhere:
             message = tr("{place} is not a file on this computer. Save it first, then open it.")
             self.context.session.say(message.format(place=elsewhere[0].toDisplayString()), True)
+
+    def ask_for_file(self) -> None:
+        """Ask for a file and open it."""
+        chosen = self.context.files.ask_for_file("open", tr("Open"), images_and_sessions())
+        if chosen is not None:
+            self.take([chosen])
 
     def save(self) -> None:
         """Save to the present file, or ask for one."""
@@ -150,11 +156,6 @@ class OpenSaveFeature(Feature):
             action = menu.addAction(sample.title)
             action.triggered.connect(lambda _=False, path=sample.path: self.take([path]))
             action.setStatusTip(sample.about)
-
-    def _open(self) -> None:
-        chosen = self.context.files.ask_for_file("open", tr("Open"), images_and_sessions())
-        if chosen is not None:
-            self.take([chosen])
 
     def _ask_where(self) -> Path | None:
         path, name = self.document_file.path, self.document_file.name
