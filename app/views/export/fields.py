@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 
 from app.model.export.formats import formats, listed
 from app.model.text.language import tr
-from app.views.files.file_dialogs import ask_for_folder
+from app.views.window.file_dialogs import ask_for_folder
 from cpm_core.formats import WRITABLE, check_export, suffix_of
 
 _UNITS = ("nm", "µm", "mm", "cm", "m")

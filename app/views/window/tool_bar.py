@@ -10,8 +10,8 @@ from app.model.document.modes import MODES
 from app.model.text.language import tr
 from app.views.widgets.actions import PRIMARY, Actions
 
-_FILES, _EDITS, _RUN, _AFTER = ("start", "open", "save"), ("undo", "redo"), ("run", "step", "reset"), ("fit", "export")
-_ICON_ONLY = ("start", "save", "undo", "redo", "fit")
+_FILES, _EDITS, _RUN, _AFTER = ("open", "save"), ("undo", "redo"), ("run", "step", "reset"), ("fit", "export")
+_ICON_ONLY = ("undo", "redo", "fit")
 """Buttons that need no text."""
 
 

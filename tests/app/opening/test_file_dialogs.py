@@ -18,8 +18,8 @@ from app.views.features.contours.truth import TruthFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.run.parameters import ParametersFeature
 from app.views.features.view.animation import AnimationFeature
-from app.views.files import file_dialogs
 from app.views.main_window import MainWindow
+from app.views.window import dialogs
 
 CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 ROOT = Path(__file__).parents[3]
@@ -96,7 +96,7 @@ def test_a_file_that_gets_its_suffix_from_the_program_is_not_replaced_unasked(
 ) -> None:
     (tmp_path / "work.cpm").write_text("other work")
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "work"), ""))
-    monkeypatch.setattr(file_dialogs, "ask_to_replace", lambda parent, name: agreed and name == "work.cpm")
+    monkeypatch.setattr(dialogs, "ask_to_replace", lambda parent, name: agreed and name == "work.cpm")
     hand.key(Qt.Key.Key_S, CTRL | SHIFT)
     hand.wait(lambda: ready.session.idle)
     assert ((tmp_path / "work.cpm").read_text() != "other work") == agreed

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QCheckBox
 from scipy.ndimage import gaussian_filter
 
 from app.model.document.kinds import ADVICE
+from app.model.preferences.table import OFFER_SETTINGS
 from app.views.features.file.beginning import BeginningFeature
 from app.views.main_window import MainWindow
 from app.views.widgets.offer_bar import OfferBar
@@ -80,10 +80,7 @@ def test_another_image_withdraws_the_offer(window, hand, nuclei, image_file) -> 
 
 
 def test_nothing_is_offered_by_choice(window, hand, nuclei) -> None:
-    row = next(row for row in window.feature(BeginningFeature).preferences() if row.label == "Kind of image")
-    box = row.make()
-    assert isinstance(box, QCheckBox)
-    box.click()
+    window.preferences.choose(OFFER_SETTINGS, False)
     open_image(window, hand, nuclei)
     assert not bar(window).text
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from app.model.display.differences import Difference
 from app.model.state.situation import Situation, has_image
 from app.model.text.language import tr
-from app.views.files.file_dialogs import Files, all_files
 from app.views.panels.contour_table.truth_panel import TruthPanel
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
+from app.views.window.file_dialogs import Files, all_files
 from cpm_core.formats import READABLE
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE
 

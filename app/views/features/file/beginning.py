@@ -5,22 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from PySide6.QtWidgets import QCheckBox
-
 from app.model.document.kinds import ADVICE, use_kind
 from app.model.document.samples import sample_at
+from app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.offer_bar import OfferBar
-from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.image.kind import Kind
-
-KEEPS, ADVISES = "parameters/keep", "parameters/advise"
-"""Preferences: whether the next image begins with the parameters of the one before it; whether settings are offered."""
 
 
 class BeginningFeature(Feature):
@@ -30,10 +25,9 @@ class BeginningFeature(Feature):
         super().__init__(context)
         self.bar = OfferBar()
         context.canvas_area.offers.addWidget(self.bar)
-        context.preferences.changed.connect(self._follow)
         context.session.listen(Opened, self._offer)
         context.session.status_changed.connect(self._withdraw)
-        self._follow(KEEPS)
+        context.preferences.follow(KEEP_PARAMETERS, self._use)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Parameters of the last image."""
@@ -42,16 +36,6 @@ class BeginningFeature(Feature):
             ActionSpec(name="former_parameters", menu="Run", text=tr("Use parameters of the &last image"),
                        do=session.use_former_parameters, when=self._differ,
                        tip=tr("Set all parameters as they were for the image that was open before this one.")),
-        )  # fmt: skip
-
-    def preferences(self) -> Sequence[PreferenceRow]:
-        """Whether parameters are kept, and whether settings are offered."""
-        section = tr("Parameters")
-        keeps, advises = tr("Keep parameters for the next image"), tr("Offer settings for kinds of images")
-        return (
-            PreferenceRow(section=section, label=tr("Next image"), make=lambda: self._box(keeps, KEEPS, False)),
-            PreferenceRow(section=section, label=tr("Kind of image"), make=lambda: self._box(advises, ADVISES, True),
-                          note=tr("Fluorescence, angiograms and ultrasound are recognized by their gray levels.")),
         )  # fmt: skip
 
     def use_theme(self, theme: Theme) -> None:
@@ -72,7 +56,7 @@ class BeginningFeature(Feature):
 
     def _advise(self, kind: Kind) -> None:
         """Offer the settings for a kind of image, unless the user wants no such offers."""
-        if self.context.preferences.get(ADVISES, True):
+        if self.context.preferences.value(OFFER_SETTINGS):
             name = tr("settings for the kind of image")
             take = partial(self.context.session.edit, name, partial(use_kind, kind=kind))
             self.bar.offer(ADVICE[kind].sentence, (tr("Use these settings"), take))
@@ -86,12 +70,5 @@ class BeginningFeature(Feature):
         former, document = self.context.session.former_parameters, situation.document
         return former is not None and document.fitting(former) != document.parameters
 
-    def _box(self, text: str, key: str, usual: bool) -> QCheckBox:
-        box = QCheckBox(text)
-        box.setChecked(self.context.preferences.get(key, usual))
-        box.toggled.connect(partial(self.context.preferences.put, key))
-        return box
-
-    def _follow(self, key: str) -> None:
-        if key == KEEPS:
-            self.context.session.keeps_parameters = self.context.preferences.get(KEEPS, False)
+    def _use(self) -> None:
+        self.context.session.keeps_parameters = self.context.preferences.value(KEEP_PARAMETERS)

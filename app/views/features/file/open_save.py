@@ -17,11 +17,11 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.features.import_points import PointsRead, read_points
 from app.session.storage.session_file import DocumentFile, Written
-from app.views.files.file_dialogs import images_and_sessions, sessions
 from app.views.files.recent_files import RecentFiles
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window import dialogs
 from app.views.window.feature import Feature, FeatureContext
+from app.views.window.file_dialogs import images_and_sessions, sessions
 
 POINTS = ".csv"
 

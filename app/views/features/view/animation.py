@@ -14,13 +14,13 @@ from app.model.state.situation import has_particles
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
 from app.session.tasks.tasks import Task
-from app.views.files.file_dialogs import Files
 from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.film.filming import Filming
 from app.views.film.frame_renderer import FrameRenderer, frame_size, seen_part
 from app.views.film.strip_dialog import StripDialog, StripPlan
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
+from app.views.window.file_dialogs import Files
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
 from cpm_core.formats.animations.snapshot_strip import strip, write_picture
 from cpm_core.numerics.types import Pixels

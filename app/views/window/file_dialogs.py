@@ -6,12 +6,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QFileDialog, QWidget
 
 from app.model.text.language import tr
 from app.session.session import Session
 from app.session.storage.folders import Purpose, first_folder, remember_folder
 from app.session.storage.preferences import Preferences
+from app.views.window import dialogs
 from cpm_core.formats import READABLE
 from cpm_core.formats.sessions.session_file import SUFFIX
 
@@ -100,7 +101,7 @@ class FileDialogs:
         if path.suffix.lower() not in known and (not path.suffix or len(known) == 1):
             path = path.with_name(path.name + suffix)
             # The desktop has asked only about the name as it was typed.
-            if path.exists() and not ask_to_replace(parent, path.name):
+            if path.exists() and not dialogs.ask_to_replace(parent, path.name):
                 return None
         return self._chosen(purpose, str(path))
 
@@ -115,18 +116,3 @@ class FileDialogs:
 def ask_for_folder(parent: QWidget, title: str, folder: str) -> str:
     """A folder, empty when the user cancels."""
     return QFileDialog.getExistingDirectory(parent, title, folder)
-
-
-def ask_to_replace(parent: QWidget, name: str) -> bool:
-    """Whether the file of this name may be replaced."""
-    standard = QMessageBox.StandardButton
-    box = QMessageBox(QMessageBox.Icon.Warning, tr("Replace file"), tr("Replace “{name}”?").format(name=name))
-    box.setParent(parent, box.windowFlags())
-    box.setInformativeText(tr("A file of this name exists; what it holds would be lost."))
-    box.setStandardButtons(standard.Yes | standard.Cancel)
-    box.setDefaultButton(standard.Cancel)
-    box.button(standard.Yes).setText(tr("&Replace"))
-    box.button(standard.Cancel).setText(tr("Cancel"))
-    chosen = box.exec()
-    box.deleteLater()
-    return bool(chosen == standard.Yes)
