@@ -38,7 +38,7 @@ class ExportFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Export, and export again to the same file."""
         return (
-            ActionSpec(name="export", menu="File", text=tr("&Export contours…"), short=tr("Export…"), do=self._export,
+            ActionSpec(name="export", menu="File", text=tr("&Export contours…"), short=tr("Export"), do=self._export,
                        shortcuts=("Ctrl+E", "Ctrl+Shift+K"), tip=tr("Export the contours, or the skeleton, to a file."),
                        icon="export", gap=True, when=_can_export, worded=_export_text),
             ActionSpec(name="export_again", menu="File", text=tr("Export a&gain"), do=self._export_again,

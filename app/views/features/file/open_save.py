@@ -49,7 +49,7 @@ class OpenSaveFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Open, save, quit."""
         return (
-            ActionSpec(name="open", menu="File", text=tr("&Open…"), short=tr("Open…"), do=self.ask_for_file,
+            ActionSpec(name="open", menu="File", text=tr("&Open…"), short=tr("Open"), do=self.ask_for_file,
                        shortcuts=("Ctrl+O",), tip=tr("Open an image or a session."), icon="open"),
             Submenu(name="recent", menu="File", text=tr("Open &recent"), fill=self.recent.fill),
             Submenu(name="samples", menu="File", text=tr("Open sa&mple"), fill=self._fill_samples),
