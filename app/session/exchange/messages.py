@@ -22,6 +22,7 @@ from cpm_core.image.kind import Kind
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
+from cpm_core.segmentation.large_images import LargeImageSettings
 from cpm_core.segmentation.method import Method, MethodState
 from cpm_core.shapes.image_starts import ImageSeeds
 
@@ -118,6 +119,7 @@ class Opened(Report):
 
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
     itself among them, `beside` is a session of it that has not been opened with it, and `kind` what it looks like.
+    `large` are settings for an image that is large.
     """
 
     image: Image
@@ -132,6 +134,7 @@ class Opened(Report):
     folder: tuple[Path, ...] = ()
     beside: Path | None = None
     kind: Kind | None = None
+    large: LargeImageSettings | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

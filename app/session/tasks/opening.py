@@ -16,6 +16,7 @@ from cpm_core.formats.sessions.session_file import SUFFIX, find_image, fingerpri
 from cpm_core.image.kind import guessed_kind
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import Parameters
+from cpm_core.segmentation.large_images import large_image_settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +68,13 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
     method = core.methods["cpm"](image, parameters, None)
     go_on()
+    large = large_image_settings(image.values)
+    go_on()
     all_notes, display = (*image.notes, *notes), display_of(image)
     folder, kind = images_beside(path), guessed_kind(image.values) if saved is None else None
-    return Opened(image, method, display, path, parameters, all_notes, sha256, saved, scales, folder, beside, kind)
+    return Opened(
+        image, method, display, path, parameters, all_notes, sha256, saved, scales, folder, beside, kind, large
+    )
 
 
 class Opener:

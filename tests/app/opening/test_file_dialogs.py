@@ -57,7 +57,9 @@ ASKS: dict[str, Callable[[MainWindow], object]] = {
 def test_every_dialog_begins_beside_the_image_and_lists_no_suffixes(
     window, seen, image_file, monkeypatch, title
 ) -> None:
-    monkeypatch.setattr("app.views.presets.preset_files.ask_for_preset", lambda parent, names, question, button: names[0])
+    monkeypatch.setattr(
+        "app.views.presets.preset_files.ask_for_preset", lambda parent, names, question, button: names[0]
+    )
     ASKS[title](window)
     begin, filters, _, options = seen[title]
     assert Path(begin) == image_file.parent or Path(begin).parent == image_file.parent
