@@ -72,8 +72,8 @@ class ExportDialog(QDialog):
         self._form = QFormLayout()
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
         self.export_button = self.buttons.addButton(tr("&Export"), QDialogButtonBox.ButtonRole.AcceptRole)
-        self.export_button.setDefault(True)
         self._lay_out()
+        self.export_button.setDefault(True)  # once it is in the dialog, else Tab makes another button the default
         self._fill()
         self.format.choose(suffix)
         self.file.use_suffix(self.format.suffix)

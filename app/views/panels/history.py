@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtGui import QIcon, QPalette
+from PySide6.QtCore import QPoint
+from PySide6.QtGui import QAction, QIcon, QPalette
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
 from app.model.document.changes import ChangeInWords
@@ -29,6 +30,9 @@ class HistoryPanel(QWidget):
         self._list.setSpacing(2)
         self._list.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self._list.setToolTip(tr("Click a line, or select it and press Enter, to undo or redo up to it."))
+        self._there = QAction(tr("Undo or redo up to &here"), self)
+        self._there.triggered.connect(lambda: self._choose(self._list.currentItem()))
+        self.addAction(self._there)
         self._list.itemClicked.connect(self._choose)
         self._list.itemActivated.connect(self._choose)
         layout = QVBoxLayout(self)
@@ -46,6 +50,15 @@ class HistoryPanel(QWidget):
     def current(self) -> int:
         """Index of the marked line."""
         return self._list.currentRow()
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The marked line; the line at a point is marked first. See `MenuOwner`."""
+        viewport = self._list.viewport()
+        item = self._list.itemAt(viewport.mapFrom(self, point)) if point is not None else self._list.currentItem()
+        if item is None:
+            return "", QPoint()
+        self._list.setCurrentItem(item)
+        return "history", viewport.mapTo(self, self._list.visualItemRect(item).center()) if point is None else point
 
     def show_changes(self, changes: Sequence[ChangeInWords], done: int) -> None:
         """List changes, of which the first `done` are in effect."""
