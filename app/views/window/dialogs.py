@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -34,11 +35,18 @@ def ask_where_to_save(parent: QWidget, suggestion: str) -> str:
     return chosen + SUFFIX if chosen and Path(chosen).suffix.lower() != SUFFIX else chosen
 
 
-def ask_about_unsaved(parent: QWidget, name: str) -> Answer:
-    """What to do with unsaved work called `name`."""
+def would_be_lost(parts: Sequence[str]) -> str:
+    """A sentence on what would be lost."""
+    listed = ", ".join(parts[:-1])
+    named = tr("{parts} and {last}").format(parts=listed, last=parts[-1]) if listed else "".join(parts)
+    return tr("This would be lost: {parts}.").format(parts=named)
+
+
+def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer:
+    """What to do with unsaved work called `name`; `lost` tells what would be lost."""
     box = QMessageBox(QMessageBox.Icon.Warning, tr("Unsaved work"), tr("Save the work on “{name}”?").format(name=name))
     box.setParent(parent, box.windowFlags())
-    box.setInformativeText(tr("The drawing, the parameters and the review of the contours would be lost."))
+    box.setInformativeText(would_be_lost(lost))
     standard = QMessageBox.StandardButton
     box.setStandardButtons(standard.Save | standard.Discard | standard.Cancel)
     box.setDefaultButton(standard.Save)
