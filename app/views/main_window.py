@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from PySide6.QtCore import QByteArray, QEvent, QSize, Qt
-from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
-from PySide6.QtWidgets import QAbstractButton, QMainWindow
+from PySide6.QtCore import QByteArray, QSize, Qt
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent
+from PySide6.QtWidgets import QMainWindow
 
+from app.model.display.lengths import prefer_unit
+from app.model.preferences.table import UNIT
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.session.workspace import Workspace
@@ -27,7 +30,10 @@ from app.views.widgets.actions import Actions
 from app.views.window.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.garbage import GarbageCollector
-from app.views.window.menus import Menus
+from app.views.window.keys.areas import Areas
+from app.views.window.keys.keyboard import Keyboard
+from app.views.window.keys.shortcuts import Shortcuts, use_keys
+from app.views.window.menus import MENUS, Menus
 from app.views.window.tool_bar import ToolBar
 from app.views.window.tool_palette import ToolPalette
 
@@ -56,25 +62,15 @@ class MainWindow(QMainWindow):
         self.workspace = workspace
         self.session = session = workspace.session
         self.preferences = preferences or Preferences(self)
+        self.preferences.follow(UNIT, lambda: prefer_unit(self.preferences.value(UNIT)))
         self._garbage = GarbageCollector(self)
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
         self.canvas_area = CanvasArea(workspace)
         self.setCentralWidget(self.canvas_area)
-        context = FeatureContext(
-            window=self,
-            workspace=workspace,
-            canvas_area=self.canvas_area,
-            preferences=self.preferences,
-            action_specs=lambda: self.actions_by_name.specs,
-            preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
-            reveal=self._reveal,
-            use_theme=self.use_theme,
-            refresh=self.refresh,
-            open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
-            show_menu=lambda name, at: self.menus[name].popup(at),  # the menus are made after the features
-        )
+        self._keyboard = Keyboard(self, self.canvas_area.canvas)
+        context = self._make_context()
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
         specs = [spec for feature in self.features.values() for spec in feature.action_specs()]
         self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.import_file
@@ -84,15 +80,14 @@ class MainWindow(QMainWindow):
         self.menus = Menus(self.menuBar(), specs, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels()]
         self.panels = {panel.name: panel.widget for panel in panels}
-        self.docks = Docks(self, panels)
+        self.areas = Areas(self.canvas_area.canvas, self.panels, self._reveal)
+        self.docks = Docks(self, panels, self.areas)
+        self.shortcuts = self._make_shortcuts()
         restore = QAction(tr("Restore pane&ls"), self)
         restore.setStatusTip(tr("Move every panel to its initial place."))
         restore.triggered.connect(self.docks.restore)
-        self.menus.add_section("View", (*(dock.toggleViewAction() for dock in self.docks), restore))
-        self._palette_of_tools = ToolPalette(self.actions_by_name)
-        self._bar = ToolBar(self.actions_by_name, self.feature(RunControlFeature).speed)
-        self.addToolBar(self._bar)
-        self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, self._palette_of_tools)
+        self.menus.add_section("View", (*self.docks.actions, restore))
+        self._palette_of_tools = self._add_bars()
         self.pointer_readout = PointerReadout(session, self.canvas_area.canvas)
         self.statusBar().addPermanentWidget(self.pointer_readout)
         session.status_changed.connect(self._show)
@@ -129,19 +124,6 @@ class MainWindow(QMainWindow):
 
     # Called by Qt
 
-    def event(self, event: QEvent) -> bool:
-        """Let Space press the focused button instead of running the shortcut of the window."""
-        if (
-            event.type() == QEvent.Type.ShortcutOverride
-            and isinstance(event, QKeyEvent)
-            and event.key() == Qt.Key.Key_Space
-            and not event.modifiers()
-            and isinstance(self.focusWidget(), QAbstractButton)
-        ):
-            event.accept()
-            return True
-        return super().event(event)
-
     def closeEvent(self, event: QCloseEvent) -> None:
         """Hide at once, then stop the worker; a feature may keep the window open."""
         if not all(feature.close() for feature in self.features.values()):
@@ -167,6 +149,47 @@ class MainWindow(QMainWindow):
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features
+
+    def _make_context(self) -> FeatureContext:
+        return FeatureContext(
+            window=self,
+            workspace=self.workspace,
+            canvas_area=self.canvas_area,
+            preferences=self.preferences,
+            action_specs=lambda: self.actions_by_name.specs,
+            preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
+            shortcuts=lambda: self.shortcuts,
+            reveal=self._reveal,
+            areas=lambda: self.areas,
+            use_theme=self.use_theme,
+            refresh=self.refresh,
+            open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
+            show_menu=lambda name, at: self.menus[name].popup(at),  # the menus are made after the features
+        )
+
+    def _make_shortcuts(self) -> Shortcuts:
+        made = Shortcuts(self.preferences, self)
+        for spec in self.actions_by_name.specs:
+            menu = spec.menu.partition(">")[0]
+            group = tr("Tools") if spec.group == "tool" else MENUS[menu].replace("&", "")
+            title = spec.text.replace("&", "").rstrip("…")
+            made.add(spec.name, title, group, spec.shortcuts, partial(self.actions_by_name.use_keys, spec.name))
+        for action in self.docks.actions:
+            keys = [key.toString() for key in action.shortcuts()]
+            made.add(action.objectName(), action.text(), tr("Panels"), keys, partial(use_keys, action))
+        made.changed.connect(self._use_keys)
+        self._use_keys()
+        return made
+
+    def _use_keys(self) -> None:
+        for feature in self.features.values():
+            feature.use_keys()
+
+    def _add_bars(self) -> ToolPalette:
+        palette = ToolPalette(self.actions_by_name)
+        self.addToolBar(ToolBar(self.actions_by_name, self.feature(RunControlFeature).speed))
+        self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, palette)
+        return palette
 
     def _show(self) -> None:
         self.actions_by_name.show(self.session.situation)

@@ -78,11 +78,15 @@ class CanvasArea(QWidget):
         self._draw()
 
     def use_tool(self, name: str) -> None:
-        """Change the tool; a drawing tool deselects the shape, because its handles would be in the way."""
+        """Change the tool, and give the keyboard to the canvas.
+
+        A drawing tool deselects the shape, because its handles would be in the way.
+        """
         self.canvas.use(self._tools[name])
         if name != "select":
             self._session.select(None)
         self.crosshair.move(0.0, 0.0)
+        self.canvas.setFocus()
         self.show_hint(self._hint)
 
     def escape(self) -> None:

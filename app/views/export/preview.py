@@ -14,6 +14,7 @@ from app.model.display.display_image import DisplayImage
 from app.model.text.language import tr
 from app.views.canvas.coordinates import to_xy
 from app.views.theme import theme
+from app.views.theme.look import look
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.contours.appearance import rgb
 from cpm_core.formats.masks.labels import palette
@@ -68,12 +69,14 @@ class Preview(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         zoom = size.width() / self._cols  # the center of the first pixel is (0, 0)
         onto = QTransform(zoom, 0, 0, zoom, placed.x() + 0.5 * zoom, placed.y() + 0.5 * zoom)
-        pale = QPen(QColor(theme.REJECTED), _PALE, Qt.PenStyle.DashLine)
+        pale = QPen(QColor(look().color(theme.REJECTED)), _PALE, Qt.PenStyle.DashLine)
         for contour in self._left_out:
             painter.strokePath(onto.map(_path(contour.path)), pale)
         self._draw_written(painter, onto)
         for bridge in self._bridges:
-            painter.strokePath(onto.map(_path(bridge)), QPen(QColor(theme.BRIDGE), 1.4 * _LINE, Qt.PenStyle.DotLine))
+            painter.strokePath(
+                onto.map(_path(bridge)), QPen(QColor(look().color(theme.BRIDGE)), 1.4 * _LINE, Qt.PenStyle.DotLine)
+            )
         painter.end()
 
     def _draw_written(self, painter: QPainter, onto: QTransform) -> None:
@@ -89,7 +92,11 @@ class Preview(QWidget):
         for path in paths:
             painter.strokePath(path, QPen(QColor(theme.HALO), _HALO))
         for contour, path in zip(self._written, paths, strict=True):
-            own = QColor(*rgb(contour)) if contour.color else QColor(theme.CLOSED if contour.closed else theme.OPEN)
+            own = (
+                QColor(*rgb(contour))
+                if contour.color
+                else QColor(look().color(theme.CLOSED if contour.closed else theme.OPEN))
+            )
             painter.strokePath(path, QPen(own, _LINE))
 
 

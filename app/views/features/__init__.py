@@ -24,6 +24,7 @@ from app.views.features.run.tasks import TasksFeature
 from app.views.features.run.timeline import TimelineFeature
 from app.views.features.view.animation import AnimationFeature
 from app.views.features.view.appearance import AppearanceFeature
+from app.views.features.view.keyboard import KeyboardFeature
 from app.views.features.view.layers import LayersFeature
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.window.feature import Feature
@@ -52,6 +53,7 @@ FEATURES: tuple[type[Feature], ...] = (
     MosaicFeature,
     HistoryFeature,
     LayersFeature,
+    KeyboardFeature,
     AppearanceFeature,
     PreferencesFeature,
     HelpFeature,

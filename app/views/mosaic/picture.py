@@ -12,6 +12,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QTransfo
 from app.model.display.display_image import DisplayImage
 from app.views.canvas.coordinates import to_xy
 from app.views.theme import theme
+from app.views.theme.look import look
 from cpm_core.contours.contour import Contour
 
 _LINE, _HALO = 1.8, 3.2
@@ -56,7 +57,7 @@ class Picture:
 
 
 def _color(contour: Contour) -> str:
-    return contour.color or (theme.CLOSED if contour.closed else theme.OPEN)
+    return contour.color or look().color(theme.CLOSED if contour.closed else theme.OPEN)
 
 
 def _path(contour: Contour) -> QPainterPath:

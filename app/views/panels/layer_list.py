@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
@@ -11,7 +13,6 @@ from app.views.canvas.layers.layer import Layer
 from app.views.theme import theme
 from app.views.theme.icons import swatch
 from app.views.widgets.marked_slider import MarkedSlider
-from app.views.widgets.space_key import own_space
 
 _FOLD, _OPACITY = 18, 84
 """Widths [px]."""
@@ -28,13 +29,18 @@ class LayersPanel(QWidget):
         self.boxes: dict[str, QCheckBox] = {name: row.box for name, row in self.rows.items()}
         scrolled = QWidget()
         scrolled.setObjectName("scrolled")
+        self.setFocusProxy(next(iter(self.boxes.values())))
         column = QVBoxLayout(scrolled)
         column.setContentsMargins(0, 0, 8, 0)
         column.setSpacing(3)
         for row in self.rows.values():
             column.addWidget(row)
             row.unfolded.connect(self._bring_into_view)
-        column.addLayout(_legend())
+        self._entries = (
+            _Entry(theme.JUNCTION, tr("Junctions"), tr("Points where contours meet.")),
+            _Entry(theme.BRIDGE, tr("Bridged gaps"), tr("Parts of contours that bridge a gap in the edge.")),
+        )
+        column.addLayout(_side_by_side(self._entries))
         column.addStretch(1)
         self._area = area = QScrollArea()
         area.setWidget(scrolled)
@@ -44,6 +50,18 @@ class LayersPanel(QWidget):
         outer.setContentsMargins(6, 8, 4, 4)
         outer.addWidget(area)
 
+    def show_colors(self) -> None:
+        """Show the colors in use, which the preferences change."""
+        for row in self.rows.values():
+            row.show_color()
+        for entry in self._entries:
+            entry.show_color()
+
+    def show_keys(self, keys: Mapping[str, Sequence[str]]) -> None:
+        """Name the keys of layers, by their names, in the tooltips."""
+        for name, row in self.rows.items():
+            row.show_key(next(iter(keys.get(name, ())), ""))
+
     def _bring_into_view(self) -> None:
         row = self.sender()
         if isinstance(row, LayerRow):
@@ -51,19 +69,32 @@ class LayersPanel(QWidget):
             QTimer.singleShot(0, row, lambda: self._area.ensureWidgetVisible(row, 0, 4))
 
 
-def _legend() -> QHBoxLayout:
-    """Legend of the marks on contours that have no layer of their own."""
+class _Entry(QWidget):
+    """An entry of the legend for marks on contours that have no layer of their own."""
+
+    def __init__(self, color: str, title: str, tip: str) -> None:
+        super().__init__()
+        self._color = color
+        self._mark = QLabel()
+        self.setToolTip(tip)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(4)
+        row.addWidget(self._mark)
+        row.addWidget(QLabel(title))
+        self.show_color()
+
+    def show_color(self) -> None:
+        """Show the color in use."""
+        self._mark.setPixmap(swatch(self._color).pixmap(16, 14))
+
+
+def _side_by_side(entries: Sequence[QWidget]) -> QHBoxLayout:
     row = QHBoxLayout()
     row.setContentsMargins(20, 4, 0, 0)
     row.setSpacing(16)
-    junction = QLabel(tr("◆ Junctions"))
-    junction.setStyleSheet(f"color: {theme.JUNCTION}")
-    junction.setToolTip(tr("Points where contours meet."))
-    # It has the color of the text: on the canvas it is recognized by its dashes.
-    bridge = QLabel(tr("╍╍ Bridged gaps"))
-    bridge.setToolTip(tr("Parts of contours that bridge a gap in the edge."))
-    row.addWidget(junction)
-    row.addWidget(bridge)
+    for entry in entries:
+        row.addWidget(entry)
     row.addStretch(1)
     return row
 
@@ -78,8 +109,9 @@ class LayerRow(QWidget):
         super().__init__()
         self.layer = layer
         self.box = self._make_box()
+        self.show_color()
+        self.show_key(layer.shortcut)
         self.fold = self._make_fold()
-        own_space(self.box, self.fold)
         self.opacity = MarkedSlider(_LOWEST_OPACITY, 1.0, _OPACITY_STEP, None)
         self.opacity.setFixedWidth(_OPACITY)
         self.opacity.setAccessibleName(tr("Opacity: {layer}").format(layer=layer.title))
@@ -102,13 +134,19 @@ class LayerRow(QWidget):
         layer.changed.connect(self._show)
         self._show()
 
+    def show_color(self) -> None:
+        """Show the colors in use."""
+        if self.layer.colors:
+            self.box.setIcon(swatch(*self.layer.colors))
+
+    def show_key(self, key: str) -> None:
+        """Name the key in the tooltip."""
+        self.box.setToolTip(f"{self.layer.tip} ({key})" if key else self.layer.tip)
+
     def _make_box(self) -> QCheckBox:
         layer = self.layer
         box = QCheckBox(layer.title)
-        if layer.colors:
-            box.setIcon(swatch(*layer.colors))
-            box.setIconSize(QSize(16 * len(layer.colors), 14))
-        box.setToolTip(f"{layer.tip} ({layer.shortcut})" if layer.shortcut else layer.tip)
+        box.setIconSize(QSize(16 * max(len(layer.colors), 1), 14))
         box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         return box
 

@@ -20,6 +20,8 @@ from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
+from app.views.window.keys.areas import Areas
+from app.views.window.keys.shortcuts import Shortcuts
 
 Area = Literal["left", "right", "bottom"]
 
@@ -41,9 +43,13 @@ class FeatureContext:
     action_specs : callable
         Returns all actions, once the window is built.
     preference_rows : callable
-        Returns all rows of the preferences dialog, once the window is built.
+        Returns the rows of the preferences dialog that are more than a value, once the window is built.
+    shortcuts : callable
+        Returns the keys of all actions, once the window is built.
     reveal : callable
         Opens a panel by name and brings it to the front.
+    areas : callable
+        Returns what gives the keyboard to panels, once the window is built.
     use_theme : callable
         Sets the theme of the window.
     refresh : callable
@@ -60,7 +66,9 @@ class FeatureContext:
     preferences: Preferences
     action_specs: Callable[[], Iterable[ActionSpec]]
     preference_rows: Callable[[], Iterable[PreferenceRow]]
+    shortcuts: Callable[[], Shortcuts]
     reveal: Callable[[str], None]
+    areas: Callable[[], Areas]
     use_theme: Callable[[Theme], None]
     refresh: Callable[[], None]
     open_file: Callable[[Path, bool], None]
@@ -118,11 +126,14 @@ class Feature:
         return ()
 
     def preferences(self) -> Sequence[PreferenceRow]:
-        """Its rows of the preferences dialog."""
+        """Its rows of the preferences dialog that are more than the value of a preference."""
         return ()
 
     def use_theme(self, theme: Theme) -> None:
         """Apply the colors of a theme that the palette does not set."""
+
+    def use_keys(self) -> None:
+        """Show the keys of actions, at first and when the user has changed them."""
 
     def close(self) -> bool:
         """End its work before the window closes; False keeps the window open."""

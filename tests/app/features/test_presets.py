@@ -143,7 +143,7 @@ def gallery(window) -> PresetGallery:
 def test_a_preset_is_chosen_from_the_gallery_with_the_keys_and_undone(window, hand, gallery) -> None:
     assert gallery.current.key == "shape"
     gallery.setFocus()
-    hand.qtbot.keyClick(gallery, Qt.Key.Key_Space)
+    hand.qtbot.keyClick(gallery, Qt.Key.Key_Return)
     assert gallery.popup.isVisible()
     hand.qtbot.keyClick(gallery.pictures, Qt.Key.Key_Right)
     hand.qtbot.keyClick(gallery.pictures, Qt.Key.Key_Return)
@@ -181,7 +181,7 @@ def test_own_presets_are_saved_with_a_picture_renamed_shared_and_deleted(
     preset_files.rename.trigger()
     assert gallery.current.name == "Softer"
     shared = tmp_path / "softer.cpmpreset"
-    monkeypatch.setattr(dialogs, "ask_for_preset", lambda parent, names, question: names[0])
+    monkeypatch.setattr(dialogs, "ask_for_preset", lambda parent, names, question, button: names[0])
     monkeypatch.setattr(dialogs, "ask_where_to", lambda parent, suggestion: str(shared))
     preset_files.export_action.trigger()
     monkeypatch.setattr(dialogs, "agrees_to_delete", lambda parent, name: True)

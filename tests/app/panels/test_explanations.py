@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QCheckBox, QLabel
+from PySide6.QtWidgets import QLabel
 
 from app.model.parameters.controls import controls
+from app.model.preferences.table import MOTION, WORDING
 from app.model.text.wording import WORDS, rich
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.panels.parameters.illustration import Illustration
@@ -54,7 +55,7 @@ def test_an_illustration_is_animated_only_while_it_is_visible_and_animation_is_o
     hand.wait(lambda: illustration.moving)
     window.actions_by_name["motion"].trigger()
     assert not illustration.moving
-    assert window.preferences.get("motion", True) is False
+    assert window.preferences.value(MOTION) is False
     window.actions_by_name["motion"].trigger()
     assert illustration.moving
     window.docks["layers"].raise_()
@@ -107,7 +108,7 @@ def test_plain_and_formula_labels_are_switched_from_the_menu_and_remembered(wind
     assert "Calm" not in row.findChild(QLabel).text()
     assert row.findChild(QLabel).text().startswith("<i>β</i>")
     assert row.slider.accessibleName() == "Damping"
-    assert window.preferences.get("parameters/wording", "") == "formula"
+    assert window.preferences.value(WORDING) == "formula"
     window.actions_by_name["wording_intuitive"].trigger()
     assert "Calm" in row.findChild(QLabel).text()
 
@@ -119,7 +120,7 @@ def test_symbols_are_set_with_subscripts() -> None:
 
 def test_the_preferences_offer_wording_animation_and_colors(window, hand) -> None:
     dialog = window.feature(PreferencesFeature).show()
-    wording, motion, colors = (dialog.rows[label] for label in ("Wording", "Illustrations", "Colors"))
+    wording, motion, colors = (dialog.rows[label] for label in ("Wording", "Illustrations", "Colors of the window"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
     wording.activated.emit(1)
     assert window.actions_by_name["wording_formula"].isChecked()
@@ -130,16 +131,3 @@ def test_the_preferences_offer_wording_animation_and_colors(window, hand) -> Non
     assert window.actions_by_name["theme_dark"].isChecked()
     assert window.palette().window().color().lightness() < 60
     dialog.reject()
-
-
-def test_space_presses_the_focused_button_and_does_not_start_a_run(ready, hand) -> None:
-    box = ready.panels["parameters"].rows["smoothing"].findChild(QCheckBox)
-    ready.panels["parameters"].advanced.fold.click()
-    hand.wait(box.isVisible)
-    box.setFocus(Qt.FocusReason.TabFocusReason)
-    hand.key(Qt.Key.Key_Space)
-    assert ready.session.document.parameters.smoothing == "auto"
-    assert ready.session.status.phase == "ready"
-    ready.canvas_area.canvas.setFocus()
-    hand.key(Qt.Key.Key_Space)
-    assert ready.session.status.phase != "ready"

@@ -9,6 +9,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QMenu
 
 from app.model.document import marking
+from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.views.canvas.naming import NameField
@@ -31,6 +32,7 @@ class ContoursFeature(Feature):
         self._review = context.workspace.review
         self._layer = canvas.layers.contours
         self.panel = ContourPanel(session, self._review, self._fill_colors)
+        context.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(canvas, tr("Name of the contour"))
         self._keys = _CanvasKeys(self)
         canvas.installEventFilter(self._keys)
@@ -46,7 +48,7 @@ class ContoursFeature(Feature):
         """Table, selection, verdicts, names, colors."""
         return (
             ActionSpec(name="contour_table", menu="Contours", text=tr("&Table of contours"),
-                       do=lambda: self.context.reveal("contours"), shortcuts=("Ctrl+T",),
+                       do=lambda: self.context.areas().enter("contours"), shortcuts=("Ctrl+T",),
                        tip=tr("Show the measures and the review of each contour.")),
             ActionSpec(name="next_contour", menu="Contours", text=tr("Select ne&xt contour"), do=self._select_next,
                        shortcuts=("Shift+N",), tip=tr("Select one contour after the other, longest first."), gap=True,

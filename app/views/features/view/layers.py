@@ -13,7 +13,8 @@ from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.panels.layer_list import LayersPanel
-from app.views.widgets.action_spec import STATE, ActionSpec
+from app.views.theme.theme import Theme
+from app.views.widgets.action_spec import LAYER, STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 _KEY = "layers/{layer}"
@@ -59,6 +60,16 @@ class LayersFeature(Feature):
         """The layers."""
         return (Panel(name="layers", title=tr("Layers"), widget=self._panel, tab="settings", shortcut="F8"),)
 
+    def use_theme(self, theme: Theme) -> None:
+        """Show the colors of layers; the preferences may have changed them."""
+        self._panel.show_colors()
+
+    def use_keys(self) -> None:
+        """Name the keys of layers in their tooltips."""
+        prefix = LAYER
+        specs = [spec for spec in self.context.action_specs() if spec.name.startswith(prefix)]
+        self._panel.show_keys({spec.name.removeprefix(prefix): spec.shortcuts for spec in specs})
+
     def close(self) -> bool:
         """Keep the settings of layers for the next start; their visibility is not kept."""
         for layer in self.context.canvas_area.canvas.layers:
@@ -90,7 +101,7 @@ def _colorings(layer: ParticleLayer) -> list[ActionSpec]:
 
 
 def _toggle(layer: Layer, first: bool) -> ActionSpec:
-    return ActionSpec(name=f"layer_{layer.name}", menu="View", text=layer.title,
+    return ActionSpec(name=f"{LAYER}{layer.name}", menu="View", text=layer.title,
                       do=lambda: layer.set_shown(not layer.shown),
                       shortcuts=(layer.shortcut,) if layer.shortcut else (),
                       tip=tr("Show or hide: {layer}").format(layer=layer.tip), group=STATE, checked=layer.shown,
