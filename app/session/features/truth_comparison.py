@@ -18,7 +18,7 @@ from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats.ground_truth_file import load_truth
-from cpm_core.formats.sessions.session_file import TruthFile
+from cpm_core.formats.sessions.beside_document import TruthFile
 
 
 @dataclass(frozen=True, eq=False, slots=True)

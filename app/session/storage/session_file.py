@@ -13,9 +13,10 @@ from app.model.document.saving import View, changed_parts, to_file
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened, Report
 from app.session.session import Session
-from app.session.storage.runs.run_keeping import RunKeeping
+from app.session.storage.run_keeping import RunKeeping
 from app.session.tasks.tasks import Task
-from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, TruthFile, save_session
+from cpm_core.formats.sessions.beside_document import TruthFile
+from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from app.model.document.modes import MODES
 from app.session.timeline.branches import BranchNode
 from app.session.timeline.outline import Outline
 from app.session.timeline.run_actions import RunAction, Stepped
-from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import Timeline
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array

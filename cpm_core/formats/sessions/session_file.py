@@ -16,6 +16,7 @@ from cpm_core.contours.contour import present_names
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
 from cpm_core.formats.sessions.plain_values import (
     from_plain,
     mapping,
@@ -74,28 +75,6 @@ class ImageFile:
     sha256: str = ""
     shape: tuple[int, ...] = ()
     elsewhere: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class TruthFile:
-    """The ground truth of a session.
-
-    Attributes
-    ----------
-    path : str
-        Its file; a relative path starts at the folder of the session file.
-    absolute : str
-        Another path where it may be.
-    tolerance : float
-        Distance up to which boundaries count as the same [px].
-    holes : bool
-        Whether a contour inside another one is a hole.
-    """
-
-    path: str
-    absolute: str = ""
-    tolerance: float = 2.0
-    holes: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,7 +176,7 @@ def encode(session: SessionFile, folder: Path) -> bytes:
     plain["outlined"] = to_plain(session.outlined)
     plain["view"] = dict(session.view)
     if session.truth is not None:
-        plain["truth"] = {**to_plain(session.truth), **_place_to_plain(session.truth.path, folder)}
+        plain["truth"] = {**to_plain(session.truth), **place_to_plain(session.truth.path, folder)}
     plain.update(session.extra)
     if session.runs:
         plain["runs"] = dict(session.runs)
@@ -241,7 +220,7 @@ def decode(content: bytes, name: str) -> SessionFile:
     plain = parsed(content, name)
     try:
         parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
-        runs, truth, faults = _beside_document(plain)
+        runs, truth, faults = beside_document(plain)
         left_out = f"Parameters that are not known here were left out: {shown(', '.join(unknown))}."
         return SessionFile(
             image=_image(plain["image"]) if plain.get("image") is not None else None,
@@ -263,23 +242,6 @@ def decode(content: bytes, name: str) -> SessionFile:
         )
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
-
-
-def _beside_document(plain: Plain) -> tuple[Plain, TruthFile | None, tuple[str, ...]]:
-    """Runs and ground truth, and sentences on what is wrong with them: the document is of use without them."""
-    faults: list[str] = []
-    runs, truth = plain.get("runs", {}), None
-    if not isinstance(runs, dict):
-        faults.append(f"The recorded runs were left out: they are {shown(runs)}, not an object with named values.")
-        runs = {}
-    try:
-        truth = None if plain.get("truth") is None else from_plain(TruthFile, plain["truth"], "truth")
-        if truth is not None and (not truth.path or "\0" in truth.path + truth.absolute or truth.tolerance < 0.0):
-            raise ValueError(f"truth names {shown(truth.path)} within {truth.tolerance:g} px.")
-    except ValueError as error:
-        truth = None
-        faults.append(f"The ground truth was left out: {error}")
-    return runs, truth, tuple(faults)
 
 
 def _mark(plain: object, where: str) -> Mark:
@@ -346,18 +308,10 @@ def _image(plain: object) -> ImageFile:
 
 
 def _image_to_plain(image: ImageFile, folder: Path) -> dict[str, Any]:
-    plain = _place_to_plain(image.path, folder)
+    plain = place_to_plain(image.path, folder)
     if not Path(image.path).is_absolute() and image.elsewhere:
         plain["absolute"] = image.elsewhere[0]
     return {**plain, "sha256": image.sha256, "shape": list(image.shape)}
-
-
-def _place_to_plain(place: str, folder: Path) -> dict[str, Any]:
-    """A path relative to a folder if it lies there, with the absolute one, else as it is."""
-    path, folder = Path(place), folder.resolve()
-    if path.is_absolute() and path.is_relative_to(folder):
-        return {"path": path.relative_to(folder).as_posix(), "absolute": str(path)}
-    return {"path": place}
 
 
 def _listed(plain: Plain, name: str) -> list[tuple[int, object]]:

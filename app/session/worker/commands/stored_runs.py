@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from app.model.document.document import Document, ImageReference
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import CommandFailed, Report, RunFailed, RunsKept
-from app.session.storage.runs.plain_runs import Plain, RunsWriter, from_plain
+from app.session.timeline.stored.plain_runs import Plain, RunsWriter, from_plain
 from app.session.worker.commands.run import Command, CommandContext
 
 
