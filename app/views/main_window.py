@@ -27,7 +27,7 @@ from app.views.features.view.appearance import AppearanceFeature
 from app.views.theme import theme
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.actions import Actions
-from app.views.window.docks import Docks
+from app.views.window.docking.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.garbage import GarbageCollector
 from app.views.window.keys.areas import Areas
@@ -42,8 +42,8 @@ P = TypeVar("P", bound=Feature)
 _SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
 """Preferred size of the window, and space on the screen for its frame."""
 
-_GEOMETRY, _LAYOUT = "window/geometry", "window/panels"
-"""Keys of the preferences for the geometry of the window and the layout of its panels."""
+_GEOMETRY, _LAYOUT, _HEIGHTS = "window/geometry", "window/panels", "window/heights"
+"""Keys of the preferences for the geometry of the window, the layout of its panels, and the heights of those below."""
 
 
 class MainWindow(QMainWindow):
@@ -131,6 +131,7 @@ class MainWindow(QMainWindow):
             return
         self.preferences.put(_GEOMETRY, self.saveGeometry())
         self.preferences.put(_LAYOUT, self.saveState(self.docks.version))
+        self.preferences.put(_HEIGHTS, self.docks.heights.chosen)
         self.docks.leave()
         self.hide()
         self.workspace.close()
@@ -199,3 +200,4 @@ class MainWindow(QMainWindow):
         if not geometry.isEmpty():
             self.restoreGeometry(geometry)
             self.restoreState(self.preferences.get(_LAYOUT, QByteArray()), self.docks.version)
+            self.docks.heights.chosen = self.preferences.get(_HEIGHTS, [])

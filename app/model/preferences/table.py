@@ -39,8 +39,8 @@ UNIT = Choice(
             "lengths in px."),
 )  # fmt: skip
 WORDING = Choice(
-    name="parameters/wording", page="general", label=tr("Wording"), default=FIRST_WORDING,
-    ways={"intuitive": tr("Parameters in plain words"), "formula": tr("Parameters as in the formulas")},
+    name="parameters/wording", page="general", label=tr("Labels"), default=FIRST_WORDING,
+    ways={"name": tr("Names of parameters first"), "symbol": tr("Symbols of parameters first")},
 )  # fmt: skip
 MOTION = Flag(
     name="motion", page="general", label=tr("Illustrations"), default=True, text=tr("Animate the illustrations")

@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPaintEvent, QPen, QTransform
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from app.model.display.display_image import DisplayImage
+from app.model.display.display_image import DisplayImage, Shades
 from app.model.text.language import tr
 from app.views.canvas.coordinates import to_xy
 from app.views.theme import theme
@@ -24,6 +24,9 @@ _LINE, _HALO, _PALE = 1.6, 3.0, 1.0
 _FILL = 150
 """Opacity of filled contours, of 255."""
 
+_LARGEST = 2000
+"""Side of the image from which on it is drawn reduced [px]."""
+
 _SLIGHTLY = 0.3
 """Opacity of the image, on which contours stand out."""
 
@@ -34,7 +37,7 @@ class Preview(QWidget):
     def __init__(self, display: DisplayImage | None, shape: tuple[int, ...]) -> None:
         super().__init__()
         self._rows, self._cols = shape
-        self._image = _picture(display) if display is not None else None
+        self._image = _picture(display.reduced(_LARGEST)) if display is not None else None
         self._written: Sequence[Contour] = ()
         self._left_out: Sequence[Contour] = ()
         self._bridges: Sequence[Array] = ()
@@ -100,8 +103,8 @@ class Preview(QWidget):
             painter.strokePath(path, QPen(own, _LINE))
 
 
-def _picture(display: DisplayImage) -> QImage:
-    gray = np.ascontiguousarray(display)
+def _picture(shades: Shades) -> QImage:
+    gray = np.ascontiguousarray(shades)
     rows, cols = gray.shape[:2]
     kind = QImage.Format.Format_Grayscale8 if gray.ndim == 2 else QImage.Format.Format_RGB888
     return QImage(gray.data, cols, rows, gray.strides[0], kind).copy()

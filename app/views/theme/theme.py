@@ -124,8 +124,11 @@ def _palette(theme: Theme) -> QPalette:
     }
     for key, color in colors.items():
         palette.setColor(key, QColor(color))
+    disabled = QPalette.ColorGroup.Disabled
     for key in (role.WindowText, role.Text, role.ButtonText):
-        palette.setColor(QPalette.ColorGroup.Disabled, key, QColor(theme.faded))
+        palette.setColor(disabled, key, QColor(theme.faded))
+    for key in (role.Base, role.Button):
+        palette.setColor(disabled, key, QColor(theme.window))
     return palette
 
 
@@ -147,7 +150,9 @@ def _bars(theme: Theme) -> str:
     QToolBar QToolButton:focus {{ border-color: {theme.accent}; }}
     QToolBar QToolButton:checked {{ background: {theme.button}; border-color: {theme.accent}; }}
     QToolBar QToolButton:disabled {{ color: {theme.faded}; }}
-    QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: right top; }}
+    QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: right center;
+                                            right: 3px; }}
+    QToolBar QToolButton#starts {{ padding-right: 16px; }}
     QToolBar QToolButton#qt_toolbar_ext_button {{ padding: 0; background: {theme.button}; border-color: {theme.line}; }}
     QToolBar QToolButton#primary {{ background: {theme.accent}; color: {theme.accent_text}; font-weight: 600; }}
     QToolBar QToolButton#primary:hover {{ background: {theme.accent_hover}; }}
@@ -174,6 +179,7 @@ def _panels(theme: Theme) -> str:
     QMainWindow::separator {{ width: 1px; height: 1px; background: {theme.line}; }}
     QMainWindow::separator:hover {{ background: {theme.accent}; }}
     QWidget#title {{ background: {theme.window}; border-bottom: 1px solid {theme.line}; }}
+    QWidget#upright {{ background: {theme.window}; border-right: 1px solid {theme.line}; }}
     QToolButton#quiet {{ border: 1px solid transparent; border-radius: 4px; padding: 1px; }}
     QToolButton#quiet:hover {{ background: {theme.button}; }}
     QToolButton#quiet:focus {{ border-color: {theme.accent}; }}
@@ -234,8 +240,8 @@ def _controls(theme: Theme) -> str:
     QDockWidget QToolButton#preset:hover, QFrame#popup QToolButton:hover,
     QDockWidget QToolButton#preset:focus, QFrame#popup QToolButton:focus {{ border-color: {theme.accent}; }}
     QFrame#popup QToolButton:disabled {{ color: {theme.faded}; }}
-    QComboBox:disabled, QAbstractSpinBox:disabled, QLineEdit:disabled, QPushButton:disabled,
-    QDockWidget QToolButton:disabled {{ background: {theme.window}; color: {theme.faded}; }}
+    QPushButton:disabled, QDockWidget QToolButton#preset:disabled, QFrame#popup QToolButton:disabled {{
+        background: {theme.window}; color: {theme.faded}; }}
     QDialogButtonBox, QMessageBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
     QMessageBox QLabel#qt_msgbox_label {{ font-weight: 600; min-width: 320px; }}
     QMessageBox QLabel#qt_msgbox_informativelabel {{ min-width: 320px; }}

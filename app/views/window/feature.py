@@ -98,6 +98,10 @@ class Panel:
         Panels of one area with the same value are tabbed; empty for a panel without tab.
     shown : bool
         Whether it is initially open.
+    fitted : bool
+        Whether its height follows what it shows, as far as there is room.
+    height : int
+        Initial height of the area below the canvas while it is in front; 0 for the least [px].
     shortcut : str
         Key that opens or closes it.
     """
@@ -108,6 +112,8 @@ class Panel:
     area: Area = "right"
     tab: str = ""
     shown: bool = True
+    fitted: bool = False
+    height: int = 0
     shortcut: str = ""
 
 

@@ -86,7 +86,7 @@ class ContoursFeature(Feature):
         """The table."""
         return (
             Panel(name="contours", title=tr("Contours"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  shortcut="F11"),
+                  height=250, shortcut="F11"),
         )  # fmt: skip
 
     def ask_name(self) -> None:

@@ -115,7 +115,7 @@ class ObjectsFeature(Feature):
         """The table."""
         return (
             Panel(name="objects", title=tr("Objects"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  shortcut="F10"),
+                  height=250, shortcut="F10"),
         )  # fmt: skip
 
     def ask_name(self) -> None:

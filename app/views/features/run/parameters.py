@@ -17,8 +17,8 @@ from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 _WORDINGS: tuple[tuple[Wording, str, str], ...] = (
-    ("intuitive", tr("Parameters in plain &words"), tr("Label parameters by their effect.")),
-    ("formula", tr("Parameters as in the for&mulas"), tr("Label parameters by symbol and name.")),
+    ("name", tr("&Names of parameters first"), tr("Label parameters by name and symbol.")),
+    ("symbol", tr("S&ymbols of parameters first"), tr("Label parameters by symbol and name, as in the formulas.")),
 )
 
 
