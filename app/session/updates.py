@@ -139,7 +139,8 @@ class Progress:
             case RunsRestored(generation, _, shown):
                 self._busy.pop("restoring", None)
                 if shown and generation == self._session.generation:
-                    self._known = replace(self._known, phase="paused")
+                    # the state that is shown may have been taken before this report
+                    self._known = replace(self._known, phase="finished" if self._known.stop_reason else "paused")
             case RunFailed(generation, sentence):
                 self._busy.pop("restoring", None)
                 if generation == self._session.generation:
