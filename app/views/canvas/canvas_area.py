@@ -54,6 +54,9 @@ class CanvasArea(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
+        self.offers = QVBoxLayout()
+        """Lines above the canvas, which features add."""
+        layout.addLayout(self.offers)
         layout.addWidget(self.canvas, 1)
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
