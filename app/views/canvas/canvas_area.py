@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
@@ -13,6 +13,7 @@ from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
 from app.views.canvas.message_bar import MessageBar
+from app.views.canvas.pointed import Pointed
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext
@@ -44,6 +45,7 @@ class CanvasArea(QWidget):
         self._review = review = workspace.review
         self._selection = workspace.object_selection
         self.canvas = Canvas(session)
+        self._pointed = Pointed(workspace)
         self.messages = MessageBar(self.canvas)
         self.hint = QLabel(self.canvas)
         self.hint.setObjectName("hint")
@@ -52,6 +54,9 @@ class CanvasArea(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
+        self.offers = QVBoxLayout()
+        """Lines above the canvas, which features add."""
+        layout.addLayout(self.offers)
         layout.addWidget(self.canvas, 1)
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
@@ -88,6 +93,15 @@ class CanvasArea(QWidget):
         self.crosshair.move(0.0, 0.0)
         self.canvas.setFocus()
         self.show_hint(self._hint)
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """What lies at a point, or at the cross-hair, or is chosen; see `MenuOwner`."""
+        keyed = self.crosshair.at
+        if point is None and keyed is None:
+            return self._pointed.chosen, self.rect().center()
+        inside = QPointF(self.canvas.mapFrom(self, point)) if point is not None else self.canvas.point(keyed or (0, 0))
+        at = self.canvas.position(inside)
+        return self._pointed.choose(at, self.canvas.reach()), self.canvas.mapTo(self, inside.toPoint())
 
     def escape(self) -> None:
         """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
@@ -184,14 +198,15 @@ class CanvasArea(QWidget):
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
             return True
         if key in _SIZES and index is not None:
-            self._grow(index, _SIZES[key])
+            self.grow(index, _SIZES[key])
             return True
         if key in _SIZES and tool is not None and tool.sized:
             tool.resize(_SIZES[key])
             return True
         return False
 
-    def _grow(self, index: int, by: float) -> None:
+    def grow(self, index: int, by: float) -> None:
+        """Make a shape larger, or smaller for `by` below 0."""
         shape = self._session.document.shapes[index]
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
         name, resized = verb.format(shape=describe(shape)), shape.resized(by)

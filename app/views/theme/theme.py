@@ -255,5 +255,6 @@ def _canvas(theme: Theme) -> str:
     QFrame#error QLabel {{ color: {theme.error_text}; }}
     QFrame#message {{ background: {theme.message}; border: none; }}
     QFrame#message QLabel {{ color: {theme.message_text}; }}
+    QFrame#offer {{ background: {theme.panel}; border: none; border-bottom: 1px solid {theme.line}; }}
     QLabel#hint {{ background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 6px 12px; }}
     """
