@@ -67,6 +67,10 @@ class ParticleLayer(Layer):
         super().show_or_hide()
         self._show_legend()
 
+    def acts(self, name: str) -> bool:
+        """Colors from low to high act only where a quantity is shown."""
+        return name != "map" or self.word("colour") != _STATE
+
     def follow_choice(self, name: str) -> None:
         """Change the colors."""
         palette = [] if self.word("colour") == _STATE else _palette(self.word("map"))
