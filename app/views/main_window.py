@@ -13,13 +13,17 @@ from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.session.workspace import Workspace
 from app.views.canvas.canvas_area import CanvasArea
-from app.views.canvas.pointer_readout import PointerReadout
+from app.views.canvas.strip.pointer_readout import PointerReadout
+from app.views.canvas.strip.zoom_field import ZoomField
 from app.views.features import FEATURES
+from app.views.features.contours.contours import ContoursFeature
+from app.views.features.contours.objects import ObjectsFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
 from app.views.features.run.parameters import ParametersFeature
 from app.views.features.run.run_control import RunControlFeature
 from app.views.features.view.appearance import AppearanceFeature
+from app.views.features.view.layers import LayersFeature
 from app.views.theme import theme
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.actions import Actions
@@ -91,7 +95,11 @@ class MainWindow(QMainWindow):
         self.addToolBar(self._bar)
         self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, self._palette_of_tools)
         self.pointer_readout = PointerReadout(session, self.canvas_area.canvas)
+        self.zoom_field = ZoomField(self.canvas_area.canvas)
         self.statusBar().addPermanentWidget(self.pointer_readout)
+        self.statusBar().addPermanentWidget(self.zoom_field)
+        for table in (self.feature(ContoursFeature).panel.table, self.feature(ObjectsFeature).panel.table):
+            table.zoom_wanted.connect(self.feature(LayersFeature).zoom_to_selection)
         session.status_changed.connect(self._show)
         self.use_theme(self.feature(AppearanceFeature).theme())
         self._show()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
@@ -11,8 +12,9 @@ from PySide6.QtCore import QObject, Signal
 from app.model.document.document import Document
 from app.model.document.saving import View, to_file
 from app.model.text.language import tr
-from app.session.exchange.messages import Opened, Report
+from app.session.exchange.messages import CommandFailed, Opened, Report
 from app.session.session import Session
+from app.session.signals import SAVING
 from app.session.tasks.tasks import Task
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 
@@ -74,6 +76,7 @@ class DocumentFile(QObject):
             self._next = path  # one write at a time
             return
         self._next = None
+        self._session.attempt(SAVING)
         file, document = self.file, self._session.document
 
         def work(task: Task) -> Report:
@@ -81,7 +84,9 @@ class DocumentFile(QObject):
             return Written(path, file, document)
 
         name = tr("Saving {name}…").format(name=path.name)
-        self._saving = self._session.tasks.start(name, work, f"saving {path.name}", cancellable=False)
+        self._saving = self._session.tasks.start(
+            name, work, f"saving {path.name}", partial(CommandFailed, topic=SAVING), cancellable=False
+        )
 
     def save_at_once(self, path: Path) -> bool:
         """Write the session file and wait for it; False, with an error message, when that fails."""
@@ -89,7 +94,7 @@ class DocumentFile(QObject):
         try:
             save_session(file, path)
         except ValueError as error:
-            self._session.say(str(error), True)
+            self._session.say(str(error), True, SAVING)
             return False
         self._use_written(Written(path, file, document))
         return True
@@ -114,7 +119,7 @@ class DocumentFile(QObject):
 
     def _use_written(self, written: Written) -> None:
         self.path, self._file, self._known = written.path, written.file, written.document
-        self._session.say(tr("Saved: {path}").format(path=written.path))
+        self._session.say(tr("Saved: {path}").format(path=written.path), topic=SAVING)
         self._announce()
 
     def _announce(self) -> None:

@@ -103,7 +103,7 @@ class Filming(QObject):
         if report.moment is None:
             self._task.cancel()
             gone = tr("The run of the film is gone, so nothing has been written.")
-            self._session.say(report.sentence or gone, True)
+            self._session.say(report.sentence or gone, True, "filming")
             self.stop()
             return
         self._take(self._renderer.draw(report))

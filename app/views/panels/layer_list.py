@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
-from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
 from app.views.canvas.layers import Layers, form_of
 from app.views.canvas.layers.layer import Layer
-from app.views.theme import theme
 from app.views.theme.icons import swatch
 from app.views.widgets.marked_slider import MarkedSlider
 from app.views.widgets.space_key import own_space
@@ -34,7 +33,6 @@ class LayersPanel(QWidget):
         for row in self.rows.values():
             column.addWidget(row)
             row.unfolded.connect(self._bring_into_view)
-        column.addLayout(_legend())
         column.addStretch(1)
         self._area = area = QScrollArea()
         area.setWidget(scrolled)
@@ -49,23 +47,6 @@ class LayersPanel(QWidget):
         if isinstance(row, LayerRow):
             # the position of the settings is known only after the layout has been updated
             QTimer.singleShot(0, row, lambda: self._area.ensureWidgetVisible(row, 0, 4))
-
-
-def _legend() -> QHBoxLayout:
-    """Legend of the marks on contours that have no layer of their own."""
-    row = QHBoxLayout()
-    row.setContentsMargins(20, 4, 0, 0)
-    row.setSpacing(16)
-    junction = QLabel(tr("◆ Junctions"))
-    junction.setStyleSheet(f"color: {theme.JUNCTION}")
-    junction.setToolTip(tr("Points where contours meet."))
-    # It has the color of the text: on the canvas it is recognized by its dashes.
-    bridge = QLabel(tr("╍╍ Bridged gaps"))
-    bridge.setToolTip(tr("Parts of contours that bridge a gap in the edge."))
-    row.addWidget(junction)
-    row.addWidget(bridge)
-    row.addStretch(1)
-    return row
 
 
 class LayerRow(QWidget):

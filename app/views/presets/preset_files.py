@@ -17,6 +17,8 @@ from app.session.storage.presets import PresetStore
 from app.views.presets.preset_gallery import PresetGallery, picture_of
 from app.views.window.feature import FeatureContext
 
+_TOPIC = "preset"
+
 
 class PresetFiles(QObject):
     """Connects the gallery of presets, their files and the session."""
@@ -62,10 +64,12 @@ class PresetFiles(QObject):
         return action
 
     def _try(self, do: Callable[[], None]) -> None:
+        session = self._context.session
+        session.attempt(_TOPIC)
         try:
             do()
         except (ValueError, OSError) as error:
-            self._context.session.say(str(error), True)
+            session.say(str(error), True, _TOPIC)
 
     def _list(self) -> None:
         self.gallery.show_presets(self.store.presets)

@@ -15,6 +15,7 @@ from app.model.state.situation import has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.features.import_points import PointsRead, read_points
+from app.session.signals import OPENING
 from app.session.storage.session_file import DocumentFile, Written
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window import dialogs
@@ -65,7 +66,7 @@ class OpenSaveFeature(Feature):
 
     def take(self, paths: Sequence[Path]) -> None:
         """Open files by their kind: images and sessions, points (which are drawn), presets (which are imported)."""
-        self.context.canvas_area.messages.hide()
+        self.context.canvas_area.messages.clear()
         documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
         for path in paths:
             if path.suffix.lower() == PRESET:
@@ -76,7 +77,7 @@ class OpenSaveFeature(Feature):
             self.context.session.open(documents[0])
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
-                self.context.session.say(message.format(count=len(documents), name=documents[0].name))
+                self.context.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
 
     def take_dropped(self, urls: Sequence[QUrl]) -> None:
         """Open files that were dropped on the window."""
@@ -84,7 +85,7 @@ class OpenSaveFeature(Feature):
         self.take([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
         if elsewhere:
             message = tr("{place} is not a file on this computer. Save it first, then open it.")
-            self.context.session.say(message.format(place=elsewhere[0].toDisplayString()), True)
+            self.context.session.say(message.format(place=elsewhere[0].toDisplayString()), True, OPENING)
 
     def save(self) -> None:
         """Save to the present file, or ask for one."""
@@ -137,7 +138,9 @@ class OpenSaveFeature(Feature):
 
     def _draw(self, path: Path) -> None:
         if self.context.session.document.image is None:
-            self.context.session.say(tr("Open an image first. Then {name} can be drawn.").format(name=path.name), True)
+            self.context.session.say(
+                tr("Open an image first. Then {name} can be drawn.").format(name=path.name), True, OPENING
+            )
         else:
             read_points(self.context.session, path)
 

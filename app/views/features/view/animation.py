@@ -87,10 +87,11 @@ class AnimationFeature(Feature):
     def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
         """Write an animation; None if it cannot be written, which is reported."""
         session = self.context.session
+        session.attempt("filming")
         try:
             check_animation(path)
         except ValueError as error:
-            session.say(str(error), True)
+            session.say(str(error), True, "filming")
             return None
         frames: queue.Queue[Pixels | None] = queue.Queue()
         task = session.tasks.start(

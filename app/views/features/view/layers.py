@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
+import numpy as np
+from PySide6.QtCore import QRectF
+
 from app.model.display.coloring import QUANTITIES
 from app.model.state.situation import has_image
 from app.model.text.language import tr
@@ -15,9 +18,13 @@ from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.panels.layer_list import LayersPanel
 from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
+from cpm_core.numerics.types import Array
 
 _KEY = "layers/{layer}"
 """Preference: the settings of a layer."""
+
+_LEGEND = "legend/folded"
+"""Preference: whether the legend is folded away."""
 
 
 class LayersFeature(Feature):
@@ -32,6 +39,34 @@ class LayersFeature(Feature):
         for layer in layers:
             layer.use_view_state(_kept(context.preferences, layer))
             layer.changed.connect(self._follow)
+        legend = context.canvas_area.strip.legend
+        legend.fold(bool(context.preferences.get(_LEGEND, False)))
+        legend.folded_changed.connect(self._fold_legend)
+        workspace = context.workspace
+        workspace.review.selection_changed.connect(context.refresh)
+        workspace.object_list.selection_changed.connect(context.refresh)
+
+    def zoom_to_selection(self) -> None:
+        """Show what is selected as large as possible."""
+        places = self._selected()
+        if places:
+            corners = np.concatenate(places)
+            (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
+            self.context.canvas_area.canvas.show_part(QRectF(left, top, right - left, bottom - top))
+
+    def _selected(self) -> list[Array]:
+        """Positions of what is selected: contours, else objects, else a shape."""
+        workspace, session = self.context.workspace, self.context.session
+        found = [item.contour.points for item in workspace.review.chosen]
+        found = found or [np.array(curve) for item in workspace.object_list.items for curve in item.boundary]
+        if not found and session.selected is not None:
+            shape = session.document.shapes[session.selected]
+            found = [shape.outline if shape.outline.size else np.array(shape.handles(), dtype=float).reshape(-1, 2)]
+        return [places for places in found if len(places)]
+
+    def _fold_legend(self, folded: bool) -> None:
+        self.context.preferences.put(_LEGEND, folded)
+        self.context.refresh()
 
     def _follow(self) -> None:
         """Refresh the menu, but only if something that it shows has changed."""
@@ -46,14 +81,25 @@ class LayersFeature(Feature):
         canvas = self.context.canvas_area.canvas
         zoom = (
             ActionSpec(name="fit", menu="View", text=tr("&Fit to window"), short=tr("Fit"), do=canvas.fit,
-                       shortcuts=("F",), tip=tr("Show the whole image."), icon="fit", when=has_image),
+                       shortcuts=("F", "Ctrl+0"), tip=tr("Show the whole image."), icon="fit", when=has_image),
+            ActionSpec(name="actual_size", menu="View", text=tr("&Actual size"), do=lambda: canvas.zoom_to(1.0),
+                       shortcuts=("Ctrl+1",), tip=tr("Show one pixel of the image on one pixel of the screen."),
+                       when=has_image),
+            ActionSpec(name="zoom_to_selection", menu="View", text=tr("Zoom to the &selection"),
+                       do=self.zoom_to_selection, shortcuts=("Z",),
+                       tip=tr("Show the selected contours, objects or shape as large as possible."),
+                       when=lambda situation: bool(self._selected())),
             ActionSpec(name="zoom_in", menu="View", text=tr("Zoom &in"), do=lambda: canvas.zoom(ZOOM),
                        shortcuts=("+", "=", "Ctrl++"), tip=tr("Zoom in.")),
             ActionSpec(name="zoom_out", menu="View", text=tr("Zoom &out"), do=lambda: canvas.zoom(1.0 / ZOOM),
                        shortcuts=("-", "Ctrl+-"), tip=tr("Zoom out.")),
         )  # fmt: skip
+        legend = self.context.canvas_area.strip.legend
+        unfold = ActionSpec(name="legend", menu="View", text=tr("Le&gend"), do=lambda: legend.fold(not legend.folded),
+                            shortcuts=("Alt+L",), tip=tr("Show or hide what the lines and dots mean."), group=STATE,
+                            gap=True, holds=lambda situation: not legend.folded)  # fmt: skip
         toggles = [_toggle(layer, index == 0) for index, layer in enumerate(canvas.layers)]
-        return (*zoom, *toggles, *_colorings(canvas.layers.particles))
+        return (*zoom, unfold, *toggles, *_colorings(canvas.layers.particles))
 
     def panels(self) -> Sequence[Panel]:
         """The layers."""

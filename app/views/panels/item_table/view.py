@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Iterable, Set
 from typing import Any
 
-from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIndex, QPersistentModelIndex, Qt
+from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIndex, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
 
@@ -64,8 +64,11 @@ class ItemTable(QTableView):
         self.setMinimumHeight(96)
         self._lay_out()
         self.entered.connect(lambda index: self.hover(self._key(index)))
-        self.doubleClicked.connect(lambda index: self._edit_name(index.row()))
+        self.doubleClicked.connect(self._take_double_click)
         self.selectionModel().selectionChanged.connect(self._report_selection)
+
+    zoom_wanted = Signal()
+    """The selected items are to be shown as large as possible."""
 
     @abstractmethod
     def hover(self, key: int | None) -> None:
@@ -178,6 +181,13 @@ class ItemTable(QTableView):
 
     def _key(self, index: QModelIndex) -> int:
         return self._rows.key(self._sorted.mapToSource(index).row())
+
+    def _take_double_click(self, index: QModelIndex) -> None:
+        """Edit a name, or show the item of another column on the canvas."""
+        if index.column() == self._rows.name_column:
+            self._edit_name(index.row())
+        else:
+            self.zoom_wanted.emit()
 
     def _edit_name(self, row: int) -> None:
         if row >= 0 and self.state() != QAbstractItemView.State.EditingState:

@@ -57,7 +57,7 @@ class DrawingLayer(Layer):
     name = "drawing"
     title = tr("Drawing")
     tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
-    shortcut = "Ctrl+3"
+    shortcut = "Alt+6"
     colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
