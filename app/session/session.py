@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QObject
 
+from app.model.document import edits
 from app.model.document.document import Document, ImageReference, Mode
-from app.model.document.modes import starting
+from app.model.document.modes import fresh_parameters, starting
 from app.model.document.samples import sample_at
 from app.model.document.saving import restored
 from app.model.export.order import ExportOrder
 from app.model.state.status import RunStatus
 from app.model.text.language import tr
 from app.session.core_functions import Core
-from app.session.exchange.messages import NotOpened, Opened
+from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.run_control import RunControl
 from app.session.scene import Scene
 from app.session.signals import EXPORTING, OPENING
 from app.session.tasks.opening import Opener, Wanted
 from app.session.worker.commands.run import Copy, Export, RunCall, WarmUp
 from app.session.worker.run import Run
+from cpm_core.parameters import Parameters
 
 
 class Session(RunControl):
@@ -31,6 +34,14 @@ class Session(RunControl):
         core = core or Core()
         super().__init__(core, parent)
         self._opener = Opener(core, self.tasks)
+        self._asked_scales = self._used_scales = self.document.parameters.scales
+        self.keeps_parameters = False
+        """Whether the next image begins with the parameters of the one before it."""
+        self.former_parameters: Parameters | None = None
+        """Parameters of the image that was open before this one."""
+        self.may_replace: Callable[[Opened], bool] = lambda opened: True
+        """Whether an image may replace what is open at once; where not, `use` opens it later."""
+        self.listen(ImageReady, lambda ready: self.use(ready.opened) if self.may_replace(ready.opened) else None)
         self.listen(Opened, self._accept)
         self.listen(NotOpened, self._keep_or_open_otherwise)
 
@@ -38,21 +49,46 @@ class Session(RunControl):
     def status(self) -> RunStatus:
         """State of the run."""
         status = super().status
-        return replace(status, busy=self._opener.opening or status.busy)
+        return replace(status, busy=self._opener.opening) if status.phase == "empty" and self.opening else status
 
-    def open(self, path: str | Path, otherwise: Path | None = None) -> None:
+    @property
+    def opening(self) -> str:
+        """What is being opened, in words; empty when nothing is. The image that is open stays in use meanwhile."""
+        return self._opener.opening
+
+    @property
+    def wanted_parameters(self) -> Parameters:
+        """The parameters as another image would take them over: with all scales, if this one has no room for them."""
+        parameters = self.document.parameters
+        clamped = parameters.scales == self._used_scales
+        return replace(parameters, scales=self._asked_scales) if clamped else parameters
+
+    def open(self, path: str | Path, otherwise: Path | None = None, resumes: bool = False) -> None:
         """Open an image or a session file, and `otherwise` when that file cannot be used.
 
-        What is open stays until the new image is known to be usable.
+        What is open stays until the new image is known to be usable. An image that `resumes` is opened with the session
+        beside it.
         """
         path = Path(path)
         sample = sample_at(path)
-        self.begin(Wanted(path, sample.parameters if sample else self.document.parameters, otherwise))
+        kept = self.wanted_parameters if self.keeps_parameters else fresh_parameters(self.document.mode)
+        self.begin(Wanted(path, sample.parameters if sample else kept, otherwise, resumes=resumes))
 
     def begin(self, wanted: Wanted) -> None:
         """Open an image or a session; see `open`."""
         self.attempt(OPENING)
         self._opener.open(wanted)
+
+    def use(self, opened: Opened) -> None:
+        """Replace what is open."""
+        self._worker_thread.report(opened)
+        self._wake()
+
+    def use_former_parameters(self) -> None:
+        """Use the parameters of the image that was open before."""
+        former = self.former_parameters
+        if former is not None:
+            self.edit(tr("parameters of the last image"), lambda document: edits.set_parameters(document, former))
 
     def export(self, path: str | Path, order: ExportOrder | None = None) -> None:
         """Write the contours that are shown, by default all but the rejected ones; the suffix gives the format."""
@@ -77,6 +113,9 @@ class Session(RunControl):
 
     def _accept(self, opened: Opened) -> None:
         """Use an image that has been opened."""
+        if self.document.image is not None:
+            self.former_parameters = self.wanted_parameters
+        self._asked_scales, self._used_scales = opened.scales, opened.parameters.scales
         self._generation = self._image_generation = self._next_generation()
         self.post(RunCall(None, Run.use, self._generation, opened.method, opened.parameters))
         self.show(Scene(opened.image, opened.display, document=self.document, selected=self.selected))

@@ -16,14 +16,12 @@ from app.views.canvas.canvas_area import CanvasArea
 from app.views.canvas.strip.pointer_readout import PointerReadout
 from app.views.canvas.strip.zoom_field import ZoomField
 from app.views.features import FEATURES
-from app.views.features.contours.contours import ContoursFeature
-from app.views.features.contours.objects import ObjectsFeature
+from app.views.features.file.folder import FolderFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
 from app.views.features.run.parameters import ParametersFeature
 from app.views.features.run.run_control import RunControlFeature
 from app.views.features.view.appearance import AppearanceFeature
-from app.views.features.view.layers import LayersFeature
 from app.views.theme import theme
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.actions import Actions
@@ -75,12 +73,14 @@ class MainWindow(QMainWindow):
             reveal=self._reveal,
             use_theme=self.use_theme,
             refresh=self.refresh,
+            open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
             show_menu=lambda name, at: self.menus[name].popup(at),  # the menus are made after the features
         )
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
         specs = [spec for feature in self.features.values() for spec in feature.action_specs()]
         self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.import_file
         self.feature(RecoveryFeature).keep(self.feature(OpenSaveFeature).document_file)
+        self.feature(FolderFeature).keep(self.feature(OpenSaveFeature).document_file)
         self.actions_by_name = Actions(self, (spec for spec in specs if isinstance(spec, ActionSpec)))
         self.menus = Menus(self.menuBar(), specs, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels()]
@@ -98,8 +98,6 @@ class MainWindow(QMainWindow):
         self.zoom_field = ZoomField(self.canvas_area.canvas)
         self.statusBar().addPermanentWidget(self.pointer_readout)
         self.statusBar().addPermanentWidget(self.zoom_field)
-        for table in (self.feature(ContoursFeature).panel.table, self.feature(ObjectsFeature).panel.table):
-            table.zoom_wanted.connect(self.feature(LayersFeature).zoom_to_selection)
         session.status_changed.connect(self._show)
         self.use_theme(self.feature(AppearanceFeature).theme())
         self._show()

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array
 
 _DEVIATIONS = 4.0
@@ -42,7 +43,7 @@ def gradient(values: ArrayLike, smoothing: float) -> Array:
     Central differences of `values`, shape (\*shape), after a Gaussian of standard deviation `smoothing` [px]; 0 leaves
     the image as it is. The image is continued beyond its border by its outermost pixels, so that the border is no edge.
     """
-    image = np.asarray(values, dtype=float)
+    image = real_numbers(values)
     if smoothing > 0:
         for axis in range(image.ndim):
             image = _smoothed_along(image, smoothing, axis)
@@ -90,7 +91,7 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
     ndarray, shape (\*shape)
         Edge strength [gray levels / px]; the fixed charge is its negative.
     """
-    image = np.asarray(values, dtype=float)
+    image = real_numbers(values)
     if smoothing == "auto":
         image, smoothing, _ = prepared(image)
     return magnitude(gradient(image, float(smoothing)))
@@ -126,7 +127,7 @@ def automatic_smoothing(values: ArrayLike) -> float:
     With it `background_strength` is below a quarter of the strong edges; where no sigma of the series reaches this, the
     one that comes closest.
     """
-    image = np.asarray(values, dtype=float)
+    image = real_numbers(values)
     shares = []
     for sigma in _SERIES:
         strength = magnitude(gradient(image, sigma))

@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.pppm import pppm_field
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array
 
 METHODS = ("convolution", "pppm")
@@ -53,7 +54,7 @@ def electric_field(
         other exponents than 2, a cut-off or a number of sweeps out of range.
     """
     if method == "convolution":
-        return convolved_field(edge_map, exponent)
+        return convolved_field(real_numbers(edge_map), exponent)
     if method != "pppm":
         names = " or ".join(f'"{name}"' for name in METHODS)
         raise ValueError(f"method is {method!r} but must be {names}.")

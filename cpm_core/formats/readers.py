@@ -12,7 +12,7 @@ import warnings
 from pathlib import Path
 from typing import Protocol
 
-from cpm_core.formats.images import numpy_array, raster, tiff
+from cpm_core.formats.images import foreign, numpy_array, raster, tiff
 from cpm_core.formats.images.decoded import Decoded, UnreadableError
 from cpm_core.image.image import Image
 
@@ -30,7 +30,7 @@ class Reader(Protocol):
         """Read a file; damaged ones may raise anything."""
 
 
-_READERS: tuple[Reader, ...] = (tiff, numpy_array, raster)  # the last one takes what no other reads
+_READERS: tuple[Reader, ...] = (tiff, numpy_array, foreign, raster)  # the last one takes what no other reads
 _HEAD = 512
 """Bytes that identify a format: the signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cpm_core.image.gray_levels import usable
+
 MINIMUM_SIDE = 8
 """Least number of pixels along each axis [px]: in smaller images the edges cannot be separated from the border."""
 
@@ -21,7 +23,8 @@ class Image:
     Parameters
     ----------
     values : array_like of real numbers, shape (H, W) or (P, H, W)
-        Gray levels. They are copied to float64 and are then read-only.
+        Gray levels. They are copied to float64 and are then read-only. Pixels without data are filled, and extreme
+        gray levels divided by a power of ten (`gray_levels.usable`).
     spacing : tuple of float, optional
         Size of a pixel along each axis, in `unit`; 1 px each where it is not known.
     unit : str, optional
@@ -29,7 +32,7 @@ class Image:
     source : str, optional
         Name of the image, for display.
     notes : tuple of str, optional
-        What a reader changed between the file and `values`, one sentence each.
+        What was changed between the file and `values`, one sentence each.
 
     Raises
     ------
@@ -62,6 +65,7 @@ class Image:
                 f"{self.source} holds {unusable} value{'' if unusable == 1 else 's'} that "
                 f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
             )
+        values, changes = usable(values)
         spacing = tuple(float(size) for size in self.spacing) or (1.0,) * values.ndim
         if len(spacing) != values.ndim or not all(math.isfinite(size) and size > 0 for size in spacing):
             raise ValueError(
@@ -70,6 +74,7 @@ class Image:
         values.flags.writeable = False
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "spacing", spacing)
+        object.__setattr__(self, "notes", (*self.notes, *changes))
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -84,7 +89,7 @@ class Image:
 
 def as_plane(values: ArrayLike | Image) -> Image:
     """Image of two axes from values; `ValueError` when they have another number of axes, or are not an image."""
-    image = values if isinstance(values, Image) else Image(np.asarray(values, dtype=float))
+    image = values if isinstance(values, Image) else Image(np.asarray(values))
     if image.ndim != 2:
         raise _not_a_plane(image.source, image.shape)
     return image

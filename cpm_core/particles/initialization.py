@@ -12,6 +12,7 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.polyline import lengths_along, places_at
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
 
 _LEAST_ON_CIRCLE = 5
@@ -201,7 +202,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     ValueError
         When the image has not two dimensions, smoothing is negative, or spacing is not a positive number.
     """
-    image = np.asarray(values, dtype=float)
+    image = real_numbers(values)
     if image.ndim != 2:
         raise ValueError(f"the image has {image.ndim} dimensions but must have 2 to look for centers of divergence.")
     _positive("spacing", spacing)
@@ -220,7 +221,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
 
 def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:
     """Check seeds, shape (N, D) [px of the image], and leave out those in places where no particle may be."""
-    points = np.asarray(seeds, dtype=float)
+    points = real_numbers(seeds)
     if points.size == 0:
         raise ValueError("there are no particles to start with: draw a circle or click some points first.")
     if points.ndim != 2 or points.shape[1] != len(shape):

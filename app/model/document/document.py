@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from app.model.text.language import tr
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.pyramid import most_scales
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.objects.segmented.segmented_object import Line, SegmentedObjects
@@ -102,6 +103,11 @@ class Document:
         followed = any(start.follows_smoothing for start in self.image_starts)
         barriers = self.objects.barriers
         return (self.image, self.image_starts, limits, barriers, self.parameters.smoothing if followed else None)
+
+    def fitting(self, parameters: Parameters) -> Parameters:
+        """The parameters with no more scales than the image has room for."""
+        most = most_scales(self.image.shape) if self.image is not None else parameters.scales
+        return replace(parameters, scales=most) if parameters.scales > most else parameters
 
     @property
     def regions(self) -> Regions | None:

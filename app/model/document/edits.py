@@ -93,5 +93,5 @@ def set_parameter(document: Document, name: str, value: float | str) -> Document
 
 
 def set_parameters(document: Document, parameters: Parameters) -> Document:
-    """The document with all parameters replaced."""
-    return replace(document, parameters=parameters)
+    """The document with all parameters replaced, and as many scales as the image has room for."""
+    return replace(document, parameters=document.fitting(parameters))

@@ -11,7 +11,7 @@ from app.model.document.document import Document, Mode
 from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
 from cpm_core.medial_axis.outlines import Outlined
-from cpm_core.parameters import PRESETS
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.method import METHODS
 from cpm_core.shapes import Everywhere, Limit, Shape
 
@@ -71,6 +71,11 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
 )
 
 
+def fresh_parameters(mode: Mode) -> Parameters:
+    """The parameters with which work in a mode begins."""
+    return PRESETS[MODES[mode].preset]
+
+
 def needs_start(mode: Mode) -> bool:
     """Whether a run in a mode needs an initialization."""
     return METHODS[MODES[mode].method].seeded
@@ -92,8 +97,7 @@ def use_mode(document: Document, mode: Mode) -> Document:
     Shape recovery removes starts all over the image; automatic segmentation removes all others; skeletons, which need
     no start, keep all shapes.
     """
-    parameters = PRESETS[MODES[mode].preset]
-    shapes = starting(mode, document.shapes)
+    shapes, parameters = starting(mode, document.shapes), document.fitting(fresh_parameters(mode))
     return replace(document, mode=mode, shapes=shapes, parameters=parameters, outlined=Outlined())
 
 

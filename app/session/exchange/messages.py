@@ -113,7 +113,11 @@ class Saved(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Opened(Report):
-    """An image has been read and a method is ready, with as many of the requested scales as the image has room for."""
+    """An image is opened: it has been read, and a method is ready.
+
+    `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
+    itself among them, and `beside` is a session of it that has not been opened with it.
+    """
 
     image: Image
     method: Method[Any]
@@ -123,6 +127,16 @@ class Opened(Report):
     notes: tuple[str, ...]
     sha256: str = ""
     saved: Saved | None = None
+    scales: int = 1
+    folder: tuple[Path, ...] = ()
+    beside: Path | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ImageReady(Report):
+    """An image has been prepared and can replace the one that is open."""
+
+    opened: Opened
 
 
 @dataclass(frozen=True, slots=True)

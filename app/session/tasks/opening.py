@@ -9,7 +9,8 @@ from pathlib import Path
 from app.model.display.display_image import display_of_image
 from app.model.text.language import tr
 from app.session.core_functions import Core
-from app.session.exchange.messages import NotOpened, Opened, Report, Saved
+from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
+from app.session.tasks.folder_images import images_beside, session_beside
 from app.session.tasks.tasks import Task, Tasks
 from cpm_core.formats.sessions.session_file import SUFFIX, find_image, fingerprint, load_session
 from cpm_core.image.pyramid import most_scales
@@ -21,7 +22,7 @@ class Wanted:
     """A request to open an image or a session file at `path`, and `otherwise` if that cannot be used.
 
     A session has its own parameters. Where `saved` gives its content, `path` only gives its place. The `notes` are
-    shown once it is open.
+    shown once it is open. An image that `resumes` is opened with the session beside it, if there is one.
     """
 
     path: Path
@@ -29,6 +30,7 @@ class Wanted:
     otherwise: Path | None = None
     saved: Saved | None = None
     notes: tuple[str, ...] = ()
+    resumes: bool = False
 
 
 def is_session(path: Path) -> bool:
@@ -43,6 +45,9 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
     session cannot be used.
     """
     path, parameters, saved, notes = wanted.path, wanted.parameters, wanted.saved, wanted.notes
+    beside = None if saved is not None or is_session(path) else session_beside(path)
+    if beside is not None and wanted.resumes:
+        path, beside = beside, None
     if saved is None and is_session(path):
         saved = Saved(path, load_session(path))
     if saved is not None:
@@ -55,14 +60,16 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
     go_on()
     sha256 = fingerprint(path)
     go_on()
-    most = most_scales(image.shape)
-    if parameters.scales > most:
+    most, scales = most_scales(image.shape), parameters.scales
+    if scales > most:
         parameters = replace(parameters, scales=most)
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
     method = core.methods["cpm"](image, parameters, None)
     go_on()
     all_notes, display = (*image.notes, *notes), display_of_image(image.values)
-    return Opened(image, method, display, path, parameters, all_notes, sha256, saved)
+    return Opened(
+        image, method, display, path, parameters, all_notes, sha256, saved, scales, images_beside(path), beside
+    )
 
 
 class Opener:
@@ -87,7 +94,7 @@ class Opener:
         name = wanted.path.name
 
         def work(task: Task) -> Report:
-            return prepare(self._core, wanted, task.go_on)
+            return ImageReady(prepare(self._core, wanted, task.go_on))
 
         self._task = self._tasks.start(
             tr("Opening {name}…").format(name=name),

@@ -37,7 +37,9 @@ class Canvas(ImageView):
         self.led_by_keys = False
         self._dragged: Tool | None = None
         self._pointer: Position | None = None
+        self._over: QPointF | None = None
         self._panned_from: QPointF | None = None
+        self.view.sigRangeChanged.connect(self._point_again)
 
     @property
     def gesturing(self) -> bool:
@@ -53,6 +55,7 @@ class Canvas(ImageView):
         """Cancel what was begun on another image."""
         self.cancel()
         super().use_image()
+        self._point_again()
 
     def cancel(self) -> None:
         """Cancel the gesture or draft of the tool."""
@@ -106,7 +109,7 @@ class Canvas(ImageView):
 
     def leave(self) -> None:
         """Take the pointer off the canvas."""
-        self._pointer = None
+        self._pointer = self._over = None
         if self.tool is not None:
             self.tool.put_away()
         self.pointed.emit(None)
@@ -131,7 +134,8 @@ class Canvas(ImageView):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Continue it, or report the position of the pointer."""
         event.accept()
-        at = self.position(event.position())
+        self._over = event.position()
+        at = self.position(self._over)
         if self._panned_from is not None:
             moved = self._panned_from - event.position()
             self._panned_from = event.position()
@@ -187,6 +191,12 @@ class Canvas(ImageView):
         if self.grip is not None and not self.tool.drafting and self.grip.grips(at, self._reach()):
             return self.grip
         return self.tool
+
+    def _point_again(self) -> None:
+        """The pointer rests, and another place of the image, or of another image, has moved under it."""
+        if self._over is not None and not self.led_by_keys:
+            self._pointer = self.position(self._over)
+            self.pointed.emit(self._pointer)
 
     def _reach(self) -> float:
         return REACH * float(self.view.viewPixelSize()[0])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QObject, Qt
+import numpy as np
+from PySide6.QtCore import QEvent, QObject, QRectF, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
@@ -13,6 +14,7 @@ from app.session.signals import OPENING
 from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
+from app.views.canvas.selected_places import selected_places
 from app.views.canvas.strip.strip import Strip
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
@@ -39,6 +41,7 @@ class CanvasArea(QWidget):
 
     def __init__(self, workspace: Workspace) -> None:
         super().__init__()
+        self._workspace = workspace
         self._session = session = workspace.session
         self._review = review = workspace.review
         self._selection = workspace.object_selection
@@ -73,6 +76,7 @@ class CanvasArea(QWidget):
             layer.changed.connect(self.strip.refresh_legend)
         session.status_changed.connect(self.refresh)
         session.scene_changed.connect(self._draw)
+        workspace.other_result.changed.connect(self._draw)
         self._selection.changed.connect(self.refresh)
         workspace.object_list.selection_changed.connect(self.refresh)
         self.canvas.layers.contours.changed.connect(self._follow_contours)
@@ -111,6 +115,14 @@ class CanvasArea(QWidget):
             text = self.crosshair.advice or tool.advice or offered or text
         self.strip.say_next(text)
 
+    def zoom_to_selection(self) -> None:
+        """Show what is selected as large as possible."""
+        places = selected_places(self._workspace)
+        if places:
+            corners = np.concatenate(places)
+            (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
+            self.canvas.show_part(QRectF(left, top, right - left, bottom - top))
+
     def add_circle(self) -> None:
         """Add a circle in the middle of the visible part."""
         seen = self.canvas.view.viewRect()
@@ -134,7 +146,7 @@ class CanvasArea(QWidget):
         return super().eventFilter(watched, event)
 
     def _draw(self) -> None:
-        self.canvas.draw(self._session.scene)
+        self.canvas.draw(self._workspace.other_result.near(self._session.scene))
         self.strip.refresh_legend()
 
     def _follow_contours(self) -> None:

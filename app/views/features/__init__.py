@@ -11,7 +11,9 @@ from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
 from app.views.features.edit.undo_selection import HistoryFeature, UndoSelectionFeature
+from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.export import ClipboardFeature, ExportFeature
+from app.views.features.file.folder import FolderFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature
@@ -22,12 +24,14 @@ from app.views.features.run.tasks import TasksFeature
 from app.views.features.run.timeline import TimelineFeature
 from app.views.features.view.animation import AnimationFeature
 from app.views.features.view.appearance import AppearanceFeature
+from app.views.features.view.comparing import ComparingFeature
 from app.views.features.view.layers import LayersFeature
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.window.feature import Feature
 
 FEATURES: tuple[type[Feature], ...] = (
     OpenSaveFeature,
+    FolderFeature,
     ExportFeature,
     RecoveryFeature,
     AnimationFeature,
@@ -39,6 +43,7 @@ FEATURES: tuple[type[Feature], ...] = (
     TasksFeature,
     ModesFeature,
     ParametersFeature,
+    BeginningFeature,
     ContoursFeature,
     LearningFeature,
     HandEditingFeature,
@@ -48,6 +53,7 @@ FEATURES: tuple[type[Feature], ...] = (
     MosaicFeature,
     HistoryFeature,
     LayersFeature,
+    ComparingFeature,
     AppearanceFeature,
     PreferencesFeature,
     HelpFeature,

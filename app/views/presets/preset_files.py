@@ -79,7 +79,7 @@ class PresetFiles(QObject):
         self._show(self._context.session.document)
 
     def _show(self, document: Document) -> None:
-        same = [preset for preset in self.store.presets if preset.parameters == document.parameters]
+        same = [preset for preset in self.store.presets if document.fitting(preset.parameters) == document.parameters]
         self.gallery.show_current(same[0] if same else None)
 
     def _save(self) -> None:

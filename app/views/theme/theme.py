@@ -242,6 +242,7 @@ def _canvas(theme: Theme) -> str:
     """The line below the canvas."""
     return f"""
     QFrame#strip {{ background: {theme.window}; border: none; border-top: 1px solid {theme.line}; }}
+    QLabel#over_image {{ background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 3px 9px; }}
     QFrame#error {{ background: {theme.error}; border: none; }}
     QFrame#error QLabel, QFrame#error QToolButton {{ color: {theme.error_text}; }}
     QFrame#message {{ background: {theme.message}; border: none; }}

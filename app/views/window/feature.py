@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from PySide6.QtCore import QPoint
@@ -47,6 +48,8 @@ class FeatureContext:
         Sets the theme of the window.
     refresh : callable
         Updates the window after a change that the session does not report.
+    open_file : callable
+        Opens a file, or with True as second argument an image with the session beside it; asks about unsaved work.
     show_menu : callable
         Opens a menu of the menu bar, given by name, at a point of the screen.
     """
@@ -60,6 +63,7 @@ class FeatureContext:
     reveal: Callable[[str], None]
     use_theme: Callable[[Theme], None]
     refresh: Callable[[], None]
+    open_file: Callable[[Path, bool], None]
     show_menu: Callable[[str, QPoint], None]
 
     @property

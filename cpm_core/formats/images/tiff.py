@@ -7,6 +7,7 @@ import logging
 import os
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,9 @@ import PIL.Image
 import tifffile
 from numpy.typing import NDArray
 
-from cpm_core.formats.images import raster, resolution
+from cpm_core.formats.images import packing, raster, resolution
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, full_scale, to_gray, upright
+from cpm_core.image.gray_levels import NO_DATA
 
 READS = {".tif": "TIFF image, first page", ".tiff": "TIFF image, first page"}
 
@@ -24,8 +26,12 @@ READS = {".tif": "TIFF image, first page", ".tiff": "TIFF image, first page"}
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
 _MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
-_PLAIN_COMPRESSIONS = (1, 8, 32773, 32946)  # none, deflate, PackBits: tifffile unpacks them itself, Pillow all others
+_BY_PILLOW = frozenset({2, 3, 4, 6, 7, 32771})
+"""Compressions that Pillow unpacks without a loss of depth: those of fax machines, which have one bit, and JPEG."""
+
 _WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE = 0, 1, 2, 3
+_KNOWN_LEVELS = (_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE)
+_PREMULTIPLIED = 1
 _INCH, _CENTIMETER = 2, 3
 _PER_METER = {_INCH: 1 / 0.0254, _CENTIMETER: 100.0}
 
@@ -48,28 +54,52 @@ def read(path: Path) -> Decoded:
         check_size(path.name, page.imagelength, page.imagewidth)
         if page.imagedepth > 1:
             raise UnreadableError(f"{path.name} is a volume: save one plane of it as an image of its own.")
-        if page.compression in _PLAIN_COMPRESSIONS and page.photometric in (0, 1, 2, 3):
-            decoded = _pixels(page)
-        else:
-            with _native_silence(), _open_packed(path) as picture:
-                decoded = raster.pixels(picture)
-        notes = (*decoded.notes, *_page_notes(file))
         spacing, unit = _spacing(file, page)
-        return upright(Decoded(decoded.values, spacing, unit, notes), _number(page, "Orientation", 1))
+        turn = _number(page, "Orientation", 1)
+        if page.photometric in _KNOWN_LEVELS and page.compression not in _BY_PILLOW:
+            decoded = _pixels(page, path.name)
+            found = Decoded(decoded.values, spacing, unit, (*decoded.notes, *_page_notes(file)))
+            return upright(found, turn)
+        decoded = _by_pillow(page, path)
+        notes = (*decoded.notes, *_page_notes(file))
+        # Pillow has turned the pixels; the size of a pixel turns with them
+        return replace(upright(Decoded(np.empty((0, 0)), spacing, unit, notes), turn), values=decoded.values)
 
 
-def _open_packed(path: Path) -> PIL.Image.Image:
+def _by_pillow(page: tifffile.TiffPage, path: Path) -> Decoded:
+    """Gray levels of a page of a kind that Pillow knows, upright; else tifffile tries it."""
     try:
-        return PIL.Image.open(path, formats=("TIFF",))
+        with _native_silence(), PIL.Image.open(path, formats=("TIFF",)) as picture:
+            return raster.pixels(picture)
     except PIL.UnidentifiedImageError:
+        if page.photometric in _KNOWN_LEVELS:
+            return _pixels(page, path.name)
         raise UnreadableError(
             f"{path.name} is damaged or a TIFF of an uncommon kind: save it again as an uncompressed TIFF or as PNG."
         ) from None
 
 
-def _pixels(page: tifffile.TiffPage) -> Decoded:
-    """Gray levels of a page that tifffile unpacks by itself."""
-    raw: NDArray[Any] = np.asarray(page.asarray(maxworkers=1))
+def _raw(page: tifffile.TiffPage, name: str) -> NDArray[Any]:
+    """Pixels as they are stored; UnreadableError when a package that unpacks them is not installed."""
+    if packing.needs_unpacking(page):
+        with _native_silence():
+            return packing.unpacked(page)
+    try:
+        return np.asarray(page.asarray(maxworkers=1))
+    except (ValueError, NotImplementedError) as error:
+        if "imagecodecs" not in str(error):
+            raise
+        method = page.compression.name if isinstance(page.compression, tifffile.COMPRESSION) else page.compression
+        raise UnreadableError(
+            f"{name} is a TIFF with pixels of {page.bitspersample} bits packed by method {method}, which needs the "
+            'package imagecodecs: install it (pip install "cpm-particles[images]"), or save the image again as an '
+            "uncompressed TIFF."
+        ) from None
+
+
+def _pixels(page: tifffile.TiffPage, name: str) -> Decoded:
+    """Gray levels of a page."""
+    raw = _raw(page, name)
     if raw.ndim < 2 or raw.size != page.imagelength * page.imagewidth * page.samplesperpixel:
         raise ValueError("pixels are missing")
     if page.axes == "SYX":
@@ -86,14 +116,35 @@ def _pixels(page: tifffile.TiffPage) -> Decoded:
     else:
         count = 3 if page.photometric == _RGB else 1
     if page.photometric == _WHITE_IS_ZERO:
-        samples = full_scale(samples) - samples
+        samples = _white(page, samples) - samples
         notes.append("It counts from white to black and was inverted.")
     extra = samples[..., count:]
     has_alpha = extra.shape[-1] > 0 and bool(page.extrasamples) and int(page.extrasamples[0]) in (1, 2)
     if extra.shape[-1] > has_alpha:
         notes.append(f"Only the first {count + has_alpha} of its {samples.shape[-1]} channels were taken.")
-    gray, color_notes = to_gray(samples[..., :count], extra[..., 0] if has_alpha else None)
+    alpha = extra[..., 0] if has_alpha else None
+    colors = samples[..., :count]
+    if alpha is not None and int(page.extrasamples[0]) == _PREMULTIPLIED:
+        opacity = alpha[..., np.newaxis] / full_scale(alpha)
+        colors = np.divide(colors, opacity, out=np.zeros(colors.shape), where=opacity > 0.0)
+    gray, color_notes = to_gray(colors, alpha)
+    if count == 1:
+        gray = _without_no_data(page, gray, raw[..., 0] if raw.ndim == 3 else raw)
     return Decoded(gray, notes=(*notes, *color_notes))
+
+
+def _without_no_data(page: tifffile.TiffPage, gray: NDArray[Any], stored: NDArray[Any]) -> NDArray[Any]:
+    """Gray levels with `NO_DATA` where a pixel has the value that a geographic program says stands for no data."""
+    try:
+        absent = stored == float(page.tags.valueof("GDAL_NODATA", "nan"))
+    except (TypeError, ValueError):
+        return gray
+    return np.where(absent, np.float64(NO_DATA), gray) if absent.any() and not absent.all() else gray
+
+
+def _white(page: tifffile.TiffPage, samples: NDArray[Any]) -> float:
+    """Level of white, of pixels with fewer bits than their type too."""
+    return 2.0**page.bitspersample - 1.0 if samples.dtype.kind == "u" else full_scale(samples)
 
 
 def _page_notes(file: tifffile.TiffFile) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index
 from cpm_core.particles.coulomb.direct_sum import pair_sums, usual_force
 from cpm_core.particles.coulomb.fast_multipole import tree_force
@@ -57,7 +58,7 @@ def coulomb_force(
         For positions of another shape or that are no finite numbers, an unknown method, targets that are no particles,
         or a tolerance out of range.
     """
-    points = np.asarray(positions, dtype=float)
+    points = real_numbers(positions)
     if points.ndim != 2 or points.shape[1] != 2:
         raise ValueError(f"positions have the shape {points.shape} but must be (N, 2).")
     if method not in METHODS:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from PySide6.QtCore import QUrl
+from PySide6.QtCore import QTimer, QUrl
 from PySide6.QtWidgets import QMenu
 
 from app.model.document import edits
+from app.model.document.document import Document
 from app.model.document.samples import sample_at, samples
 from app.model.parameters.presets import SUFFIX as PRESET
 from app.model.state.situation import has_image
@@ -39,6 +40,8 @@ class OpenSaveFeature(Feature):
         self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
         self.bring_in: Callable[[Path], None] | None = None
         """Imports the file of a preset; set by the window."""
+        self._left: tuple[Document, int] | None = None
+        context.session.may_replace = self._may_replace
         self.document_file.changed.connect(self._name_window)
         self.document_file.restored.connect(canvas.use_view_state)
         context.session.document_changed.connect(lambda _: self._name_window())
@@ -64,8 +67,11 @@ class OpenSaveFeature(Feature):
                        tip=tr("Quit the program."), gap=True),
         )  # fmt: skip
 
-    def take(self, paths: Sequence[Path]) -> None:
-        """Open files by their kind: images and sessions, points (which are drawn), presets (which are imported)."""
+    def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
+        """Open files by their kind: images and sessions, points (which are drawn), presets (which are imported).
+
+        An image that `resumes` is opened with the session beside it.
+        """
         self.context.canvas_area.messages.clear()
         documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
         for path in paths:
@@ -73,8 +79,8 @@ class OpenSaveFeature(Feature):
                 self._bring_in(path)
             elif path.suffix.lower() == POINTS:
                 self._draw(path)
-        if documents and self.may_leave():
-            self.context.session.open(documents[0])
+        if documents and self._may_open():
+            self.context.session.open(documents[0], resumes=resumes)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
                 self.context.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
@@ -116,6 +122,33 @@ class OpenSaveFeature(Feature):
 
     # Internal
 
+    @property
+    def _work(self) -> tuple[Document, int]:
+        """What would be lost."""
+        return self.context.session.document, self.context.session.generation
+
+    def _may_open(self) -> bool:
+        """Whether another image may be opened; not asked again while one is being opened and nothing has changed."""
+        if not (self.context.session.opening and self._left == self._work):
+            if not self.may_leave():
+                return False
+            self._left = self._work
+        return True
+
+    def _may_replace(self, opened: Opened) -> bool:
+        """Whether an image that has been prepared may replace this one; work done meanwhile is asked about."""
+        if not self.document_file.unsaved or self._left == self._work:
+            return True
+        QTimer.singleShot(0, self.context.window, lambda: self._ask_again(opened))
+        return False
+
+    def _ask_again(self, opened: Opened) -> None:
+        if self.may_leave():
+            self.context.session.use(opened)
+        else:
+            kept = tr("{name} was not opened, and your work stays open.")
+            self.context.session.say(kept.format(name=opened.path.name))
+
     def _fill_samples(self, menu: QMenu) -> None:
         for sample in samples():
             action = menu.addAction(sample.title)
@@ -149,6 +182,7 @@ class OpenSaveFeature(Feature):
             self.bring_in(path)
 
     def _take_opened(self, opened: Opened) -> None:
+        self._left = None
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
         if sample_at(opened.path) is None or opened.saved:
             self._remember(path)

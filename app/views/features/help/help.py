@@ -83,8 +83,7 @@ class HelpFeature(Feature):
     def _open_sample(self, file: str) -> None:
         sample = sample_called(file)
         if sample is not None:
-            self.context.canvas_area.messages.clear()
-            self.context.session.open(sample.path)
+            self.context.open_file(sample.path, False)
 
     def _forget_guide(self) -> None:
         self.guide = None

@@ -5,9 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
-import numpy as np
-from PySide6.QtCore import QRectF
-
 from app.model.display.coloring import QUANTITIES
 from app.model.state.situation import has_image
 from app.model.text.language import tr
@@ -15,10 +12,10 @@ from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.particles import ParticleLayer
+from app.views.canvas.selected_places import selected_places
 from app.views.panels.layer_list import LayersPanel
 from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
-from cpm_core.numerics.types import Array
 
 _KEY = "layers/{layer}"
 """Preference: the settings of a layer."""
@@ -46,24 +43,6 @@ class LayersFeature(Feature):
         workspace.review.selection_changed.connect(context.refresh)
         workspace.object_list.selection_changed.connect(context.refresh)
 
-    def zoom_to_selection(self) -> None:
-        """Show what is selected as large as possible."""
-        places = self._selected()
-        if places:
-            corners = np.concatenate(places)
-            (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
-            self.context.canvas_area.canvas.show_part(QRectF(left, top, right - left, bottom - top))
-
-    def _selected(self) -> list[Array]:
-        """Positions of what is selected: contours, else objects, else a shape."""
-        workspace, session = self.context.workspace, self.context.session
-        found = [item.contour.points for item in workspace.review.chosen]
-        found = found or [np.array(curve) for item in workspace.object_list.items for curve in item.boundary]
-        if not found and session.selected is not None:
-            shape = session.document.shapes[session.selected]
-            found = [shape.outline if shape.outline.size else np.array(shape.handles(), dtype=float).reshape(-1, 2)]
-        return [places for places in found if len(places)]
-
     def _fold_legend(self, folded: bool) -> None:
         self.context.preferences.put(_LEGEND, folded)
         self.context.refresh()
@@ -86,9 +65,9 @@ class LayersFeature(Feature):
                        shortcuts=("Ctrl+1",), tip=tr("Show one pixel of the image on one pixel of the screen."),
                        when=has_image),
             ActionSpec(name="zoom_to_selection", menu="View", text=tr("Zoom to the &selection"),
-                       do=self.zoom_to_selection, shortcuts=("Z",),
+                       do=self.context.canvas_area.zoom_to_selection, shortcuts=("Z",),
                        tip=tr("Show the selected contours, objects or shape as large as possible."),
-                       when=lambda situation: bool(self._selected())),
+                       when=lambda situation: bool(selected_places(self.context.workspace))),
             ActionSpec(name="zoom_in", menu="View", text=tr("Zoom &in"), do=lambda: canvas.zoom(ZOOM),
                        shortcuts=("+", "=", "Ctrl++"), tip=tr("Zoom in.")),
             ActionSpec(name="zoom_out", menu="View", text=tr("Zoom &out"), do=lambda: canvas.zoom(1.0 / ZOOM),

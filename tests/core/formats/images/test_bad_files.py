@@ -1,5 +1,6 @@
 """Bad files: any file either loads or is refused in one sentence."""
 
+import gzip
 import os
 import re
 import struct
@@ -205,3 +206,27 @@ def test_a_reader_sees_the_path_and_the_marks_of_medical_formats(tmp_path, monke
     path.write_bytes((bytes(128) + b"DICM").ljust(344, b"\0") + b"n+1\0" + bytes(500))
     assert load_image(path).shape == (9, 12)
     assert seen == [(b"DICM", b"n+1\0", path)]
+
+
+SIGNATURES = {
+    "DICOM": bytes(128) + b"DICM\2\0\0\0",
+    "NIfTI": b"\x5c\1\0\0" + bytes(340) + b"n+1\0" + bytes(400),
+    "NRRD": b"NRRD0004\ntype: short\n",
+    "CZI": b"ZISRAWFILE" + bytes(30),
+    "HEIC": b"\0\0\0\x18ftypheic\0\0\0\0",
+    "FITS": b"SIMPLE  =                    T",
+    "HDF5": b"\x89HDF\r\n\x1a\n" + bytes(30),
+    "MetaImage": b"ObjectType = Image\nNDims = 3\n",
+    "ND2": b"\xda\xce\xbe\x0a" + bytes(20),
+}
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("kind", SIGNATURES)
+def test_a_sound_file_of_a_kind_that_is_not_read_is_called_by_its_name(tmp_path, kind, packed):
+    content = SIGNATURES[kind]
+    (tmp_path / "scan.dat").write_bytes(gzip.compress(content) if packed else content)
+    report = failure_report(tmp_path / "scan.dat")
+    assert f" {kind} " in report
+    assert "damaged" not in report
+    assert "save the plane that you want as TIFF or PNG" in report

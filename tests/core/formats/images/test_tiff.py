@@ -133,3 +133,14 @@ def test_a_volume_is_refused(tmp_path):
     tifffile.imwrite(tmp_path / "a.tif", np.zeros((16, 16, 16), np.uint8), volumetric=True, tile=(16, 16, 16))
     with pytest.raises(ValueError, match=r"a\.tif is a volume"):
         load_image(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize("kind", [np.int16, np.float32])
+def test_the_value_that_stands_for_no_data_is_told_and_left_out(tmp_path, kind):
+    values = RAMP.astype(kind)
+    values[5:, 7:] = -9999
+    tifffile.imwrite(tmp_path / "a.tif", values, extratags=[(42113, "s", 0, "-9999", True)])
+    image = load_image(tmp_path / "a.tif")
+    assert image.notes == ("91 pixels have no data, and no contours are looked for there.",)
+    assert np.array_equal(image.values[:5], RAMP[:5])
+    assert image.values.min() == 0

@@ -1,0 +1,60 @@
+"""Foreign kinds: files of images that are sound but not read, so that they are called by their names."""
+
+from __future__ import annotations
+
+import zlib
+from pathlib import Path
+
+from cpm_core.formats.images.decoded import Decoded, UnreadableError
+
+READS: dict[str, str] = {}
+
+_SIGNATURES: tuple[tuple[int, tuple[bytes, ...], str], ...] = (
+    (128, (b"DICM",), "a DICOM file"),
+    (344, (b"n+1\0", b"ni1\0"), "a NIfTI volume"),
+    (4, (b"n+2\0\r\n\x1a\n", b"ni2\0\r\n\x1a\n"), "a NIfTI volume"),
+    (0, (b"NRRD000",), "an NRRD volume"),
+    (0, (b"ObjectType =", b"NDims ="), "a MetaImage volume"),
+    (0, (b"ZISRAWFILE",), "a CZI file of Zeiss"),
+    (0, (b"\xda\xce\xbe\x0a", b"\0\0\0\x0cjP  \r\n\x87\nND2"), "an ND2 file of Nikon"),
+    (4, (b"ftypheic", b"ftypheix", b"ftyphevc", b"ftypheim", b"ftypheis", b"ftypmif1"), "a HEIC picture"),
+    (4, (b"ftypavif", b"ftypavis"), "an AVIF picture"),
+    (0, (b"SIMPLE  =",), "a FITS image"),
+    (0, (b"\x89HDF\r\n\x1a\n",), "an HDF5 file"),
+    (0, (b"MATLAB 5.0 MAT-file",), "a MATLAB file"),
+    (0, (b"PK\x03\x04",), "an archive of files (ZIP)"),
+    (0, (b"8BPS",), "a Photoshop picture"),
+    (0, (b"v/1\x01",), "an OpenEXR picture"),
+    (0, (b"\0\0\0\x0cJXL \r\n\x87\n", b"\xff\x0a"), "a JPEG XL picture"),
+    (208, (b"MAP DA\0\0", b"MAP DD\0\0", b"MAP \x11\x11\0\0"), "an MRC volume"),
+)
+"""Place of a signature in a file, its forms, and what the file is."""
+
+_GZIP = b"\x1f\x8b"
+
+
+def reads(head: bytes, _path: Path) -> bool:
+    """Whether the first bytes of a file are those of a kind that is known but not read."""
+    return _kind(head) is not None
+
+
+def read(path: Path) -> Decoded:
+    """Refuse the file and say what it is."""
+    with path.open("rb") as stream:
+        kind = _kind(stream.read(512))
+    raise UnreadableError(
+        f"{path.name} is {kind}, and CPM does not read those: save the plane that you want as TIFF or PNG, "
+        "with the program that made it."
+    )
+
+
+def _kind(head: bytes) -> str | None:
+    """What a file is by its first bytes, unpacked if they are packed; None for a kind that is not known."""
+    packed = head.startswith(_GZIP)
+    if packed:
+        try:
+            head = zlib.decompressobj(wbits=31).decompress(head, 512)
+        except zlib.error:
+            return None
+    found = (kind for place, forms, kind in _SIGNATURES if head.startswith(forms, place))
+    return next(found, "a file packed with gzip" if packed else None)

@@ -1,0 +1,78 @@
+"""Gray levels that can be computed with: without values that stand for no data, and in a range for single precision."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import skimage
+
+from cpm_core.numerics.types import Array, Mask
+
+NO_DATA = float(np.finfo(np.float64).min)
+"""What a reader puts where a file says that there is no data."""
+
+_LEAST_NO_DATA = 9e36
+"""Size from which a value that occurs often, far from all others, stands for no data: 9.97e36, 3.4e38, 1.8e308."""
+
+_FAR = 1e-6
+"""Largest gray level beside such values, as a fraction of `_LEAST_NO_DATA`."""
+
+_MOST_SPAN = 1e15
+"""Largest span of gray levels, and the inverse of the smallest, that fields of single precision are made of."""
+
+
+class Usable(NamedTuple):
+    r"""Gray levels to compute with, shape (\*shape), and what was changed, one sentence each."""
+
+    values: Array
+    notes: tuple[str, ...] = ()
+
+
+def usable(values: Array) -> Usable:
+    r"""Fill pixels without data from their surroundings, and bring extreme gray levels into a range for fields.
+
+    A single value of 9e36 or more, far beyond all others, stands for no data: this is what geographic and medical
+    programs write. What it is replaced by changes so slowly that it makes no edges. Gray levels whose span is above
+    1e15 or below 1e-15 are divided by a power of ten.
+    """
+    notes: list[str] = []
+    absent = _absent(values)
+    if absent is not None:
+        count = int(absent.sum())
+        what = "1 pixel has" if count == 1 else f"{count} pixels have"
+        values = _filled(np.where(absent, 0.0, values), ~absent)
+        notes.append(f"{what} no data, and no contours are looked for there.")
+    low, high = float(values.min()), float(values.max())
+    half = high / 2.0 - low / 2.0
+    if half > 0.0 and not 1.0 / _MOST_SPAN <= 2.0 * half <= _MOST_SPAN:
+        power = min(max(math.floor(math.log10(half)), -300), 307)
+        values = values / 10.0**power
+        notes.append(f"Its gray levels were divided by 1e{power:+d}, because they span {2.0 * half:.3g}."
+                     if math.isfinite(2.0 * half) else f"Its gray levels were divided by 1e{power:+d}.")  # fmt: skip
+    return Usable(values, tuple(notes))
+
+
+def _absent(values: Array) -> Mask | None:
+    """Pixels without data; None when there are none."""
+    low, high = float(values.min(initial=0.0)), float(values.max(initial=0.0))
+    if max(-low, high) < _LEAST_NO_DATA:
+        return None
+    absent = np.abs(values) >= _LEAST_NO_DATA
+    others = values[~absent]
+    alike = len(np.unique(values[absent])) == 1
+    if not alike or not others.size or np.abs(others).max() > _FAR * _LEAST_NO_DATA or np.ptp(others) == 0.0:
+        return None
+    return np.asarray(absent)
+
+
+def _filled(values: Array, known: Mask) -> Array:
+    """Values whose unknown pixels are means of known ones, the farther away these are, the more of them."""
+    if known.all():
+        return values
+    weight = skimage.measure.block_reduce(known.astype(float), 2, np.sum)  # type: ignore[no-untyped-call]
+    total = skimage.measure.block_reduce(values * known, 2, np.sum)  # type: ignore[no-untyped-call]
+    coarse = _filled(total / np.maximum(weight, 1.0), weight > 0.0)
+    between = skimage.transform.resize(coarse, values.shape, order=1, mode="edge", anti_aliasing=False)  # type: ignore[no-untyped-call]
+    return np.where(known, values, between)

@@ -1,0 +1,167 @@
+"""The images of a folder are opened one after another, in the order in which people count, with their sessions."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QCheckBox
+
+from app.model.document import edits
+from app.session.core_functions import Core
+from app.session.tasks.folder_images import _counted, images_beside, session_beside
+from app.views.features.file.folder import SAVES, FolderFeature
+from app.views.features.file.open_save import OpenSaveFeature
+from app.views.main_window import MainWindow
+from cpm_core import load_image
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
+from cpm_core.shapes import Circle
+
+ALT = Qt.KeyboardModifier.AltModifier
+NEXT, BACK = (Qt.Key.Key_Right, ALT), (Qt.Key.Key_Left, ALT)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Three images, a session of the second one, and other things."""
+    path = tmp_path / "hands"
+    path.mkdir()
+    for name in ("hand2.npy", "Hand10.npy", "hand1.npy", ".hidden.npy"):
+        np.save(path / name, np.eye(64))
+    (path / "notes.txt").write_text("-")
+    (path / "hand3.npy").mkdir()
+    session = SessionFile(ImageFile(str(path / "hand2.npy")), shapes=(Circle((20.0, 20.0), 5.0),))
+    save_session(session, path / "hand2.cpm")
+    return path
+
+
+def name(window: MainWindow) -> str:
+    return window.session.document.image.name
+
+
+def place(window: MainWindow) -> str:
+    return window.feature(FolderFeature).bar.text
+
+
+def open_image(window: MainWindow, hand, path: Path) -> None:
+    window.open_image(str(path))
+    hand.wait(lambda: name(window) == path.name and window.session.idle)
+
+
+def go(window: MainWindow, hand, key, expected: str) -> None:
+    hand.key(*key)
+    hand.wait(lambda: name(window) == expected and window.session.idle)
+
+
+def test_images_are_in_the_order_in_which_people_count(folder: Path) -> None:
+    names = [path.name for path in images_beside(folder / "hand2.npy")]
+    assert names == ["hand1.npy", "hand2.npy", "Hand10.npy"]
+
+
+@given(st.lists(st.integers(0, 10**6), min_size=2, unique=True))
+def test_numbers_in_names_count_by_value(numbers: list[int]) -> None:
+    names = sorted((f"a{number}.png" for number in numbers), key=_counted)
+    assert names == [f"a{number}.png" for number in sorted(numbers)]
+
+
+@given(st.lists(st.text()))
+def test_any_names_can_be_put_in_order(names: list[str]) -> None:
+    assert sorted(sorted(names, key=_counted, reverse=True), key=_counted) == sorted(names, key=_counted)
+
+
+def test_an_image_whose_folder_cannot_be_read_is_alone(tmp_path: Path) -> None:
+    assert images_beside(tmp_path / "gone" / "a.png") == (tmp_path / "gone" / "a.png",)
+
+
+def test_only_a_session_that_names_the_image_belongs_to_it(folder: Path) -> None:
+    assert session_beside(folder / "hand2.npy") == folder / "hand2.cpm"
+    assert session_beside(folder / "hand1.npy") is None
+    save_session(load_session(folder / "hand2.cpm"), folder / "hand1.cpm")
+    assert session_beside(folder / "hand1.npy") is None
+    (folder / "hand1.cpm").write_text("{")
+    assert session_beside(folder / "hand1.npy") is None
+
+
+def test_keys_lead_through_the_folder_and_the_place_is_shown(window, hand, folder) -> None:
+    assert not place(window)
+    open_image(window, hand, folder / "hand1.npy")
+    assert place(window) == "1 of 3"
+    assert not window.actions_by_name["previous_image"].isEnabled()
+    go(window, hand, NEXT, "hand2.npy")
+    assert place(window) == "2 of 3"
+    assert len(window.session.document.shapes) == 1
+    assert window.feature(OpenSaveFeature).document_file.path == folder / "hand2.cpm"
+    go(window, hand, NEXT, "Hand10.npy")
+    assert window.session.document.shapes == ()
+    assert not window.actions_by_name["next_image"].isEnabled()
+    go(window, hand, BACK, "hand2.npy")
+
+
+def test_a_click_leads_to_the_next_image_and_one_that_has_gone_is_passed_over(window, hand, folder) -> None:
+    open_image(window, hand, folder / "hand1.npy")
+    (folder / "hand2.npy").unlink()
+    hand.qtbot.mouseClick(window.feature(FolderFeature).bar.forward, Qt.MouseButton.LeftButton)
+    hand.wait(lambda: name(window) == "Hand10.npy" and window.session.idle)
+    assert place(window) == "2 of 2"
+
+
+def test_two_keys_in_a_row_lead_two_images_on(window, hand, folder, monkeypatch) -> None:
+    open_image(window, hand, folder / "hand1.npy")
+    ready = threading.Event()
+
+    def load(path: Path):
+        assert ready.wait(20.0)
+        return load_image(path)
+
+    monkeypatch.setattr(window.session._opener, "_core", Core(load_image=load))
+    hand.key(*NEXT)
+    hand.key(*NEXT)
+    ready.set()
+    hand.wait(lambda: name(window) == "Hand10.npy")
+
+
+def test_an_image_that_is_opened_itself_is_fresh_and_keeps_the_session_beside_it_apart(window, hand, folder) -> None:
+    open_image(window, hand, folder / "hand2.npy")
+    assert window.session.document.shapes == ()
+
+
+def draw(window: MainWindow) -> None:
+    window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((20.0, 30.0), 9.0)))
+
+
+def test_work_is_saved_on_the_way_by_choice(window, hand, folder) -> None:
+    feature = window.feature(FolderFeature)
+    (row,) = feature.preferences()
+    box = row.make()
+    assert isinstance(box, QCheckBox)
+    box.click()
+    open_image(window, hand, folder / "hand1.npy")
+    draw(window)
+    go(window, hand, NEXT, "hand2.npy")
+    assert load_session(folder / "hand1.cpm").shapes == (Circle((20.0, 30.0), 9.0),)
+    go(window, hand, BACK, "hand1.npy")
+    assert len(window.session.document.shapes) == 1
+
+
+def test_saving_on_the_way_never_replaces_the_file_of_other_work(window, hand, folder, monkeypatch) -> None:
+    window.preferences.put(SAVES, True)
+    open_image(window, hand, folder / "hand2.npy")  # not its session
+    draw(window)
+    draw(window)
+    go(window, hand, BACK, "hand1.npy")
+    assert load_session(folder / "hand2.cpm").shapes == (Circle((20.0, 20.0), 5.0),)
+
+
+def test_where_saving_fails_the_image_stays(window, hand, folder, monkeypatch) -> None:
+    window.preferences.put(SAVES, True)
+    open_image(window, hand, folder / "hand1.npy")
+    window.feature(OpenSaveFeature).document_file.path = folder / "none" / "a.cpm"
+    draw(window)
+    hand.key(*NEXT)
+    assert "none" in window.canvas_area.messages.text
+    assert name(window) == "hand1.npy"

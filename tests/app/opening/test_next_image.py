@@ -1,0 +1,203 @@
+"""An image begins with fresh parameters, and work done while it is being opened is not lost."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QCheckBox, QWidget
+
+from app.model.document import edits
+from app.model.document.modes import fresh_parameters
+from app.session.core_functions import Core
+from app.views.features.edit.modes import ModesFeature
+from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.help.help import HelpFeature
+from app.views.features.run.run_control import RunControlFeature
+from app.views.main_window import MainWindow
+from app.views.window import dialogs
+from app.views.window.dialogs import Answer
+from cpm_core import PRESETS, load_image
+from cpm_core.shapes import Circle
+
+FRESH = PRESETS["shape"]
+
+
+@pytest.fixture
+def other(tmp_path: Path) -> Path:
+    path = tmp_path / "other.npy"
+    np.save(path, 1000.0 + np.eye(64))
+    return path
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> Callable[[Answer], list[str]]:
+    """Sets the answer to the question about unsaved work, and returns the names that are asked about."""
+
+    def answering(answer: Answer) -> list[str]:
+        names: list[str] = []
+
+        def ask(_: QWidget, name: str) -> Answer:
+            names.append(name)
+            return answer
+
+        monkeypatch.setattr(dialogs, "ask_about_unsaved", ask)
+        return names
+
+    return answering
+
+
+@pytest.fixture
+def held(window: MainWindow, monkeypatch: pytest.MonkeyPatch) -> threading.Event:
+    """The next images take until this event to be read."""
+    ready = threading.Event()
+
+    def load(path: Path):
+        assert ready.wait(20.0)
+        return load_image(path)
+
+    monkeypatch.setattr(window.session._opener, "_core", Core(load_image=load))
+    return ready
+
+
+def tune(window: MainWindow, name: str = "beta", value: float = 1.9) -> None:
+    window.session.edit("damping", lambda document: edits.set_parameter(document, name, value))
+
+
+def draw(window: MainWindow) -> None:
+    window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((20.0, 30.0), 9.0)))
+
+
+def open_image(window: MainWindow, hand, path: Path) -> None:
+    window.open_image(str(path))
+    hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle)
+
+
+def test_a_new_image_begins_with_the_parameters_of_its_mode_not_with_those_of_the_last_one(window, hand, other) -> None:
+    tune(window)
+    open_image(window, hand, other)
+    assert window.session.document.parameters == fresh_parameters("shape") == FRESH
+
+
+def test_the_parameters_of_the_last_image_are_one_action_away_and_can_be_taken_back(window, hand, other) -> None:
+    action = window.actions_by_name["former_parameters"]
+    assert not action.isEnabled()
+    tune(window)
+    open_image(window, hand, other)
+    assert action.isEnabled()
+    action.trigger()
+    assert window.session.document.parameters == replace(FRESH, beta=1.9)
+    assert not action.isEnabled()
+    hand.key(Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert window.session.document.parameters == FRESH
+
+
+def test_parameters_are_kept_for_the_next_image_by_choice(window, hand, other) -> None:
+    rows = {row.label: row for row in window.feature(OpenSaveFeature).context.preference_rows()}
+    box = rows["Next image"].make()
+    assert isinstance(box, QCheckBox)
+    assert not box.isChecked()
+    box.click()
+    tune(window)
+    open_image(window, hand, other)
+    assert window.session.document.parameters == replace(FRESH, beta=1.9)
+    assert not window.feature(OpenSaveFeature).document_file.unsaved
+
+
+@pytest.mark.parametrize("keeps", [False, True])
+def test_an_image_without_room_for_all_scales_limits_only_its_own(window, hand, tmp_path, other, keeps) -> None:
+    small = tmp_path / "small.npy"
+    np.save(small, np.eye(20))
+    window.session.keeps_parameters = keeps
+    open_image(window, hand, small)
+    assert window.session.document.parameters.scales == 2
+    assert "2" in window.canvas_area.messages.text
+    open_image(window, hand, other)
+    assert window.session.document.parameters == FRESH
+
+
+def test_a_preset_and_a_mode_fit_a_small_image(window, hand, tmp_path) -> None:
+    np.save(tmp_path / "small.npy", np.eye(20))
+    open_image(window, hand, tmp_path / "small.npy")
+    window.feature(ModesFeature)._use("automatic")
+    assert window.session.document.parameters == replace(PRESETS["automatic"], scales=2)
+    window.session.edit("preset", lambda document: edits.set_parameters(document, PRESETS["noisy"]))
+    assert window.session.document.parameters == replace(PRESETS["noisy"], scales=2)
+
+
+# While an image is being opened
+
+
+@pytest.mark.parametrize("answer", ["cancel", "discard"])
+def test_work_done_while_an_image_is_being_opened_is_asked_about(window, hand, other, held, asked, answer) -> None:
+    names = asked(answer)
+    window.open_image(str(other))
+    draw(window)
+    held.set()
+    hand.wait(lambda: bool(names))
+    if answer == "cancel":
+        hand.wait(lambda: "other.npy" in window.canvas_area.messages.text)
+        assert window.session.document.image.name == "disc.npy"
+        assert len(window.session.document.shapes) == 1
+    else:
+        hand.wait(lambda: window.session.document.image.name == "other.npy")
+    assert names == ["disc.cpm"]
+
+
+def test_work_saved_at_the_question_is_in_its_file(window, hand, other, held, asked, tmp_path) -> None:
+    asked("save")
+    window.open_image(str(other))
+    draw(window)
+    window.feature(OpenSaveFeature).document_file.path = tmp_path / "kept.cpm"
+    held.set()
+    hand.wait(lambda: window.session.document.image.name == "other.npy")
+    assert (tmp_path / "kept.cpm").is_file()
+
+
+def test_what_has_been_given_up_is_not_asked_about_twice(window, hand, other, held, asked) -> None:
+    names = asked("discard")
+    draw(window)
+    window.open_image(str(other))
+    assert names == ["disc.cpm"]
+    held.set()
+    hand.wait(lambda: window.session.document.image.name == "other.npy")
+    assert names == ["disc.cpm"]
+
+
+def test_a_sample_of_the_guide_is_opened_after_the_question(window, hand, asked) -> None:
+    names = asked("cancel")
+    draw(window)
+    window.feature(HelpFeature)._open_sample("rings.png")
+    hand.wait(lambda: window.session.idle)
+    assert names == ["disc.cpm"]
+    assert window.session.document.image.name == "disc.npy"
+
+
+def test_the_run_panel_tells_of_the_open_image_while_another_is_being_opened(window, hand, other, held) -> None:
+    panel = window.feature(RunControlFeature).panel.status
+    before = panel.state
+    window.open_image(str(other))
+    assert "other.npy" in window.session.opening
+    window.session.show_status()
+    assert panel.state == before
+    held.set()
+    hand.wait(lambda: window.session.document.image.name == "other.npy")
+
+
+def test_the_value_under_a_resting_pointer_is_that_of_the_new_image(window, hand, other) -> None:
+    hand.move(32.0, 32.0)
+    assert window.pointer_readout.text().endswith("200")
+    open_image(window, hand, other)
+    assert window.pointer_readout.text().endswith(("1000", "1001"))
+
+
+def test_the_place_under_a_resting_pointer_follows_the_zoom(window, hand) -> None:
+    hand.move(32.0, 10.0)
+    before = window.pointer_readout.text()
+    hand.canvas.zoom(2.0)
+    assert window.pointer_readout.text() != before
