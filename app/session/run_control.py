@@ -109,12 +109,15 @@ class RunControl(Editing):
             self.hold(RunCall(self._generation, Run.go, 1))
 
     def reset(self) -> None:
-        """Discard the particles and go back to the initialization."""
+        """Take the particles away and go back to the initialization; the run stays on the timeline."""
         if self.status.started:
             self.attempt(RUNNING)
+            kept = self.status.step > 0
             self._generation = self._next_generation()
             self._progress.forget()
             self.post(RunCall(None, Run.discard, self._generation))
+            if kept:
+                self.say(tr("The run is kept on the timeline: click it there, or press Ctrl+End, to go back to it."))
 
     def hold(self, command: Command) -> None:
         """Pause the run by a command after which it stays at some step."""
@@ -161,7 +164,7 @@ class RunControl(Editing):
         over = status.phase == "finished" and not status.steered
         if status.phase == "ready" or over or status.stale:
             self._generation = self._next_generation()
-            self.live.begin(self.document)
+            self.live.begin(self._generation, self.document)
             self._progress.forget(MODES[self.document.mode].method)
             self.post(Start(self._generation, self._image_generation, self.document))
 
@@ -184,5 +187,7 @@ class RunControl(Editing):
         self._frames.stepped()
         self.tasks.look()
         self._progress.look()
+        if self.scene.snapshot is not None:
+            self.live.use(self.scene.snapshot.timeline.began)
         if self.idle:
             self._timer.stop()

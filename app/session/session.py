@@ -121,6 +121,7 @@ class Session(RunControl):
         self.show(Scene(opened.image, opened.display, document=self.document, selected=self.selected))
         self.image_changed.emit()
         self._progress.forget()
+        self.live.forget()
         self.begin_document(_document(opened, self.document.mode))
         self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(RunCall(None, Run.set_parameters, opened.parameters))

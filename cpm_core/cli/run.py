@@ -93,7 +93,7 @@ def _run(arguments: argparse.Namespace) -> None:
     path, notes = _image(arguments, session)
     check_exports(arguments.export, str(path), arguments.session)
     image = load_image(path)
-    for note in (*session.notes, *notes):
+    for note in (*session.notes, *notes, *(f"{image.source}: {note}" for note in image.notes)):
         print(f"cpm: {note}", file=sys.stderr)
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
@@ -122,12 +122,13 @@ def _run(arguments: argparse.Namespace) -> None:
     if arguments.object:
         chosen, written = choose(result, image, arguments)
     seconds = time.perf_counter() - started
-    export(written, *arguments.export, image=path)
+    export(written, *arguments.export, image=path, tell=_tell_omission)
     missing = {file: left_out(written, suffix_of(file)) for file in arguments.export}
-    for file, count in missing.items():
-        if count:
-            print(f"cpm: {file} holds no open contours: {count} left out. {_CURE}", file=sys.stderr)
     _report(result, chosen, seconds, missing, as_json=arguments.json)
+
+
+def _tell_omission(sentence: str) -> None:
+    print(f"cpm: {sentence} {_CURE}", file=sys.stderr, flush=True)
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, tuple[str, ...]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 import time
 from collections.abc import Sequence
 
@@ -66,6 +67,8 @@ def _skeleton(arguments: argparse.Namespace) -> None:
     parameters = parameters_of(arguments, PRESETS[_PRESET])
     check_exports(arguments.export, arguments.image)
     image = load_image(arguments.image)
+    for note in image.notes:
+        print(f"cpm: {image.source}: {note}", file=sys.stderr)
     mask = None if arguments.within is None else load_image(arguments.within).values > 0.0
     started = time.perf_counter()
     found = skeleton(image, parameters, of=arguments.of, within=mask, outside=arguments.outside)

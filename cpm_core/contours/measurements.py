@@ -48,7 +48,8 @@ class Measures:
     by_hand : float
         Length of what was drawn by hand [px].
     net_area : float
-        Enclosed area without the holes directly inside [px²]; 0 when open, and for a hole itself.
+        Enclosed area without that of the closed contours directly inside, holes or further objects [px²]: the area of
+        its label in the label mask. 0 when open, and for the hole of an object.
     net_area_in_units : float
         The same in the square of the unit.
     """
@@ -113,10 +114,12 @@ def measure(
         One row for each contour, in their order.
     """
     around = containment(contours)
-    net = np.array([0.0 if contour.hole else contour.area for contour in contours])
+    net = np.array([contour.area for contour in contours])
     for contour, outer in zip(contours, around, strict=True):
-        if contour.hole and outer is not None:
+        if outer is not None:
             net[outer] -= contour.area
+    net[[contour.hole for contour in contours]] = 0.0
+    np.maximum(net, 0.0, out=net)  # contours may share a stretch of edge and overlap there
     rows: list[Measures] = []
     numbers, labels = numbers_of(contours), contour_labels(contours)
     for number, label, contour, outer, own in zip(numbers, labels, contours, around, net.tolist(), strict=True):

@@ -5,6 +5,7 @@ A new one is a module of its own with a function that makes the bytes of a file,
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -16,6 +17,8 @@ from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, svg
 from cpm_core.formats.masks import label_tiff, labels, nifti
 from cpm_core.medial_axis.skeleton import Skeleton
+
+_LOG = logging.getLogger(__name__)
 
 Encode = Callable[[Result | Skeleton], bytes]
 """Makes the bytes of a file; ValueError when the result holds nothing that such a file could show."""
@@ -84,6 +87,7 @@ def export(
     *paths: str | os.PathLike[str],
     outlines: bool = False,
     image: str | os.PathLike[str] | None = None,
+    tell: Callable[[str], object] = _LOG.warning,
 ) -> None:
     """Write the contours of a result, or a skeleton, in the format that each suffix names.
 
@@ -100,6 +104,9 @@ def export(
         Whether masks hold contours as lines, open ones too, in place of the insides of closed ones.
     image : path-like, optional
         File of the image, for files that refer to it (labelme); by default its name.
+    tell : callable, optional
+        Called with a sentence for each file that leaves contours out, before anything is written; by default a warning
+        is logged.
 
     Raises
     ------
@@ -112,6 +119,9 @@ def export(
     contents = []
     for file in files:
         suffix = suffix_of(file)
+        missing = omission(result, file, outlines=outlines)
+        if missing:
+            tell(missing)
         located = suffix == _LABELME and image is not None
         shown = labelme.located(result, file, Path(image)) if located and image is not None else result
         contents.append((file, encoded(shown, suffix, outlines=outlines)))
@@ -123,6 +133,17 @@ def left_out(result: Result | Skeleton, suffix: str, *, outlines: bool = False) 
     if isinstance(result, Skeleton) or suffix not in _CLOSED_ONLY or (outlines and suffix in OUTLINABLE):
         return 0
     return sum(not contour.closed for contour in result.contours)
+
+
+def omission(result: Result | Skeleton, file: Path, *, outlines: bool = False) -> str:
+    """What a file does not hold of a result, in one sentence; empty when it holds everything; see `export`."""
+    suffix = suffix_of(file)
+    count = left_out(result, suffix, outlines=outlines)
+    if not count:
+        return ""
+    what = "a mask" if suffix in OUTLINABLE else "a COCO file"
+    are = "is" if count == 1 else "are"
+    return f"{file}: {count} of {len(result.contours)} contours {are} open and not in {what}."
 
 
 def encoded(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -> bytes:

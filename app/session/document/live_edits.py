@@ -29,17 +29,36 @@ class Live:
         self._session = session
         self._progress = progress
         self._post = post
+        self._run = 0
         self._late: tuple[object, ...] = ()
         self._executed: Counter[Hashable] = Counter()
+        self._others: dict[int, tuple[tuple[object, ...], Counter[Hashable]]] = {}
         self._drawn: Counter[Hashable] = Counter()
         self._last_shapes: tuple[Shape, ...] | None = None
         self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable], bool] = (None, self._executed, False)
 
-    def begin(self, document: Document) -> None:
-        """A run starts from a document."""
+    def begin(self, run: int, document: Document) -> None:
+        """The run of this generation starts from a document."""
+        self._put_aside()
+        self._run = run
         self._late = document.late
         self._executed = self._drawn = document.sources
         self._last_shapes = document.shapes
+
+    def use(self, run: int) -> None:
+        """Another run of the timeline is shown, the one that began as this generation."""
+        if run != self._run and run in self._others:
+            self._put_aside()
+            self._run = run
+            self._late, self._executed = self._others[run]
+
+    def forget(self) -> None:
+        """Forget all runs: another image has been opened."""
+        self._others.clear()
+        self._run = 0
+
+    def _put_aside(self) -> None:
+        self._others[self._run] = (self._late, self._executed)
 
     def outdated(self, document: Document) -> bool:
         """Whether a run from the current document would begin otherwise than the existing one did.

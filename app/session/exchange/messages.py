@@ -14,7 +14,7 @@ from app.model.display.display_image import DisplayImage
 from app.model.display.plots import RunMetrics
 from app.model.export.order import Account
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
-from app.session.timeline.timeline import Outline
+from app.session.timeline.outline import Outline
 from cpm_core.contours.result import Result
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
@@ -145,6 +145,14 @@ class NotOpened(Report):
 
     sentence: str
     otherwise: Path | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RunsKept(Report):
+    """The runs on the timeline while none of them is shown, as after a reset."""
+
+    generation: int
+    timeline: Outline
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtCore import QTimer, Signal
 
 from app.model.text.language import tr
-from app.session.exchange.messages import CommandFailed, Snapshot
+from app.session.exchange.messages import CommandFailed, RunsKept, Snapshot
 from app.session.features.branch_comparison import BranchComparison
+from app.session.features.timeline_place import NOTHING, TimelinePlace
 from app.session.session import Session
-from app.session.timeline.branches import Branch
-from app.session.timeline.timeline import Outline
+from app.session.timeline.outline import Outline
 from app.session.worker.commands.run import RunCall
 from app.session.worker.commands.timeline import Seek
 from app.session.worker.run import Run
@@ -23,10 +23,8 @@ _PLAY_EVERY = 50
 _STAYING = 250
 """Time at a step after which its contours are reconstructed at once [ms]."""
 
-NOTHING = Outline()
 
-
-class TimelineNavigation(QObject):
+class TimelineNavigation(TimelinePlace):
     """Goes along the timeline of a session's run; `comparison` shows another branch beside it."""
 
     changed = Signal()
@@ -34,11 +32,6 @@ class TimelineNavigation(QObject):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self._session = session
-        self._outline = NOTHING
-        self._here = (0, 0)
-        self._count = 0
-        self._target: tuple[int, int] | None = None
         self._snapshot: Snapshot | None = None
         self.comparison = BranchComparison(session)
         self.comparison.changed.connect(self.changed)
@@ -49,45 +42,14 @@ class TimelineNavigation(QObject):
         self._stay.timeout.connect(self._reconstruct)
         session.scene_changed.connect(self._follow)
         session.status_changed.connect(self._follow_phase)
+        session.image_changed.connect(lambda: self._use_outline(NOTHING))
         session.listen(CommandFailed, self._give_up_going)
-
-    # State
-
-    @property
-    def outline(self) -> Outline:
-        """The branches."""
-        return self._outline
-
-    @property
-    def place(self) -> tuple[int, int]:
-        """Branch and step of the run, or those that it has been sent to."""
-        return self._target or self._here
-
-    @property
-    def first(self) -> int:
-        """The first step of the run."""
-        return next((branch.first for branch in self._outline.branches if branch.parent is None), 0)
-
-    @property
-    def count(self) -> int:
-        """Number of particles shown."""
-        return self._count
+        session.listen(RunsKept, self._take_kept)
 
     @property
     def playing(self) -> bool:
         """Whether recorded steps are replayed."""
         return self._play.isActive()
-
-    def branch(self, identity: int) -> Branch | None:
-        """A branch by its number."""
-        return next((branch for branch in self._outline.branches if branch.identity == identity), None)
-
-    def last(self, identity: int) -> int:
-        """The last step of a branch, 0 when it does not exist."""
-        branch = self.branch(identity)
-        if branch is None:
-            return 0
-        return max(branch.last, self._here[1]) if identity == self._here[0] else branch.last
 
     # Going
 
@@ -98,23 +60,24 @@ class TimelineNavigation(QObject):
 
     def by(self, steps: int) -> None:
         """Go forward by a number of recorded steps, or backward when it is negative."""
-        branch, step = self.place
+        branch, step = self._place_or_end()
         self.go(branch, step + steps)
 
     def to_first(self) -> None:
         """Go to the first step of the run."""
-        self.go(self.place[0], self.first)
+        self.go(self._place_or_end()[0], self.first)
 
     def to_last(self) -> None:
         """Go to the last step of the branch."""
-        self.go(self.place[0], self.last(self.place[0]))
+        branch, _ = self._place_or_end()
+        self.go(branch, self.last(branch))
 
     def toggle_play(self) -> None:
         """Replay the recorded steps from here on, from the first one at the end; or pause."""
         if self.playing:
             self._play.stop()
         elif self._outline.branches:
-            branch, step = self.place
+            branch, step = self._place_or_end()
             if step >= self.last(branch):
                 self._go(branch, self.first)
             self._play.start()
@@ -160,6 +123,8 @@ class TimelineNavigation(QObject):
     def _go(self, branch: int, step: int) -> None:
         if self.branch(branch) is None:
             return
+        if not self._session.status.started:  # until now the regions were of no use to the worker
+            self._session.post(RunCall(None, Run.limit, self._session.document.regions))
         step = min(max(step, self.first), self.last(branch))
         if (branch, step) == self.place and self._session.status.phase != "running":
             return
@@ -182,14 +147,25 @@ class TimelineNavigation(QObject):
         if snapshot is self._snapshot:
             return
         self._snapshot = snapshot
-        if snapshot is None:
-            self._play.stop()
-            self._outline, self._here, self._target = NOTHING, (0, 0), None
-        else:
-            self._outline, self._here = snapshot.timeline, (snapshot.timeline.branch, snapshot.state.step)
-            self._count = snapshot.state.count
-            if self._here == self._target:
-                self._target = None
+        if snapshot is None:  # the runs that there have been are still known
+            self._use_outline(self._outline)
+            return
+        self._here = (snapshot.timeline.branch, snapshot.state.step)
+        self._take_outline(snapshot.timeline)
+        self._count = snapshot.state.count
+        if self._here == self._target:
+            self._target = None
+        self.changed.emit()
+
+    def _take_kept(self, kept: RunsKept) -> None:
+        if kept.generation == self._session.generation and not self._session.status.started:
+            self._use_outline(kept.timeline)
+
+    def _use_outline(self, outline: Outline) -> None:
+        """Show runs while the run is on none of them."""
+        self._play.stop()
+        self._here, self._target = (0, 0), None
+        self._take_outline(outline)
         self.changed.emit()
 
     def _follow_phase(self) -> None:

@@ -1,4 +1,4 @@
-"""The branch tree of a timeline."""
+"""The branches of a timeline: a tree for each run."""
 
 from __future__ import annotations
 
@@ -13,20 +13,22 @@ RunAction = TypeVar("RunAction")
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """One branch of a run, as the window shows it.
+    """A run, or a branch of one, as the window shows it.
 
     Attributes
     ----------
     identity : int
-        Its number, unique in a run.
+        Its number, unique on the timeline.
     name : str
         Name that is shown.
     parent : int or None
-        The branch that it leaves; None for the first one.
+        The branch that it leaves; None for a run.
     first, last : int
         Step at which it leaves its parent, and the last one recorded.
     scales : tuple of tuple of int
         First steps and numbers of the scales among its own steps.
+    run : int
+        Number of the run that it belongs to.
     """
 
     identity: int
@@ -35,6 +37,7 @@ class Branch:
     first: int
     last: int
     scales: tuple[tuple[int, int], ...] = ()
+    run: int = 0
 
 
 @dataclass(eq=False, slots=True)
@@ -50,24 +53,32 @@ class BranchNode(Generic[RunAction]):
     parent: int | None
     first: int
     actions: list[tuple[RunAction, ...]]
+    run: int
     scales: list[tuple[int, int]] = field(default_factory=list)
+    renamed: bool = False
 
     @property
     def last(self) -> int:
         """The last step recorded."""
         return self.first + len(self.actions) - 1
 
+    @property
+    def empty(self) -> bool:
+        """Whether nothing has been done from its first step on."""
+        return self.actions == [()]
+
     def outline(self) -> Branch:
         """The branch as the window shows it."""
-        return Branch(self.identity, self.name, self.parent, self.first, self.last, tuple(self.scales))
+        return Branch(self.identity, self.name, self.parent, self.first, self.last, tuple(self.scales), self.run)
 
 
 class Lineage(Generic[RunAction]):
-    """The branch tree: branches by number, each of which but the first leaves another one at some step."""
+    """Branches by number: a run leaves no other branch, each other one leaves a branch of its run at some step."""
 
     def __init__(self) -> None:
         self._nodes: dict[int, BranchNode[RunAction]] = {}
         self._numbered = 0
+        self._named = [0, 0]
         self._outline: tuple[Branch, ...] | None = None
 
     def __len__(self) -> int:
@@ -81,9 +92,22 @@ class Lineage(Generic[RunAction]):
         return self._outline
 
     @property
-    def root(self) -> BranchNode[RunAction]:
-        """The first branch."""
-        return next(node for node in self._nodes.values() if node.parent is None)
+    def nodes(self) -> tuple[BranchNode[RunAction], ...]:
+        """All branches, the oldest first."""
+        return tuple(self._nodes.values())
+
+    @property
+    def roots(self) -> tuple[BranchNode[RunAction], ...]:
+        """The first branch of each run, the oldest first."""
+        return tuple(node for node in self._nodes.values() if node.parent is None)
+
+    def root(self, run: int) -> BranchNode[RunAction]:
+        """The first branch of a run."""
+        return next(node for node in self.roots if node.run == run)
+
+    def of_run(self, run: int) -> tuple[BranchNode[RunAction], ...]:
+        """The branches of a run."""
+        return tuple(node for node in self._nodes.values() if node.run == run)
 
     def touch(self) -> None:
         """Make the outline again when it is next read."""
@@ -93,6 +117,7 @@ class Lineage(Generic[RunAction]):
         """Remove all branches."""
         self._nodes.clear()
         self._numbered = 0
+        self._named = [0, 0]
         self.touch()
 
     def known(self, branch: int) -> BranchNode[RunAction]:
@@ -109,10 +134,13 @@ class Lineage(Generic[RunAction]):
     def open(
         self, parent: BranchNode[RunAction] | None, first: int, changes: tuple[RunAction, ...]
     ) -> BranchNode[RunAction]:
-        """Add a branch from a step of another one, with the changes to its state there."""
+        """Add a branch from a step of another one, with the changes to its state there; without a parent a run."""
         self._numbered += 1
-        name = tr("Branch {number}").format(number=self._numbered)
-        node = BranchNode(self._numbered, name, None if parent is None else parent.identity, first, [changes])
+        branches = parent is not None
+        self._named[branches] += 1
+        name = (tr("Branch {number}") if branches else tr("Run {number}")).format(number=self._named[branches])
+        leaves, run = (None, self._numbered) if parent is None else (parent.identity, parent.run)
+        node = BranchNode(self._numbered, name, leaves, first, [changes], run)
         self._nodes[node.identity] = node
         self.touch()
         return node

@@ -60,6 +60,17 @@ class KeptStates:
         if before is not None and before != place and before in self._states and before not in self._fixed.values():
             self._file(before)
 
+    def release(self, role: str) -> None:
+        """No place has this role any more."""
+        before = self._fixed.pop(role, None)
+        if before is not None and before in self._states and before not in self._fixed.values():
+            self._file(before)
+
+    def drop_branch(self, branch: int) -> None:
+        """Remove the states of a branch."""
+        for place in [place for place in self._states if place[0] == branch]:
+            self.drop(place)
+
     def put(self, place: Place, state: MethodState) -> None:
         """Keep a state in place of the one kept before."""
         self.drop(place)

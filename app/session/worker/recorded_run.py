@@ -1,17 +1,20 @@
-"""The recorded run on the worker thread: its timeline, and the metrics of each branch for plots."""
+"""The recorded runs on the worker thread: their timeline, and the metrics of each branch for plots."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
 from app.model.display.plots import RunMetrics
+from app.model.document.document import Document
+from app.model.document.modes import MODES
+from app.session.timeline.outline import Outline
 from app.session.timeline.run_actions import RunAction, Stepped
-from app.session.timeline.timeline import Outline, Timeline
+from app.session.timeline.timeline import Timeline
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.segmentation.method import Method, MethodState
@@ -62,13 +65,37 @@ class RunRecord:
         return RunMetrics(*self._rows[:, : self._length])
 
 
-class RecordedRun:
-    """Timeline and metrics of the current run."""
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """How a run began: from this document, at last as this generation."""
 
-    def __init__(self) -> None:
+    document: Document
+    generation: int = 0
+
+    def alike(self, document: Document) -> bool:
+        """Whether a run from another document begins in the same way and takes the same first step."""
+        return _beginning(self.document) == _beginning(document)
+
+
+def _beginning(document: Document) -> tuple[object, ...]:
+    return (
+        MODES[document.mode].method,
+        document.shapes,
+        document.parameters,
+        document.objects.barriers,
+        document.outlines if document.mode == "skeleton" else (),
+    )
+
+
+class RecordedRun:
+    """Timeline and metrics of all runs on an image; `make` gives the method of a run that began with a document."""
+
+    def __init__(self, make: Callable[[Document], Method[Any]]) -> None:
         self.timeline: Timeline[RunAction] = Timeline(self._apply, MEGABYTES * MEGABYTE)
-        self._methods: dict[Regions | None, Method[Any]] = {}
+        self._make = make
+        self._methods: dict[tuple[int, Regions | None], Method[Any]] = {}
         self._records: dict[int, RunRecord] = {}
+        self._begun: dict[int, Begun] = {}
 
     @property
     def outline(self) -> Outline:
@@ -76,19 +103,45 @@ class RecordedRun:
         timeline = self.timeline
         branch, _ = timeline.here or (0, 0)
         taken = next((action.parameters for action in timeline.actions if isinstance(action, Stepped)), None)
-        return Outline(timeline.branches, branch, timeline.used, timeline.budget, timeline.kept, taken)
+        return Outline(
+            timeline.branches,
+            branch,
+            timeline.used,
+            timeline.budget,
+            timeline.kept,
+            taken,
+            timeline.fallen,
+            timeline.edition,
+            self._begun[timeline.run].generation if timeline.run else 0,
+        )
 
     def clear(self) -> None:
-        """Remove the run."""
+        """Remove all runs."""
         self.timeline.clear()
         self._methods.clear()
         self._records.clear()
+        self._begun.clear()
 
-    def begin(self, method: Method[Any], state: MethodState, record: RunRecord) -> None:
-        """Begin with the first state of a run."""
-        self._methods = {method.regions: method}
-        self.timeline.begin(state)
-        self._records = {self.outline.branch: record}
+    def begin(self, method: Method[Any], state: MethodState, record: RunRecord, begun: Begun) -> None:
+        """Begin a run with its first state, or go back to the beginning of the one that began in the same way."""
+        run = next((known for known in self.timeline.runs if self._begun[known].alike(begun.document)), None)
+        if run is None:
+            run = self.timeline.begin(state)
+            self._records[run] = record
+        else:
+            self.timeline.restart(run)
+        self._begun = {known: self._begun.get(known, begun) for known in self.timeline.runs} | {run: begun}
+        self._methods[run, method.regions] = method
+        known = {node.identity for node in self.timeline.nodes}
+        self._records = {branch: kept for branch, kept in self._records.items() if branch in known}
+
+    def method(self, branch: int, regions: Regions | None) -> Method[Any]:
+        """The method of the run of a branch, in these regions."""
+        return self._method(self.timeline.run_of(branch), regions)
+
+    def current_method(self, regions: Regions | None) -> Method[Any]:
+        """The method of the current run, in these regions."""
+        return self._method(self.timeline.run, regions)
 
     def record(self, action: RunAction, state: MethodState, record: RunRecord) -> None:
         """Add a step that the record contains already."""
@@ -110,15 +163,11 @@ class RecordedRun:
         state = self.timeline.state(branch, step, wanted)
         return None if state is None else (state, self._records[branch].until(state.step))
 
-    def drop(self, branch: int) -> tuple[MethodState, RunRecord]:
-        """Remove a branch: the current state after that, and the record up to it."""
+    def drop(self, branch: int) -> tuple[MethodState, RunRecord] | None:
+        """Remove a branch: the current state after that, and the record up to it; None where there is none."""
         self.timeline.drop(branch)
-        self._records.pop(branch)
         here = self.timeline.here
-        assert here is not None
-        found = self.go(*here, lambda: True)
-        assert found is not None
-        return found
+        return None if here is None else self.go(*here, lambda: True)
 
     def _keep(self, record: RunRecord) -> None:
         """Keep the longest record of a branch."""
@@ -128,12 +177,16 @@ class RecordedRun:
         if known is None or len(record) >= len(known):
             self._records[here[0]] = record
 
-    def _apply(self, state: MethodState, action: RunAction) -> MethodState:
-        method = self._methods.pop(action.regions, None)
+    def _method(self, run: int, regions: Regions | None) -> Method[Any]:
+        method = self._methods.pop((run, regions), None)
         if method is None:
-            method = next(iter(self._methods.values())).with_regions(action.regions)
+            method = next((known for (of, _), known in self._methods.items() if of == run), None)
+            method = (method or self._make(self._begun[run].document)).with_regions(regions)
             if len(self._methods) >= _METHODS:
                 self._methods.pop(next(iter(self._methods)))
-        self._methods[action.regions] = method  # used last, and therefore removed last
-        after: MethodState = action.apply(method, state)
+        self._methods[run, regions] = method  # used last, and therefore removed last
+        return method
+
+    def _apply(self, run: int, state: MethodState, action: RunAction) -> MethodState:
+        after: MethodState = action.apply(self._method(run, action.regions), state)
         return after

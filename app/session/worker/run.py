@@ -11,6 +11,7 @@ from app.session.timeline.run_actions import Erased, Joined, RunAction
 from app.session.worker.overlays import OverlayMaker
 from app.session.worker.prepared_methods import PreparedMethods
 from app.session.worker.reconstruction import Reconstructor
+from app.session.worker.recorded_run import Begun
 from app.session.worker.stepper import Stepper
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
@@ -30,7 +31,7 @@ class Run(Stepper):
         overlays: Mailbox[Overlays],
         reconstructor: Reconstructor,
     ) -> None:
-        super().__init__(snapshots, reconstructor)
+        super().__init__(snapshots, reconstructor, prepared.method)
         self.image_generation = 0
         self._prepared = prepared
         self._overlays = OverlayMaker(overlays)
@@ -39,6 +40,7 @@ class Run(Stepper):
         """Change to another image, with the method that is prepared for it."""
         self.hand_edits = ()
         self.discard(generation)
+        self.recorded.clear()
         self.image_generation = generation
         self._prepared.use(method)
         self.method, self.charges, self.parameters = method, (), parameters
@@ -54,7 +56,7 @@ class Run(Stepper):
         self.method = self._prepared.method(document)
         self._refresh_overlays()
         self.state = self.method.start(seeds)
-        self.recorded.begin(self.method, self.state, self._record)
+        self.recorded.begin(self.method, self.state, self._record, Begun(document, generation))
         self._send()
 
     def seeds_for(self, document: Document) -> ImageSeeds:

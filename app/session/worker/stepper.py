@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from app.model.document.document import Document
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.exchange.pacing import Pacer
@@ -34,9 +35,14 @@ _SMALL_IMAGE = 1 << 20
 class Stepper:
     """A method, its state and its parameters, stepped on the worker thread; no other thread touches it."""
 
-    def __init__(self, snapshots: Mailbox[Snapshot], reconstructor: Reconstructor) -> None:
+    def __init__(
+        self,
+        snapshots: Mailbox[Snapshot],
+        reconstructor: Reconstructor,
+        make: Callable[[Document], Method[Any]],
+    ) -> None:
         self.pacer = Pacer()
-        self.recorded = RecordedRun()
+        self.recorded = RecordedRun(make)
         self._energy_watched = False
         self.generation = 0
         self.method: Method[Any] | None = None
@@ -70,12 +76,12 @@ class Stepper:
         self._reconstruct()
 
     def discard(self, generation: int) -> None:
-        """Stop and discard the particles; the next run has this number."""
+        """Stop and take the particles away; the run stays on the timeline, the next one has this number."""
         self.generation = generation
         self._remaining = 0.0
         self.state = None
         self._record = RunRecord()
-        self.recorded.clear()
+        self.recorded.timeline.leave()
         self._reconstructor.forget()
         if self.hand_edits:
             self._reconstruct(by_hand=True)
@@ -106,17 +112,25 @@ class Stepper:
     def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
         """Pause and go to another step of the timeline; if it is no longer wanted, only pause."""
         self._remaining = 0.0
+        before = self.recorded.timeline.run
         found = self.recorded.go(branch, step, wanted)
         if found is not None:
-            self.state, self._record = found
-            self._send(looking_back=True)
+            self._show(*found, before)
 
     def drop_branch(self, branch: int) -> None:
         """Remove a branch of the timeline; if the run is on it, go back to where it began."""
-        before = self.state
-        self.state, self._record = self.recorded.drop(branch)
-        if self.state is not before:
-            self._remaining = 0.0
+        before, run = self.state, self.recorded.timeline.run
+        found = self.recorded.drop(branch)
+        if found is not None:
+            if found[0] is not before:
+                self._remaining = 0.0
+            self._show(*found, run)
+
+    def _show(self, state: MethodState, record: RunRecord, before: int) -> None:
+        """Use and show a state of the timeline; `before` is the number of the run until now."""
+        self.state, self._record = state, record
+        if self.recorded.timeline.run != before:
+            self.method = self.recorded.current_method(None if self.method is None else self.method.regions)
         self._send(looking_back=True)
 
     def rename_branch(self, branch: int, name: str) -> None:
@@ -149,11 +163,12 @@ class Stepper:
             raise ValueError("There is nothing to export yet: let the particles run first.")
         return found
 
-    def result_of(self, state: MethodState) -> Result | Skeleton:
-        """Contours of another state of the run."""
+    def result_of(self, branch: int, state: MethodState) -> Result | Skeleton:
+        """Contours of a state of another branch."""
         if self.method is None:
             raise ValueError("There is no image to run on: open one first.")
-        return edited(self.method, self.method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
+        method = self.recorded.method(branch, self.method.regions)
+        return edited(method, method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
 
     def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
         """Snapshot of another step, without going there; None when it is no longer wanted."""

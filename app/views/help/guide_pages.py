@@ -146,7 +146,8 @@ _FURTHER = Page(
         tr("<b>Steer.</b> Place a charge that attracts or repels ({attract}, {repel}) and drag it: the field and the "
            "particles follow at once. {barrier} stops particles; {eraser} removes particles and shapes."),
         tr("<b>Go back.</b> Drag along the timeline, or use {timeline_back}. Change something there and run: this adds "
-           "a branch. All branches are kept and can be compared; {preferences} set the memory for them."),
+           "a branch. Runs from other starts and runs that were reset stay there, too. You can go back to all of "
+           "them, name and compare them; {preferences} set the memory for them."),
         tr("<b>Understand.</b> The panel Layers shows the edge map, the potential, the field and more; {layer_forces} "
            "shows the forces on a particle."),
         tr("<b>Review.</b> {contour_table} lists the contours; {reject} excludes contours from exports, {keep} keeps "

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import groupby
+from typing import Any
+
 import numpy as np
 
-from cpm_core.contours.contour import numbers_of
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.measurements import Measures, measure
+from cpm_core.contours.rasterize import Labels, paint
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb
 from cpm_core.formats.json_text import pairs, rounded, text
@@ -13,44 +19,74 @@ from cpm_core.medial_axis.skeleton import Skeleton
 _CATEGORY = "object"
 """Category of an instance without a name."""
 
+_Part = tuple[Contour, Measures]
+
 
 def encode(result: Result | Skeleton) -> bytes:
-    """Write an instance for each closed contour, as one polygon with its area and its box.
+    """Write an instance for each label of the label mask, with its net area and its box.
 
-    Names are categories. Coordinates are x, y in px from the corner of the image. The polygons of this format have no
-    holes: a contour in another is an instance of its own, and the outer one covers it; the holes of objects that were
-    chosen, and open contours, are left out. ValueError when no contour is closed.
+    Names are categories. Coordinates are x, y in px from the corner of the image. An instance without anything inside
+    it is one polygon, or several for an object of several parts. The polygons of this format have no holes: an instance
+    with holes, or with other contours in it, is a run-length mask, which equals its label in the label mask. Its
+    ``gross_area`` is what its contours enclose. Open contours are left out. ValueError when no contour is closed.
     """
-    closed = [contour for contour in result.contours if contour.closed and not contour.hole and len(contour.points) > 2]
+    rows = measure(result.contours, result.spacing, contrast=False)
+    closed = [pair for pair in zip(result.contours, rows, strict=True) if pair[1].label and len(pair[0].points) > 2]
     if not closed:
         raise ValueError(
             f"No contour of {result.source} is closed, and a COCO file holds only closed ones: "
             "let it run on, or export to GeoJSON or CSV."
         )
-    categories = sorted({contour.name or _CATEGORY for contour in closed})
+    categories = sorted({contour.name or _CATEGORY for contour, _ in closed})
+    surrounding = {row.inside for row in rows if row.closed}
+    labels = paint(result.contours, result.shape) if surrounding - {0} else None
     instances = []
-    for number, contour in zip(numbers_of(closed), closed, strict=True):
-        corners = np.array(pairs(contour.points))
-        low, size = corners.min(axis=0), np.ptp(corners, axis=0)
-        instances.append(
-            {
-                "id": number,
-                "image_id": 1,
-                "category_id": 1 + categories.index(contour.name or _CATEGORY),
-                "segmentation": [rounded(corners.ravel())],
-                "area": round(contour.area, 4),
-                "bbox": rounded(np.concatenate([low, size])),
-                "iscrowd": 0,
-                "color": list(rgb(contour)),
-            }
-        )
-    rows, cols = result.shape
+    for _, group in groupby(sorted(closed, key=lambda pair: pair[1].label), key=lambda pair: pair[1].label):
+        parts = list(group)
+        filled = labels is None or surrounding.isdisjoint(row.number for _, row in parts)
+        instances.append(_instance(parts, categories, None if filled else labels))
+    height, width = result.shape
     return text(
         {
             "info": {"description": f"Contours of {result.source}"},
             "licenses": [],
-            "images": [{"id": 1, "file_name": result.source, "width": cols, "height": rows}],
+            "images": [{"id": 1, "file_name": result.source, "width": width, "height": height}],
             "categories": [{"id": k, "name": name, "supercategory": ""} for k, name in enumerate(categories, start=1)],
             "annotations": instances,
         }
     )
+
+
+def _instance(parts: Sequence[_Part], categories: Sequence[str], labels: Labels | None) -> dict[str, Any]:
+    """One label: its parts as polygons, or as a run-length mask out of a label mask."""
+    (first, row), *_ = parts
+    outlines = [np.array(pairs(contour.points)) for contour, _ in parts]
+    corners = np.concatenate(outlines)
+    low, size = corners.min(axis=0), np.ptp(corners, axis=0)
+    polygons: Any = [rounded(outline.ravel()) for outline in outlines]
+    return {
+        "id": row.number,
+        "image_id": 1,
+        "category_id": 1 + categories.index(first.name or _CATEGORY),
+        "segmentation": polygons if labels is None else _runs(labels, row.label, parts),
+        "area": round(sum(row.net_area for _, row in parts), 4),
+        "gross_area": round(sum(row.area for _, row in parts), 4),
+        "bbox": rounded(np.concatenate([low, size])),
+        "iscrowd": 0,
+        "color": list(rgb(first)),
+    }
+
+
+def _runs(labels: Labels, label: int, parts: Sequence[_Part]) -> dict[str, Any]:
+    """Lengths of the runs of pixels without and with a label in turn, down one column after the other."""
+    height, width = labels.shape
+    points = np.concatenate([contour.points for contour, _ in parts])
+    low = np.clip(np.floor(points.min(axis=0)).astype(int), 0, labels.shape)
+    high = np.clip(np.ceil(points.max(axis=0)).astype(int) + 1, 0, labels.shape)
+    part = labels[low[0] : high[0], low[1] : high[1]].T
+    cols, rows = np.nonzero(np.equal(part, label))
+    places = (cols + low[1]) * height + rows + low[0]
+    begins = np.diff(places, prepend=-2) > 1
+    ends = np.append(begins[1:], True) if len(places) else begins
+    bounds = np.stack([places[begins], places[ends] + 1], axis=1).ravel()
+    return {"counts": np.diff(bounds, prepend=0, append=height * width).tolist(), "size": [height, width]}

@@ -17,12 +17,12 @@ def encode(result: Result | Skeleton) -> bytes:
     """Write an object with the image, the run, the contours and the bridges; `load_contours` reads it back.
 
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
-    levels / px. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null where
-    there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]; ``reached`` tells how
-    particles came to a contour, where it is known. Where the size of a pixel
-    is known, length and area are given in its unit as well. The boundaries of an object have its number as ``object``;
-    ``net_area`` is without holes, ``bridged`` the length without an edge that was found. Of a skeleton the branches are
-    contours with ``radii`` [px], and there is no run.
+    levels / px. ``gross_area`` is all that a contour encloses, ``net_area`` without the closed contours in it, as in
+    the label mask. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null
+    where there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]; ``reached`` tells
+    how particles came to a contour, where it is known. Where the size of a pixel is known, length and areas are given
+    in its unit as well. The boundaries of an object have its number as ``object``, and as ``bridged`` the length
+    without an edge that was found. Of a skeleton the branches are contours with ``radii`` [px], and there is no run.
     """
     image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
@@ -56,7 +56,8 @@ def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
             "junctions": list(contour.junctions),
             "inside": row.inside,
             "length": round(row.length, 4),
-            "area": round(row.area, 4),
+            "gross_area": round(row.area, 4),
+            "net_area": round(row.net_area, 4),
             "strength": round(row.strength, 6),
             "contrast": None if row.contrast is None else round(row.contrast, 6),
             "by_hand": round(row.by_hand, 4),
@@ -64,10 +65,10 @@ def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
         if contour.reached:
             entry["reached"] = contour.reached
         if result.unit:
-            entry |= {"length_in_units": row.length_in_units, "area_in_units": row.area_in_units}
+            entry |= {"length_in_units": row.length_in_units, "gross_area_in_units": row.area_in_units}
+            entry["net_area_in_units"] = row.net_area_in_units
         if contour.group:
-            entry |= {"object": contour.group, "hole": contour.hole}
-            entry |= {"net_area": round(row.net_area, 4), "bridged": round(contour.bridged, 4)}
+            entry |= {"object": contour.group, "hole": contour.hole, "bridged": round(contour.bridged, 4)}
         if isinstance(result, Skeleton):
             entry["radii"] = rounded(result.radii[index])
         entries.append(entry | {"points": rounded(contour.points)})

@@ -40,7 +40,7 @@ def encode(result: Result | Skeleton) -> bytes:
                 "closed": row.closed,
                 "junctions": list(contour.junctions),
                 "inside": row.inside,
-                "measurements": _measurements(row, result.unit) | _measurements_of_object(contour, row),
+                "measurements": _measurements(row, result.unit) | _measurements_of_object(contour),
             },
         }
         for contour, row in zip(result.contours, rows, strict=True)
@@ -50,23 +50,24 @@ def encode(result: Result | Skeleton) -> bytes:
 
 
 def _measurements(row: Measures, unit: str | None) -> dict[str, float]:
-    """Measures under the names that QuPath uses."""
-    found = {"Length px": row.length, "Area px^2": row.area}
+    """Measures under names as QuPath uses them; the net area is that of the polygon with its holes."""
+    found = {"Length px": row.length}
+    areas = {"Net area px^2": row.net_area, "Gross area px^2": row.area} if row.closed else {}
     if unit:
-        found |= {f"Length {unit}": row.length_in_units, f"Area {unit}^2": row.area_in_units}
+        found[f"Length {unit}"] = row.length_in_units
+        areas |= {f"Net area {unit}^2": row.net_area_in_units, f"Gross area {unit}^2": row.area_in_units}
+    found |= areas if row.closed else {}
     found["Edge strength"] = row.strength
     if row.contrast is not None:
         found["Contrast"] = row.contrast
     if row.by_hand:
         found["Length by hand px"] = row.by_hand
-    return {name: round(value, 6) for name, value in found.items() if row.closed or not name.startswith("Area")}
+    return {name: round(value, 6) for name, value in found.items()}
 
 
-def _measurements_of_object(contour: Contour, row: Measures) -> dict[str, float]:
+def _measurements_of_object(contour: Contour) -> dict[str, float]:
     """What is measured of the boundary of an object only."""
-    if not contour.group:
-        return {}
-    return {"Net area px^2": round(row.net_area, 6), "Bridged px": round(contour.bridged, 6)}
+    return {"Bridged px": round(contour.bridged, 6)} if contour.group else {}
 
 
 def _areal(contour: Contour) -> bool:

@@ -241,25 +241,13 @@ def test_branches_are_named_and_deleted(rested, hand, fresh) -> None:
     panel.branch.name.selectAll()
     hand.qtbot.keyClicks(panel.branch.name, "stiffer")
     hand.qtbot.keyClick(panel.branch.name, KEY.Key_Return)
-    hand.wait(lambda: [branch.name for branch in navigation(rested).outline.branches] == ["Branch 1", "stiffer"])
+    hand.wait(lambda: [branch.name for branch in navigation(rested).outline.branches] == ["Run 1", "stiffer"])
     fork = navigation(rested).outline.branches[1].first
     hand.qtbot.mouseClick(panel.branch.delete, LEFT)
     hand.wait(lambda: len(navigation(rested).outline.branches) == 1 and rested.session.idle)
     assert rested.session.status.step == fork
     np.testing.assert_array_equal(shown(rested), ordered(fresh[fork]))
     assert not panel.branch.delete.isEnabled()
-
-
-def test_a_reset_clears_the_timeline(rested, hand) -> None:
-    panel = rested.panels["timeline"]
-    assert panel.view.accessibleDescription().startswith("Branch 1, step")
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_R)
-    assert navigation(rested).outline.branches == ()
-    assert not panel.step.isEnabled()
-    assert not any(button.isEnabled() for button in panel.buttons.values())
-    hand.key(KEY.Key_Comma)
-    assert rested.session.status.phase == "ready"
 
 
 def test_a_press_on_a_name_changes_the_branch_and_keeps_the_step(rested, hand) -> None:

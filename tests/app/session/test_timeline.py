@@ -10,9 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
+from app.model.document.document import Document
+from app.session.timeline.recording import MOST_RUNS
 from app.session.timeline.run_actions import Stepped
 from app.session.timeline.timeline import Timeline
-from app.session.worker.recorded_run import RecordedRun, RunRecord
+from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
 from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
@@ -29,9 +31,10 @@ def toy(count: int = 5) -> State:
     return State(Particles.at_rest(position), position, (64, 64), 1, no_coverage((64, 64)))
 
 
-def toy_step(state: State, action: object) -> State:
-    """A step that no two actions have in common, nor the same action twice."""
+def toy_step(state: State, action: object, run: int = 0) -> State:
+    """A step that no two actions have in common, nor two runs, nor the same action twice."""
     kind, value = action
+    value += 0.25 * run
     particles = state.particles
     position = particles.position * 1.000001 + value + state.step
     moved = replace(state, particles=replace(particles, position=position))
@@ -49,21 +52,39 @@ def same(one: State, other: State) -> bool:
     return alike and grounds and all(getattr(one, name) == getattr(other, name) for name in fields)
 
 
+def toy_apply(run: int, state: State, action: object) -> State:
+    """`toy_step` as a timeline takes it."""
+    return toy_step(state, action, run)
+
+
 class TimelineMachine(RuleBasedStateMachine):
     """Operations in any order give the states of a simple model that keeps all states."""
 
     @initialize(budget=st.sampled_from([1, 3_000, 12_000, AMPLE]))
     def begin(self, budget: int) -> None:
-        self.timeline = Timeline(toy_step, budget)
+        self.timeline = Timeline(toy_apply, budget)
+        self.book: dict[int, list[State]] = {}
+        self.begin_a_run()
+
+    @rule()
+    def begin_a_run(self) -> None:
         self.state = toy()
         self.timeline.begin(self.state)
-        self.book: dict[int, list[State]] = {self.timeline.here[0]: [self.state]}
+        self._forget_removed()
+        self.book[self.timeline.here[0]] = [self.state]
 
+    @rule()
+    def leave(self) -> None:
+        self.timeline.leave()
+        self.state = None
+
+    @precondition(lambda self: self.timeline.here is not None)
     @rule(value=st.integers(0, 2), count=st.integers(1, 9))
     def step(self, value: int, count: int) -> None:
         for _ in range(count):
             self._do(("step", value))
 
+    @precondition(lambda self: self.timeline.here is not None)
     @rule(value=st.integers(0, 2))
     def change(self, value: int) -> None:
         self._do(("change", value))
@@ -86,17 +107,27 @@ class TimelineMachine(RuleBasedStateMachine):
             assert "several branches" in str(error)
             return
         del self.book[branch]
-        branch, step = self.timeline.here
-        self.state = self.book[branch][step]
+        if self.timeline.here is not None:
+            branch, step = self.timeline.here
+            self.state = self.book[branch][step]
 
     @rule(budget=st.sampled_from([1, 3_000, 12_000, AMPLE]))
     def change_budget(self, budget: int) -> None:
         self.timeline.budget = budget
+        self._forget_removed()
+
+    def _forget_removed(self) -> None:
+        """Runs that have fallen are gone as a whole, are named, and never the current one or the newest."""
+        there = {branch.identity for branch in self.timeline.branches}
+        self.book = {branch: states for branch, states in self.book.items() if branch in there}
+        assert self.timeline.here is None or self.timeline.here[0] in there
+        assert len(self.timeline.runs) <= MOST_RUNS
 
     def _do(self, action: tuple[str, int]) -> None:
         timeline, before = self.timeline, self.timeline.here
-        self.state = toy_step(self.state, action)
+        self.state = toy_step(self.state, action, timeline.run)
         (timeline.record if action[0] == "step" else timeline.amend)(action, self.state)
+        self._forget_removed()
         branch, step = timeline.here
         if branch not in self.book:
             self.book[branch] = self.book[before[0]][: before[1] + 1]
@@ -112,7 +143,7 @@ class TimelineMachine(RuleBasedStateMachine):
     @invariant()
     def every_step_is_recovered_bit_for_bit(self) -> None:
         here = self.timeline.here
-        assert same(self.timeline.state(*here), self.state)
+        assert here is None or same(self.timeline.state(*here), self.state)
         for branch, states in self.book.items():
             for step in {0, len(states) // 2, len(states) - 1}:
                 assert same(self.timeline.state(branch, step), states[step])
@@ -126,12 +157,14 @@ class TimelineMachine(RuleBasedStateMachine):
             last = self.timeline.state(branch.identity, 10**6)
             assert last is not None and last.step == len(self.book[branch.identity]) - 1
             assert branch.parent is None or branches[branch.parent].first <= branch.first
-        assert sum(branch.parent is None for branch in branches.values()) == 1
+        runs = [branch.run for branch in branches.values() if branch.parent is None]
+        assert sorted(runs) == sorted({branch.run for branch in branches.values()})
+        assert all(branches[b.parent].run == b.run for b in branches.values() if b.parent is not None)
 
     @invariant()
     def memory_stays_within_its_bounds(self) -> None:
         timeline = self.timeline
-        assert timeline.used <= timeline.budget or timeline.kept <= 2
+        assert timeline.used <= timeline.budget or timeline.kept <= 3
         kept = timeline._kept._states.values()
         arrays = {
             id(array): array.nbytes
@@ -147,12 +180,56 @@ TestTimeline.settings = settings(max_examples=60, stateful_step_count=25, deadli
 
 def recorded(count: int, budget: int = AMPLE) -> tuple[Timeline, list[State]]:
     """A timeline of one branch."""
-    timeline, states = Timeline(toy_step, budget), [toy()]
+    timeline, states = Timeline(toy_plain, budget), [toy()]
     timeline.begin(states[0])
     for _ in range(count):
         states.append(toy_step(states[-1], ("step", 1)))
         timeline.record(("step", 1), states[-1])
     return timeline, states
+
+
+def toy_plain(run: int, state: State, action: object) -> State:
+    """`toy_step` of a run that is like all others."""
+    return toy_step(state, action)
+
+
+def test_a_new_run_keeps_the_runs_before_it() -> None:
+    timeline, states = recorded(10)
+    timeline.begin(toy())
+    timeline.record(("step", 2), toy_step(toy(), ("step", 2)))
+    assert [branch.name for branch in timeline.branches] == ["Run 1", "Run 2"]
+    assert same(timeline.go(1, 10), states[10])
+    timeline.leave()
+    assert timeline.here is None
+    assert same(timeline.go(1, 7), states[7])
+
+
+def test_runs_without_a_step_are_not_kept() -> None:
+    timeline, _ = recorded(2)
+    for _ in range(3):
+        timeline.begin(toy())
+    assert [branch.name for branch in timeline.branches] == ["Run 1", "Run 4"]
+
+
+def test_the_oldest_runs_fall_first_and_those_with_a_name_of_their_own_last() -> None:
+    timeline, _ = recorded(2)
+    timeline.rename(1, "the good one")
+    for _ in range(MOST_RUNS + 2):
+        timeline.begin(toy())
+        timeline.record(("step", 1), toy_step(toy(), ("step", 1)))
+    assert timeline.fallen == ("Run 2", "Run 3", "Run 4")
+    assert timeline.branches[0].name == "the good one"
+    timeline.budget = 1
+    assert [branch.run for branch in timeline.branches] == [timeline.run]
+
+
+def test_a_run_that_is_deleted_gives_way_to_the_one_before() -> None:
+    timeline, states = recorded(4)
+    timeline.begin(toy())
+    timeline.record(("step", 1), toy_step(toy(), ("step", 1)))
+    timeline.drop(2)
+    assert timeline.here == (1, 4)
+    assert same(timeline.state(1, 4), states[4])
 
 
 def test_going_on_by_the_same_actions_repeats_the_branch_and_by_others_begins_one() -> None:
@@ -180,7 +257,7 @@ def test_a_seek_that_is_no_longer_wanted_changes_nothing() -> None:
 def test_steps_backwards_one_after_the_other_cost_about_one_step_each() -> None:
     taken = []
 
-    def counted(state: State, action: object) -> State:
+    def counted(_: int, state: State, action: object) -> State:
         taken.append(state.step)
         return toy_step(state, action)
 
@@ -214,9 +291,9 @@ def test_scales_are_marked_where_they_begin_and_once() -> None:
     assert timeline.branches[0].scales == ((0, 1), (7, 0))
 
 
-def test_the_only_branch_cannot_be_dropped_and_unknown_ones_are_reported() -> None:
+def test_the_only_run_cannot_be_dropped_and_unknown_ones_are_reported() -> None:
     timeline, _ = recorded(3)
-    with pytest.raises(ValueError, match="only branch"):
+    with pytest.raises(ValueError, match="only run"):
         timeline.drop(1)
     with pytest.raises(ValueError, match="no branch 7"):
         timeline.go(7, 1)
@@ -236,7 +313,7 @@ def test_branches_are_renamed_but_not_to_nothing() -> None:
 def test_steps_of_the_engine_are_recovered_bit_for_bit(budget: int, asked: list[int], compiled_loops: None) -> None:
     engine, slow, fast = ENGINE, Parameters(), Parameters(beta=0.3)
 
-    def apply(state: State, action: object) -> State:
+    def apply(_: int, state: State, action: object) -> State:
         return engine.step(state, action)
 
     timeline, states = Timeline(apply, budget), [engine.start(circle((32.0, 32.0), 10.0))]
@@ -264,9 +341,9 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
         Stepped(Parameters()),
     )
     engines = {None: ENGINE, barrier: ENGINE.with_regions(barrier)}
-    recorded, record, states = RecordedRun(), RunRecord(), [ENGINE.start(circle((32.0, 32.0), 10.0))]
+    recorded, record, states = RecordedRun(lambda _: ENGINE), RunRecord(), [ENGINE.start(circle((32.0, 32.0), 10.0))]
     recorded.timeline.budget = 1
-    recorded.begin(ENGINE, states[0], record)
+    recorded.begin(ENGINE, states[0], record, Begun(Document()))
     for step in range(50):
         action = features[step // 10]
         engine = engines[action.regions]
@@ -282,9 +359,9 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
 
 
 def test_records_for_plots_follow_their_branches() -> None:
-    recorded, record, state = RecordedRun(), RunRecord(), toy()
-    recorded.timeline = Timeline(toy_step, AMPLE)
-    recorded.begin(ENGINE, state, record)
+    recorded, record, state = RecordedRun(lambda _: ENGINE), RunRecord(), toy()
+    recorded.timeline = Timeline(toy_plain, AMPLE)
+    recorded.begin(ENGINE, state, record, Begun(Document()))
 
     def go_on(value: int, count: int) -> None:
         nonlocal state

@@ -97,7 +97,7 @@ def test_a_mask_with_some_contours_tells_how_many_open_ones_it_lacks(tmp_path, c
     status, out, err = command("run", tmp_path / "two.png", *starts, "--export", tmp_path / "m.png", "--json")
     facts = json.loads(out)
     assert (status, facts["closed"], facts["left_out"]) == (0, 1, {str(tmp_path / "m.png"): facts["contours"] - 1})
-    assert f"{facts['contours'] - 1} left out" in err
+    assert f"m.png: {facts['contours'] - 1} of {facts['contours']} contours is open and not in a mask." in err
     assert err.count("\n") == 1
 
 

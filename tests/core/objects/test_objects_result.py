@@ -97,7 +97,7 @@ def test_json_and_coco_tell_objects(result):
         (3, False),
     ]
     assert len(entries["bridges"]) == 5
-    assert len(json.loads(encoded(result, ".coco.json"))["annotations"]) == 4
+    assert len(json.loads(encoded(result, ".coco.json"))["annotations"]) == 3
 
 
 def test_names_are_one_for_each_object():

@@ -44,10 +44,11 @@ class TakeFrame(Command):
             return
         contours, beside = None, Compared(self.generation)
         if self.contours and moment.state.step > 0:
-            result = run.result_of(moment.state)
+            result = run.result_of(self.branch, moment.state)
             contours = Reconstruction.of(self.generation, result, ContourTracker(), thorough=False)
         if other is not None:
-            found = run.result_of(other) if self.contours and other.step > 0 else None
+            assert self.compared is not None
+            found = run.result_of(self.compared, other) if self.contours and other.step > 0 else None
             beside = Compared(self.generation, self.compared, other, other.position, found)
         context.report(FrameTaken(self.task, moment, contours, beside))
 

@@ -22,6 +22,7 @@ from app.session.exchange.messages import (
     Reconstruction,
     Report,
     RunFailed,
+    RunsKept,
     SeedsFound,
     WarmedUp,
     WentOn,
@@ -50,6 +51,9 @@ _ACTIVITIES: Mapping[Callable[..., object], str] = {
     Run.set_timeline_budget: "making room",
 }
 """What methods of the run do, as it stands after "while" in an error message."""
+
+
+_CHANGING_RUNS = (Run.discard, Run.rename_branch, Run.drop_branch, Run.set_timeline_budget)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -137,8 +141,13 @@ class RunCall(Command):
 
     def execute(self, context: CommandContext) -> None:
         """Call the method."""
-        if self.generation in (None, context.run.generation) and self._call(context.run):
-            context.report(WentOn(context.run.generation))
+        run = context.run
+        if self.generation not in (None, run.generation):
+            return
+        if self._call(run):
+            context.report(WentOn(run.generation))
+        if run.state is None and self.method in _CHANGING_RUNS:
+            context.report(RunsKept(run.generation, run.recorded.outline))
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has changed."""

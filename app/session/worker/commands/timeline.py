@@ -60,7 +60,7 @@ class Compare(Command):
         state = run.recorded.timeline.state(self.branch, self.step, lambda: not context.closing())
         if state is None:
             return
-        result = run.result_of(state) if self.against is not None and state.step > 0 else None
+        result = run.result_of(self.branch, state) if self.against is not None and state.step > 0 else None
         apart = None
         if self.against is not None and isinstance(result, Result):
             apart = agreement(self.against.contours, result.contours)

@@ -63,7 +63,8 @@ class TimelineFeature(Feature):
         navigation = self.navigation
         moves = [
             ActionSpec(name=f"timeline_{name}", menu=_MENU, text=text, do=partial(go, navigation),
-                       shortcuts=(keys,) if keys else (), tip=tip, icon=icon, when=has_particles)
+                       shortcuts=(keys,) if keys else (), tip=tip, icon=icon,
+                       when=lambda _: navigation.recorded)
             for name, text, go, keys, tip, icon in _MOVES
         ]  # fmt: skip
         return (
@@ -75,7 +76,7 @@ class TimelineFeature(Feature):
             ActionSpec(name="timeline_delete", menu=_MENU, text=tr("&Delete the branch"),
                        do=lambda: navigation.drop(navigation.place[0]),
                        tip=tr("Delete the shown branch; steps shared with other branches are kept."), icon="bin",
-                       when=lambda situation: has_particles(situation) and len(navigation.outline.branches) > 1),
+                       when=lambda _: bool(navigation.place[0]) and len(navigation.outline.branches) > 1),
         )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:

@@ -135,7 +135,7 @@ class TimelinePanel(QWidget):
             "last": step < last,
         }
         for name, button in self.buttons.items():
-            button.setEnabled(there and enabled.get(name, True))
+            button.setEnabled(enabled.get(name, True) if there else navigation.recorded and name in ("back", "last"))
         self.step.setEnabled(there)
         self.branch.show_branch(known)
         self._show_memory()

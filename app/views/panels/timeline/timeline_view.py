@@ -25,6 +25,9 @@ _KEYS = {
 }
 
 
+_ALL_KEYS = (*_KEYS, Qt.Key.Key_Home, Qt.Key.Key_End, Qt.Key.Key_Up, Qt.Key.Key_Down)
+
+
 class TimelineView(QWidget):
     """Branches over steps; the pointer and the arrow keys go to any of them."""
 
@@ -92,8 +95,10 @@ class TimelineView(QWidget):
         """Move along a branch or to the next one by arrow keys."""
         branch, step = self._navigation.place
         key, branches = Qt.Key(event.key()), [known.identity for known in self._navigation.outline.branches]
-        if branch not in branches:
+        if not branches or key not in _ALL_KEYS:
             event.ignore()
+        elif branch not in branches:  # no run is shown, as after a reset
+            self.step_requested.emit(branches[-1], self._navigation.last(branches[-1]))
         elif key in _KEYS:
             fast = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
             self.step_requested.emit(branch, step + fast * _KEYS[key])
@@ -101,11 +106,10 @@ class TimelineView(QWidget):
             self.step_requested.emit(
                 branch, self._navigation.first if key == Qt.Key.Key_Home else self._navigation.last(branch)
             )
-        elif key in (Qt.Key.Key_Up, Qt.Key.Key_Down):
-            row = branches.index(branch) + (1 if key == Qt.Key.Key_Down else -1)
-            self.step_requested.emit(branches[min(max(row, 0), len(branches) - 1)], step)
         else:
-            event.ignore()
+            row = branches.index(branch) + (1 if key == Qt.Key.Key_Down else -1)
+            other = branches[min(max(row, 0), len(branches) - 1)]
+            self.step_requested.emit(other, self._navigation.beside(other))
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Show the focus outline."""
@@ -130,6 +134,8 @@ class TimelineView(QWidget):
 
     def _request(self, point: QPointF) -> None:
         assert self._dragged is not None
-        # a press on the name changes the branch and keeps the step
-        step = self._places.step(point.x()) if point.x() >= self._places.left() - SIDE else self._navigation.place[1]
+        if point.x() >= self._places.left() - SIDE:
+            step = self._places.step(point.x())
+        else:
+            step = self._navigation.beside(self._dragged)
         self.step_requested.emit(self._dragged, step)

@@ -86,12 +86,41 @@ def test_coco_has_an_instance_of_each_closed_contour_in_the_category_of_its_name
     instances = found.loadAnns(found.getAnnIds(imgIds=[image["id"]]))
     names = [found.loadCats([instance["category_id"]])[0]["name"] for instance in instances]
     assert names == ["cell", "object", "Kern β"]
-    for instance, contour in zip(instances, (CELL, HOLE, CORE), strict=True):
-        polygon = shapely.Polygon(np.reshape(instance["segmentation"][0], (-1, 2)))
-        np.testing.assert_allclose(polygon.exterior.coords[:-1], contour.points[:, ::-1] + 0.5, atol=1e-4)
-        assert instance["area"] == pytest.approx(polygon.area, abs=1e-2)
+    inside = (HOLE.area, CORE.area, 0.0)
+    for instance, contour, taken in zip(instances, (CELL, HOLE, CORE), inside, strict=True):
+        polygon = shapely.Polygon(contour.points[:, ::-1] + 0.5)
+        assert instance["area"] == pytest.approx(polygon.area - taken, abs=1e-2)
+        assert instance["gross_area"] == pytest.approx(polygon.area, abs=1e-2)
         x, y, width, height = instance["bbox"]
         np.testing.assert_allclose([x, y, x + width, y + height], polygon.bounds, atol=1e-4)
+    np.testing.assert_allclose(
+        np.reshape(instances[2]["segmentation"][0], (-1, 2)), CORE.points[:, ::-1] + 0.5, atol=1e-4
+    )
+
+
+def object_in_two_parts():
+    """An object of two parts, one with a hole that holds another object, and a contour beyond the image."""
+    parts = [replace(CELL, group=1, points=CELL.points * 0.6 + shift) for shift in ([0.0, 0.0], [0.0, 40.0])]
+    hole = replace(HOLE, group=1, hole=True, points=HOLE.points * 0.6)
+    other = replace(CORE, group=2, points=CORE.points * 0.6)
+    return (*parts, hole, other, replace(CELL, name="", points=CELL.points * 0.5 + [40.0, -20.0]))
+
+
+@pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")  # of pycocotools
+@pytest.mark.parametrize("contours", [RESULT.contours, object_in_two_parts()])
+def test_the_mask_of_an_instance_with_holes_is_its_label_in_the_label_mask(tmp_path, contours):
+    result = replace(RESULT, contours=contours)
+    found = coco(tmp_path, result)
+    labels = paint(contours, RESULT.shape)
+    instances = found.loadAnns(found.getAnnIds())
+    assert len(instances) == labels.max() == len({instance["id"] for instance in instances})
+    masks = [(found.annToMask(instance) == 1, isinstance(instance["segmentation"], dict)) for instance in instances]
+    assert any(packed for _, packed in masks)
+    for label, (mask, packed) in enumerate(masks, start=1):
+        differ = np.argwhere(mask != (labels == label))
+        edges = [shapely.LinearRing(contour.points) for contour in contours if contour.closed]
+        allowed = 0.0 if packed else ROUNDING
+        assert all(min(edge.distance(shapely.Point(pixel)) for edge in edges) < allowed for pixel in differ)
 
 
 def ragged(seed):
@@ -129,7 +158,8 @@ def test_the_json_of_everything_tells_the_run_the_contours_and_the_bridges():
         assert (entry["number"], entry["closed"], entry["name"]) == (number, contour.closed, contour.name)
         assert entry["junctions"] == list(contour.junctions)
         assert entry["length"] == pytest.approx(contour.length, abs=1e-4)
-        assert entry["area_in_units"] == pytest.approx(0.125 * contour.area)
+        assert entry["gross_area_in_units"] == pytest.approx(0.125 * contour.area)
+        assert entry["net_area_in_units"] == pytest.approx(0.125 * entry["net_area"], abs=1e-4)
         assert entry["contrast"] is None
     assert [entry["inside"] for entry in content["contours"]] == [0, 0, 1, 3, 0]
     assert [entry["label"] for entry in content["contours"]] == [1, 0, 2, 3, 0]
@@ -150,8 +180,9 @@ def test_the_table_of_measures_has_a_row_for_each_contour():
     assert [row["junctions"] for row in rows] == ["0", "1", "0", "0", "0"]
     for row, contour in zip(rows, RESULT.contours, strict=True):
         assert float(row["length_px"]) == pytest.approx(contour.length, abs=1e-4)
-        assert float(row["area_px2"]) == pytest.approx(contour.area, abs=1e-4)
-        assert float(row["area_um2"]) == pytest.approx(contour.area * 0.125, rel=1e-6)
+        assert float(row["gross_area_px2"]) == pytest.approx(contour.area, abs=1e-4)
+        assert float(row["gross_area_um2"]) == pytest.approx(contour.area * 0.125, rel=1e-6)
+        assert float(row["net_area_um2"]) == pytest.approx(float(row["net_area_px2"]) * 0.125, rel=1e-5)
         assert row["contrast"] == ""
     plain = encoded(replace(RESULT, unit=None, spacing=(1.0, 1.0)), ".measures.csv").decode()
-    assert plain.splitlines()[0].endswith("length_px,area_px2")
+    assert plain.splitlines()[0].endswith("length_px,gross_area_px2,net_area_px2")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import shapely
 
+from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.formats import encoded
 
@@ -68,18 +69,34 @@ def test_names_colors_and_measurements_go_along():
     cell, fibre, hole, *_ = (feature["properties"] for feature in features())
     assert (cell["objectType"], cell["name"], cell["color"]) == ("annotation", "cell", [230, 159, 0])
     assert (hole["name"], hole["inside"], fibre["junctions"]) == ("contour 3", 1, [True, False])
-    assert cell["measurements"]["Area px^2"] == pytest.approx(CELL.area)
-    assert cell["measurements"]["Area µm^2"] == pytest.approx(CELL.area * 0.125)
+    assert cell["measurements"]["Gross area px^2"] == pytest.approx(CELL.area)
+    assert cell["measurements"]["Net area px^2"] == pytest.approx(CELL.area - HOLE.area)
+    assert cell["measurements"]["Gross area µm^2"] == pytest.approx(CELL.area * 0.125)
     assert fibre["measurements"]["Length px"] == pytest.approx(FIBRE.length)
-    assert "Area px^2" not in fibre["measurements"]
+    assert not [name for name in fibre["measurements"] if "area" in name.lower()]
     assert all(isinstance(value, float) for value in cell["measurements"].values())
 
 
 def test_units_are_left_out_where_they_are_not_known():
     plain = replace(RESULT, unit=None, spacing=(1.0, 1.0))
-    assert set(features(plain)[0]["properties"]["measurements"]) == {"Length px", "Area px^2", "Edge strength"}
+    assert set(features(plain)[0]["properties"]["measurements"]) == {
+        "Length px",
+        "Net area px^2",
+        "Gross area px^2",
+        "Edge strength",
+    }
 
 
 def test_holes_are_contours_of_their_own_as_well():
     names = [feature["properties"]["name"] for feature in features()]
     assert names == ["cell", "fibre", "contour 3", "Kern β", "contour 5"]
+
+
+def test_the_net_area_is_that_of_the_polygon_and_about_that_of_the_label_mask():
+    labels = paint(RESULT.contours, RESULT.shape)
+    for feature, label in zip(features(RESULT), contour_labels(RESULT.contours), strict=True):
+        shape, told = shapely.geometry.shape(feature["geometry"]), feature["properties"]["measurements"]
+        if label:
+            assert told["Net area px^2"] == pytest.approx(shape.area, abs=0.01)
+            assert told["Net area px^2"] == pytest.approx((labels == label).sum(), rel=0.05)
+            assert told["Gross area px^2"] == pytest.approx(shapely.Polygon(shape.exterior).area, abs=0.01)
