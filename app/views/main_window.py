@@ -86,10 +86,7 @@ class MainWindow(QMainWindow):
         panels = [panel for feature in self.features.values() for panel in feature.panels()]
         self.panels = {panel.name: panel.widget for panel in panels}
         self.docks = Docks(self, panels)
-        restore = QAction(tr("Restore pane&ls"), self)
-        restore.setStatusTip(tr("Move every panel to its initial place."))
-        restore.triggered.connect(self.docks.restore)
-        self.menus.add_section("View", (*(dock.toggleViewAction() for dock in self.docks), restore))
+        self.menus.add_section("View", (*(dock.toggleViewAction() for dock in self.docks), self._restore_action()))
         self._palette_of_tools = ToolPalette(self.actions_by_name)
         self._bar = ToolBar(self.actions_by_name, self.feature(RunControlFeature).speed)
         self.addToolBar(self._bar)
@@ -173,6 +170,12 @@ class MainWindow(QMainWindow):
 
     def _show(self) -> None:
         self.actions_by_name.show(self.session.situation)
+
+    def _restore_action(self) -> QAction:
+        action = QAction(tr("Restore pane&ls"), self)
+        action.setStatusTip(tr("Move every panel to its initial place."))
+        action.triggered.connect(self.docks.restore)
+        return action
 
     def _restore_geometry(self) -> None:
         geometry = self.preferences.get(_GEOMETRY, QByteArray())

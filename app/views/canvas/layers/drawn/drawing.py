@@ -78,8 +78,8 @@ class DrawingLayer(Layer):
         self._limits = Limits(view)
         self._charges = Charges(view)
         self._draft = Draft(view)
-        self._drafted: _Drafted = ((), (), theme.DRAWING, False)
-        self._ringed: tuple[Position | None, float, str] = (None, 0.0, theme.DRAWING)
+        self.drafted: _Drafted = ((), (), theme.DRAWING, False)
+        self.ringed: tuple[Position | None, float, str] = (None, 0.0, theme.DRAWING)
         self._image_starts: tuple[ImageStart, ...] = ()
         self._curves = (self._lines, self._areas, self._chosen)
         self._marks: tuple[QGraphicsItem, ...] = (
@@ -119,20 +119,20 @@ class DrawingLayer(Layer):
 
     def show_draft(self, corners: tuple[Position, ...], path: tuple[Position, ...], color: str, closed: bool) -> None:
         """Show the draft of a path."""
-        self._drafted = (corners, path, color, closed)
-        self._draft.show(*self._drafted)
+        self.drafted = (corners, path, color, closed)
+        self._draft.show(*self.drafted)
 
     def show_ring(self, center: Position | None, radius: float, color: str) -> None:
         """Show the ring of a tool; None hides it."""
-        self._ringed = (center, radius, color)
-        self._draft.show_ring(*self._ringed)
+        self.ringed = (center, radius, color)
+        self._draft.show_ring(*self.ringed)
 
     def copy_draft(self, other: DrawingLayer) -> None:
         """Show the same draft and ring on another canvas."""
-        if self._drafted != other._drafted:
-            other.show_draft(*self._drafted)
-        if self._ringed != other._ringed:
-            other.show_ring(*self._ringed)
+        if self.drafted != other.drafted:
+            other.show_draft(*self.drafted)
+        if self.ringed != other.ringed:
+            other.show_ring(*self.ringed)
 
     def _show(self, document: Document, selected: int | None, started: bool) -> None:
         chosen = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
