@@ -13,7 +13,8 @@ from cpm_core.image.image import Image
 
 R = TypeVar("R", bound=Report)
 
-OPENING, RUNNING, EDITING, SAVING, EXPORTING = "opening", "running", "editing", "saving", "exporting"
+OPENING, RUNNING, EDITING, SAVING = "opening", "running", "editing", "saving"
+EXPORTING, FILMING = "exporting", "filming"
 """Kinds of attempts that messages belong to."""
 
 

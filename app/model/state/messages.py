@@ -48,8 +48,9 @@ class Messages:
         return self.news or (self.errors[-1] if self.errors else None)
 
     def said(self, message: Message) -> Messages:
-        """With another message, which replaces errors of its topic and all news."""
-        others = tuple(error for error in self.errors if error.topic != message.topic)
+        """With another message, which replaces all news and errors of its topic; news of no topic replaces no error."""
+        replacing = message.error or message.topic
+        others = tuple(error for error in self.errors if not replacing or error.topic != message.topic)
         return Messages((*others, message)) if message.error else Messages(others, message)
 
     def without(self, *topics: str) -> Messages:

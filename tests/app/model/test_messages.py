@@ -16,6 +16,11 @@ def test_good_news_is_shown_over_an_error_and_the_error_comes_back() -> None:
     assert both.faded().shown is LOST
 
 
+def test_news_of_no_topic_replaces_no_error() -> None:
+    said = Messages().said(Message("Something is wrong.", error=True)).said(Message("By the way."))
+    assert said.faded().shown == Message("Something is wrong.", error=True)
+
+
 def test_success_takes_away_the_error_of_its_kind() -> None:
     assert Messages().said(LOST).said(WRITTEN).faded().shown is None
 
