@@ -75,6 +75,7 @@ from cpm_core.formats import encoded, export, load_contours, load_image
 from cpm_core.formats.animations.animation import write_animation
 from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.formats.provenance import VERSION
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -88,6 +89,8 @@ from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.method import METHODS, Method
 from cpm_core.segmentation.segment import segment
+
+__version__ = VERSION
 
 __all__ = [
     "METHODS",

@@ -20,7 +20,7 @@ CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "PIL", "tifffile", "roif
 LATE_LIBRARIES = {
     "cpm_core.cli.figures.plotting": {"matplotlib"},
     "cpm_core.formats.animations.mp4": {"imageio_ffmpeg"},
-    "cpm_core.cli.workers": {"distributed"},
+    "cpm_core.cli.batch.workers": {"distributed"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
 

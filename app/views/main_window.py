@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TypeVar
 
-from PySide6.QtCore import QByteArray, QEvent, QSize, Qt
-from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
-from PySide6.QtWidgets import QAbstractButton, QMainWindow
+from PySide6.QtCore import QByteArray, QSize, Qt
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent
+from PySide6.QtWidgets import QMainWindow
 
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
@@ -28,6 +28,8 @@ from app.views.widgets.actions import Actions
 from app.views.window.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.garbage import GarbageCollector
+from app.views.window.keys.areas import Areas
+from app.views.window.keys.keyboard import Keyboard
 from app.views.window.menus import Menus
 from app.views.window.tool_bar import ToolBar
 from app.views.window.tool_palette import ToolPalette
@@ -63,6 +65,7 @@ class MainWindow(QMainWindow):
         self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
         self.canvas_area = CanvasArea(workspace)
         self.setCentralWidget(self.canvas_area)
+        self._keyboard = Keyboard(self, self.canvas_area.canvas)
         context = FeatureContext(
             window=self,
             workspace=workspace,
@@ -71,6 +74,7 @@ class MainWindow(QMainWindow):
             action_specs=lambda: self.actions_by_name.specs,
             preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
             reveal=self._reveal,
+            areas=lambda: self.areas,
             use_theme=self.use_theme,
             refresh=self.refresh,
             open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
@@ -85,12 +89,10 @@ class MainWindow(QMainWindow):
         self.menus = Menus(self.menuBar(), specs, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels()]
         self.panels = {panel.name: panel.widget for panel in panels}
-        self.docks = Docks(self, panels)
-        self.menus.add_section("View", (*(dock.toggleViewAction() for dock in self.docks), self._restore_action()))
-        self._palette_of_tools = ToolPalette(self.actions_by_name)
-        self._bar = ToolBar(self.actions_by_name, self.feature(RunControlFeature).speed)
-        self.addToolBar(self._bar)
-        self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, self._palette_of_tools)
+        self.areas = Areas(self.canvas_area.canvas, self.panels, self._reveal)
+        self.docks = Docks(self, panels, self.areas)
+        self.menus.add_section("View", (*self.docks.actions, self._restore_action()))
+        self._palette_of_tools = self._add_bars()
         self.pointer_readout = PointerReadout(session, self.canvas_area.canvas)
         self.zoom_field = ZoomField(self.canvas_area.canvas)
         self.statusBar().addPermanentWidget(self.pointer_readout)
@@ -129,19 +131,6 @@ class MainWindow(QMainWindow):
 
     # Called by Qt
 
-    def event(self, event: QEvent) -> bool:
-        """Let Space press the focused button instead of running the shortcut of the window."""
-        if (
-            event.type() == QEvent.Type.ShortcutOverride
-            and isinstance(event, QKeyEvent)
-            and event.key() == Qt.Key.Key_Space
-            and not event.modifiers()
-            and isinstance(self.focusWidget(), QAbstractButton)
-        ):
-            event.accept()
-            return True
-        return super().event(event)
-
     def closeEvent(self, event: QCloseEvent) -> None:
         """Hide at once, then stop the worker; a feature may keep the window open."""
         if not all(feature.close() for feature in self.features.values()):
@@ -167,6 +156,12 @@ class MainWindow(QMainWindow):
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features
+
+    def _add_bars(self) -> ToolPalette:
+        palette = ToolPalette(self.actions_by_name)
+        self.addToolBar(ToolBar(self.actions_by_name, self.feature(RunControlFeature).speed))
+        self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, palette)
+        return palette
 
     def _show(self) -> None:
         self.actions_by_name.show(self.session.situation)

@@ -7,7 +7,8 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from cpm_core.cli import batch, info, run, skeleton
+from cpm_core.cli import info, run, skeleton
+from cpm_core.cli.batch import command as batch_command
 from cpm_core.cli.bench import command as bench_command
 from cpm_core.cli.figures import command as figures_command
 
@@ -59,6 +60,6 @@ def _parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (run, batch, skeleton, info, figures_command, bench_command):
+    for command in (run, batch_command, skeleton, info, figures_command, bench_command):
         command.add_to(commands)
     return parser

@@ -24,7 +24,7 @@ from cpm_core.cli.arguments import (
     check_exports,
     parameters_of,
 )
-from cpm_core.cli.jobs import facts_of
+from cpm_core.cli.batch.jobs import facts_of
 from cpm_core.cli.objects import add_objects, check_objects, choose, facts_of_object, sentence
 from cpm_core.cli.terminal import Progress, counted
 from cpm_core.contours.kept import with_kept

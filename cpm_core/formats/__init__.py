@@ -11,6 +11,7 @@ from cpm_core.formats.writers import (
     encoded,
     export,
     left_out,
+    omission,
     suffix_of,
 )
 
@@ -27,5 +28,6 @@ __all__ = [
     "load_contours",
     "load_image",
     "load_points",
+    "omission",
     "suffix_of",
 ]

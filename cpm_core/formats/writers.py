@@ -119,9 +119,9 @@ def export(
     contents = []
     for file in files:
         suffix = suffix_of(file)
-        missing = omission(result, file, outlines=outlines)
+        missing = omission(result, suffix, outlines=outlines)
         if missing:
-            tell(missing)
+            tell(f"{file}: {missing}")
         located = suffix == _LABELME and image is not None
         shown = labelme.located(result, file, Path(image)) if located and image is not None else result
         contents.append((file, encoded(shown, suffix, outlines=outlines)))
@@ -135,15 +135,14 @@ def left_out(result: Result | Skeleton, suffix: str, *, outlines: bool = False) 
     return sum(not contour.closed for contour in result.contours)
 
 
-def omission(result: Result | Skeleton, file: Path, *, outlines: bool = False) -> str:
-    """What a file does not hold of a result, in one sentence; empty when it holds everything; see `export`."""
-    suffix = suffix_of(file)
+def omission(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -> str:
+    """What a file with this suffix does not hold of a result, in one sentence; empty when it holds everything."""
     count = left_out(result, suffix, outlines=outlines)
     if not count:
         return ""
     what = "a mask" if suffix in OUTLINABLE else "a COCO file"
     are = "is" if count == 1 else "are"
-    return f"{file}: {count} of {len(result.contours)} contours {are} open and not in {what}."
+    return f"{count} of {len(result.contours)} contours {are} open and not in {what}."
 
 
 def encoded(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -> bytes:

@@ -83,11 +83,15 @@ class CanvasArea(QWidget):
         self._draw()
 
     def use_tool(self, name: str) -> None:
-        """Change the tool; a drawing tool deselects the shape, because its handles would be in the way."""
+        """Change the tool, and give the keyboard to the canvas.
+
+        A drawing tool deselects the shape, because its handles would be in the way.
+        """
         self.canvas.use(self._tools[name])
         if name != "select":
             self._session.select(None)
         self.crosshair.move(0.0, 0.0)
+        self.canvas.setFocus()
         self.show_hint(self._hint)
 
     def escape(self) -> None:
@@ -96,6 +100,8 @@ class CanvasArea(QWidget):
             self.canvas.cancel()
         elif self.crosshair.at is not None:
             self.crosshair.hide()
+        elif self._workspace.other_result.chosen is not None:
+            self._workspace.other_result.choose(None)
         else:
             self.messages.dismiss()
             self._session.select(None)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QLineEdit
 
 from app.views.canvas.canvas import Canvas
+from app.views.widgets.own_escape import keep_escape
 from cpm_core.numerics.types import Position
 
 _WIDTH = 170
@@ -27,6 +28,7 @@ class NameField(QLineEdit):
         self.setFixedWidth(_WIDTH)
         self.setPlaceholderText(title)
         self.setAccessibleName(title)
+        keep_escape(self)
         self.hide()
         self.returnPressed.connect(self._give)
 
@@ -47,14 +49,6 @@ class NameField(QLineEdit):
         self.show()
         self.raise_()
         self.setFocus()
-
-    def event(self, event: QEvent) -> bool:
-        """While a name is written, Esc is not a shortcut of the window."""
-        override = event.type() == QEvent.Type.ShortcutOverride
-        if override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
-            event.accept()
-            return True
-        return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Cancel with Esc."""

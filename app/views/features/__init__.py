@@ -25,6 +25,7 @@ from app.views.features.run.timeline import TimelineFeature
 from app.views.features.view.animation import AnimationFeature
 from app.views.features.view.appearance import AppearanceFeature
 from app.views.features.view.comparing import ComparingFeature
+from app.views.features.view.keyboard import KeyboardFeature
 from app.views.features.view.layers import LayersFeature
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.window.feature import Feature
@@ -54,6 +55,7 @@ FEATURES: tuple[type[Feature], ...] = (
     HistoryFeature,
     LayersFeature,
     ComparingFeature,
+    KeyboardFeature,
     AppearanceFeature,
     PreferencesFeature,
     HelpFeature,

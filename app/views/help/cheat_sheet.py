@@ -8,7 +8,6 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QDialog,
-    QDockWidget,
     QFrame,
     QGridLayout,
     QHBoxLayout,
@@ -21,7 +20,8 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.action_spec import LAYER, ActionSpec
+from app.views.window.keys.panel_action import PanelAction
 from app.views.window.menus import MENUS
 
 KeyTable = Sequence[tuple[tuple[str, ...], str]]
@@ -29,7 +29,8 @@ KeyTable = Sequence[tuple[tuple[str, ...], str]]
 
 _POINTER: KeyTable = (
     ((tr("left"),), tr("present tool")),
-    ((tr("right, middle"),), tr("move the image")),
+    ((tr("right"),), tr("menu of what lies there")),
+    ((tr("right drag, middle drag"),), tr("move the image")),
     ((tr("wheel"),), tr("zoom")),
     (("Shift",), tr("circle; eight directions")),
     (("Ctrl",), tr("ellipse from its center")),
@@ -47,10 +48,17 @@ _IMAGE: KeyTable = (
     (("1 … 9",), tr("class of the object")),
     (("<", ">"), tr("size of shape or ring, strength, spacing")),
 )
+_FIELDS: KeyTable = (
+    (("Enter",), tr("enter the value, go back to the image; press the button")),
+    (("Esc",), tr("restore the value, go back to the image")),
+    (("↑↓",), tr("next slider; next row of a table")),
+    (("←→",), tr("move the slider")),
+    (("Space",), tr("run or pause, unless a name is typed")),
+)
 _COLUMNS, _WIDTH, _KEYS = 4, 296, 100
 """Maximum number of columns, the width of each, and the width of the keys in it [px]."""
 
-_TOOLS = "tools"
+_TOOLS, _LAYERS = "tools", "layers"
 _LINE = 24
 """Characters of a meaning that fit in one line."""
 
@@ -110,25 +118,35 @@ class CheatSheet(QDialog):
 
 def groups(window: QMainWindow, specs: Iterable[ActionSpec]) -> list[tuple[str, KeyTable]]:
     """All keys in groups: those of each menu, of the panels, and of the canvas."""
-    titles = {_TOOLS: tr("Tools"), **{name: _plain(title) for name, title in MENUS.items()}}
+    titles = {_TOOLS: tr("Tools"), _LAYERS: tr("Layers"), **{name: _plain(title) for name, title in MENUS.items()}}
     found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in titles}
     for spec in specs:
         if spec.shortcuts:
             keys = tuple(_shown(key) for key in spec.shortcuts[:2])
-            group = _TOOLS if spec.group == "tool" else spec.menu.partition(">")[0]
+            group = spec.menu.partition(">")[0]
+            group = _TOOLS if spec.group == "tool" else _LAYERS if spec.name.startswith(LAYER) else group
             found[group].append((keys, _plain(spec.text)))
-    panels = sorted(
-        ((_shown(dock.toggleViewAction().shortcut().toString()),), dock.windowTitle())
-        for dock in window.findChildren(QDockWidget)
-        if not dock.toggleViewAction().shortcut().isEmpty()
-    )
-    menus = [(titles[name], lines) for name, lines in found.items() if lines]
-    return [
-        *menus,
-        *([(tr("Panels"), panels)] if panels else []),
+    keyed = [action for action in window.findChildren(PanelAction) if not action.shortcut().isEmpty()]
+    panels = [((_shown(action.shortcut().toString()),), action.text()) for action in keyed]
+    for rows in (panels, found[_LAYERS]):
+        rows.sort(key=lambda row: _order(row[0][0]))
+    sections = (
+        (titles[_TOOLS], found.pop(_TOOLS)),
         (tr("Keys on the image"), _IMAGE),
         (tr("Mouse on the image"), _POINTER),
-    ]
+        (tr("In fields and tables"), _FIELDS),
+        (titles[_LAYERS], found.pop(_LAYERS)),
+        (tr("Panels"), panels),
+        *((titles[name], lines) for name, lines in found.items()),
+    )
+    return [(title, rows) for title, rows in sections if rows]
+
+
+def _order(key: str) -> tuple[int, str, int]:
+    """Place of a key among others: function keys first, then by modifier, digits as on the keyboard with 0 last."""
+    held, _, last = key.rpartition("+")
+    number = int("".join(filter(str.isdigit, last)) or 0)
+    return bool(held) or not last.startswith("F"), held, number if number or not last.isdigit() else 10
 
 
 def _balanced(blocks: Sequence[tuple[str, KeyTable]], many: int) -> list[list[tuple[str, KeyTable]]]:

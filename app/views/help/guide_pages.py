@@ -133,6 +133,9 @@ _CANVAS = Page(
            "that is moved or removed acts from the next start."),
         tr("Changed parameters act at once; a run at rest goes on with them after Resume."),
         tr("Enter on the image shows a cross-hair, which arrow keys move: every tool can be used by keys."),
+        tr("The keyboard belongs to the image: Enter or Esc in a field gives it back, Space runs and letters choose "
+           "tools wherever no text is typed. {go_to_sliders} goes to the sliders, {next_area} to the next area of the "
+           "window, {keys} shows all keys."),
         tr("All changes of shapes and parameters can be undone: {undo}."),
     ),
 )  # fmt: skip

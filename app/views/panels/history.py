@@ -20,6 +20,7 @@ class HistoryPanel(QWidget):
         super().__init__()
         self._go_to = go_to
         self._list = QListWidget()
+        self.setFocusProxy(self._list)
         self._list.setAccessibleName(tr("History"))
         self._list.setFrameShape(QFrame.Shape.NoFrame)
         self._list.setSpacing(2)

@@ -10,7 +10,6 @@ from app.views.canvas.layers import Layers, form_of
 from app.views.canvas.layers.layer import Layer
 from app.views.theme.icons import swatch
 from app.views.widgets.marked_slider import MarkedSlider
-from app.views.widgets.space_key import own_space
 
 _FOLD, _OPACITY = 18, 84
 """Widths [px]."""
@@ -27,6 +26,7 @@ class LayersPanel(QWidget):
         self.boxes: dict[str, QCheckBox] = {name: row.box for name, row in self.rows.items()}
         scrolled = QWidget()
         scrolled.setObjectName("scrolled")
+        self.setFocusProxy(next(iter(self.boxes.values())))
         column = QVBoxLayout(scrolled)
         column.setContentsMargins(0, 0, 8, 0)
         column.setSpacing(3)
@@ -60,7 +60,6 @@ class LayerRow(QWidget):
         self.layer = layer
         self.box = self._make_box()
         self.fold = self._make_fold()
-        own_space(self.box, self.fold)
         self.opacity = MarkedSlider(_LOWEST_OPACITY, 1.0, _OPACITY_STEP, None)
         self.opacity.setFixedWidth(_OPACITY)
         self.opacity.setAccessibleName(tr("Opacity: {layer}").format(layer=layer.title))

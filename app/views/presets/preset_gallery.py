@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from PySide6.QtCore import QBuffer, QEvent, QIODevice, QPoint, QRect, QSize, Qt, Signal
+from PySide6.QtCore import QBuffer, QIODevice, QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QColor, QIcon, QImage, QImageWriter, QKeyEvent, QPixmap
 from PySide6.QtWidgets import (
     QFrame,
@@ -24,7 +24,6 @@ from app.views.theme import theme
 _COLUMNS, _CELL = 2, QSize(180, 124)
 PICTURE = QSize(160, 94)
 _MOST_HEIGHT = 440
-_OPENING = (Qt.Key.Key_Space, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Down)
 
 
 class PresetGallery(QToolButton):
@@ -96,16 +95,9 @@ class PresetGallery(QToolButton):
         self.pictures.setCurrentRow(names.index(self._current.name) if self._current else 0)
         self.pictures.setFocus()
 
-    def event(self, event: QEvent) -> bool:
-        """Handle the keys that open it before they act as shortcuts of the window."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _OPENING:
-            event.accept()
-            return True
-        return super().event(event)
-
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Open on the usual keys."""
-        if event.key() in _OPENING:
+        """Open on the arrow key as well."""
+        if event.key() == Qt.Key.Key_Down:
             self.open()
         else:
             super().keyPressEvent(event)

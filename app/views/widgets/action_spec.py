@@ -12,6 +12,9 @@ from app.model.state.situation import Condition, Situation, always
 TOGGLE, STATE = "toggle", "state"
 """Groups of actions that the user checks, and of those whose check mark follows `ActionSpec.holds`."""
 
+LAYER = "layer_"
+"""What the names of the actions that show or hide a layer begin with."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActionSpec:

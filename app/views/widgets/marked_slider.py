@@ -28,6 +28,8 @@ class MarkedSlider(QSlider):
     def __init__(self, low: float, high: float, step: float, default: float | None) -> None:
         super().__init__(Qt.Orientation.Horizontal)
         self._default = default
+        self.exact = low
+        """The value that it was last given, which may lie between two steps."""
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.set_range(low, high, step)
         self.valueChanged.connect(self._moved)
@@ -42,8 +44,15 @@ class MarkedSlider(QSlider):
         self.blockSignals(False)
         self.update()
 
+    def move_to(self, value: float) -> None:
+        """Move it to a value, as if the user had moved it."""
+        if value != self.exact:
+            self.show_value(value)
+            self.moved_to.emit(value)
+
     def show_value(self, value: float) -> None:
         """Show a value without emitting a signal; one outside the range is shown at its end."""
+        self.exact = value
         self.blockSignals(True)
         self.setValue(round((value - self._low) / self._step))
         self.blockSignals(False)
@@ -83,4 +92,5 @@ class MarkedSlider(QSlider):
         painter.end()
 
     def _moved(self, value: int) -> None:
-        self.moved_to.emit(round(self._low + value * self._step, 9))
+        self.exact = round(self._low + value * self._step, 9)
+        self.moved_to.emit(self.exact)

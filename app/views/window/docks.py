@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
-from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QDockWidget, QHBoxLayout, QLabel, QMainWindow, QTabBar, QTabWidget, QToolButton, QWidget
 
 from app.model.text.language import tr
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.window.feature import Area, Panel
+from app.views.window.keys.areas import Areas
+from app.views.window.keys.panel_action import PanelAction
 
 _AREAS: dict[Area, Qt.DockWidgetArea] = {
     "left": Qt.DockWidgetArea.LeftDockWidgetArea,
@@ -38,9 +40,11 @@ class Docks(QObject):
     Tabbed panels are named by their tabs and have no heading.
     """
 
-    def __init__(self, window: QMainWindow, panels: Iterable[Panel]) -> None:
+    def __init__(self, window: QMainWindow, panels: Iterable[Panel], areas: Areas) -> None:
         super().__init__(window)
         self._window = window
+        self._areas = areas
+        self.actions: list[PanelAction] = []
         self._panels = list(panels)
         self._docks: dict[str, QDockWidget] = {}
         self._titles: dict[str, PanelTitle] = {}
@@ -123,10 +127,9 @@ class Docks(QObject):
         dock = QDockWidget(panel.title, self._window)
         dock.setObjectName(panel.name)
         dock.setWidget(panel.widget)
-        action = dock.toggleViewAction()
-        action.setStatusTip(tr("Show or hide the panel {title}.").format(title=panel.title))
-        if panel.shortcut:
-            action.setShortcut(QKeySequence(panel.shortcut))
+        self.actions.append(
+            PanelAction(dock, panel.shortcut, partial(self._areas.enter, panel.name), self._areas.leave)
+        )
         self._docks[panel.name] = dock
         self._titles[panel.name] = PanelTitle(dock)
         self._untitled[panel.name] = QWidget(dock)

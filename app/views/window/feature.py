@@ -20,6 +20,7 @@ from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
+from app.views.window.keys.areas import Areas
 
 Area = Literal["left", "right", "bottom"]
 
@@ -44,6 +45,8 @@ class FeatureContext:
         Returns all rows of the preferences dialog, once the window is built.
     reveal : callable
         Opens a panel by name and brings it to the front.
+    areas : callable
+        Returns what gives the keyboard to panels, once the window is built.
     use_theme : callable
         Sets the theme of the window.
     refresh : callable
@@ -61,6 +64,7 @@ class FeatureContext:
     action_specs: Callable[[], Iterable[ActionSpec]]
     preference_rows: Callable[[], Iterable[PreferenceRow]]
     reveal: Callable[[str], None]
+    areas: Callable[[], Areas]
     use_theme: Callable[[Theme], None]
     refresh: Callable[[], None]
     open_file: Callable[[Path, bool], None]

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication
 from app.views.features.view.comparing import ComparingFeature
 
 KEY = Qt.Key
-SHIFT = Qt.KeyboardModifier.ShiftModifier
+SHIFT, CTRL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def choose(window, kind: str) -> None:
 
 
 def test_a_wipe_shows_the_image_alone_beside_the_result_at_the_same_place(rested, feature, hand) -> None:
-    hand.key(KEY.Key_Q)
+    hand.key(KEY.Key_D, CTRL)
     mirror, wipe = feature.wipe.mirror, feature.wipe
     assert [name.text() for name in wipe.names] == ["Result", "Image alone"]
     assert mirror.layers.contours.counts == (0, 0)
@@ -44,13 +44,13 @@ def test_a_wipe_shows_the_image_alone_beside_the_result_at_the_same_place(rested
         act()
         assert mirror.view.viewRect().center().x() == pytest.approx(hand.canvas.view.viewRect().center().x(), abs=1e-6)
         assert mirror.magnification == pytest.approx(hand.canvas.magnification)
-    hand.key(KEY.Key_Q)
+    hand.key(KEY.Key_D, CTRL)
     assert wipe.mirror is None
     assert not wipe.divider.isVisible()
 
 
 def test_the_divider_is_dragged_and_moved_by_arrow_keys_and_esc_ends_the_wipe(rested, feature, hand, qtbot) -> None:
-    hand.key(KEY.Key_Q)
+    hand.key(KEY.Key_D, CTRL)
     divider = feature.wipe.divider
     assert divider.hasFocus()
     start = divider.geometry().center()
@@ -74,7 +74,7 @@ def test_the_divider_is_dragged_and_moved_by_arrow_keys_and_esc_ends_the_wipe(re
 
 def test_a_kept_result_is_compared_with_a_later_one(rested, feature, hand) -> None:
     before = rested.session.scene.contours.items
-    hand.key(KEY.Key_Q, SHIFT)
+    hand.key(KEY.Key_D, CTRL | SHIFT)
     rested.workspace.review.select(item.key for item in rested.workspace.review.items)
     rested.workspace.review.judge("rejected")
     choose(rested, "kept")
@@ -100,7 +100,7 @@ def test_branches_are_compared_with_particles_and_contours(rested, feature, hand
 
 
 def test_the_wipe_ends_with_its_image(rested, feature, hand, tmp_path) -> None:
-    hand.key(KEY.Key_Q, SHIFT)
+    hand.key(KEY.Key_D, CTRL | SHIFT)
     choose(rested, "kept")
     np.save(tmp_path / "other.npy", np.eye(48))
     rested.session.open(tmp_path / "other.npy")
@@ -110,7 +110,7 @@ def test_the_wipe_ends_with_its_image(rested, feature, hand, tmp_path) -> None:
 
 
 def test_layers_on_both_sides_follow_the_same_settings(rested, feature, hand) -> None:
-    hand.key(KEY.Key_Q)
+    hand.key(KEY.Key_D, CTRL)
     layer, mirrored = hand.canvas.layers["image"], feature.wipe.mirror.layers["image"]
     layer.choose("gamma", 2.0)
     layer.set_opacity(0.5)

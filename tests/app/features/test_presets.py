@@ -143,7 +143,7 @@ def gallery(window) -> PresetGallery:
 def test_a_preset_is_chosen_from_the_gallery_with_the_keys_and_undone(window, hand, gallery) -> None:
     assert gallery.current.key == "shape"
     gallery.setFocus()
-    hand.qtbot.keyClick(gallery, Qt.Key.Key_Space)
+    hand.qtbot.keyClick(gallery, Qt.Key.Key_Return)
     assert gallery.popup.isVisible()
     hand.qtbot.keyClick(gallery.pictures, Qt.Key.Key_Right)
     hand.qtbot.keyClick(gallery.pictures, Qt.Key.Key_Return)

@@ -126,7 +126,7 @@ def test_colors_are_chosen_by_keys_and_come_with_a_legend(window, hand, ready):
     window.docks["layers"].raise_()
     row = window.panels["layers"].rows["particles"]
     row.fold.setFocus()
-    hand.qtbot.keyClick(row.fold, Qt.Key.Key_Space)
+    hand.qtbot.keyClick(row.fold, Qt.Key.Key_Return)
     box = row.settings.fields["colour"]
     box.setFocus()
     hand.qtbot.keyClick(box, Qt.Key.Key_Down)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QCheckBox, QLabel
+from PySide6.QtWidgets import QLabel
 
 from app.model.parameters.controls import controls
 from app.model.text.wording import WORDS, rich
@@ -130,16 +130,3 @@ def test_the_preferences_offer_wording_animation_and_colors(window, hand) -> Non
     assert window.actions_by_name["theme_dark"].isChecked()
     assert window.palette().window().color().lightness() < 60
     dialog.reject()
-
-
-def test_space_presses_the_focused_button_and_does_not_start_a_run(ready, hand) -> None:
-    box = ready.panels["parameters"].rows["smoothing"].findChild(QCheckBox)
-    ready.panels["parameters"].advanced.fold.click()
-    hand.wait(box.isVisible)
-    box.setFocus(Qt.FocusReason.TabFocusReason)
-    hand.key(Qt.Key.Key_Space)
-    assert ready.session.document.parameters.smoothing == "auto"
-    assert ready.session.status.phase == "ready"
-    ready.canvas_area.canvas.setFocus()
-    hand.key(Qt.Key.Key_Space)
-    assert ready.session.status.phase != "ready"

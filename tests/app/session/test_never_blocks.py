@@ -19,6 +19,7 @@ from types import FrameType
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget
 
 import cpm_core
@@ -233,12 +234,12 @@ def test_nothing_blocks_the_window_while_it_is_worked_with(large: MainWindow, ha
         qtbot.wait(20)
         qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
 
-    for dock in large.docks:
+    for dock, action in zip(large.docks, large.docks.actions, strict=True):
 
-        def reveal(dock: QDockWidget = dock) -> None:
-            dock.toggleViewAction().trigger()
+        def reveal(dock: QDockWidget = dock, action: QAction = action) -> None:
+            action.trigger()
             qtbot.wait(20)
-            dock.toggleViewAction().trigger()
+            action.trigger()
             large.docks.reveal(dock.objectName())
             qtbot.wait(20)
 

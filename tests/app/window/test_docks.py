@@ -10,6 +10,7 @@ from app.session.storage.preferences import Preferences
 from app.views.main_window import MainWindow
 from app.views.window.docks import Docks
 from app.views.window.feature import Panel
+from app.views.window.keys.areas import Areas
 
 SIX = ("Parameters", "Layers", "Contours", "History", "Truth", "Mosaic")
 
@@ -36,7 +37,7 @@ def test_the_heading_detaches_and_closes_its_panel(window, hand) -> None:
     assert not dock.isFloating()
     hand.qtbot.mouseClick(close, Qt.MouseButton.LeftButton)
     assert dock.isHidden()
-    dock.toggleViewAction().trigger()
+    next(action for action in window.docks.actions if action.text() == "Run").trigger()
     assert not dock.isHidden()
 
 
@@ -68,7 +69,8 @@ def test_six_tabbed_panels_show_their_names_in_full(window, qtbot, theme) -> Non
     other = QMainWindow()
     qtbot.addWidget(other)
     other.setCentralWidget(QLabel())
-    docks = Docks(other, [Panel(name=name, title=name, widget=QLabel(name), tab="settings") for name in SIX])
+    docks = Docks(other, [Panel(name=name, title=name, widget=QLabel(name), tab="settings") for name in SIX],
+                  Areas(other, {}, lambda name: None))  # fmt: skip
     other.resize(1280, 720)
     other.show()
     qtbot.waitUntil(lambda: bool(seen_bars(other)))

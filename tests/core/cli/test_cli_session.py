@@ -6,11 +6,14 @@ import csv
 import json
 import os
 import pickle
+import shutil
 import signal
 import subprocess
 import sys
 import time
 import types
+import weakref
+from asyncio import CancelledError
 from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
@@ -19,9 +22,10 @@ import numpy as np
 import PIL.Image
 import pytest
 
+import cpm_core
 from cpm_core import Parameters, load_image, segment, uniform_grid
-from cpm_core.cli import workers
-from cpm_core.cli.jobs import Done, Job
+from cpm_core.cli.batch import workers
+from cpm_core.cli.batch.jobs import Done, Job, do
 from cpm_core.contours.features import contour_features
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, anchor, described
@@ -262,15 +266,18 @@ def test_an_interrupt_ends_a_batch_at_once_and_leaves_whole_files_only(tmp_path,
     assert process.returncode == 130
     assert err.startswith("cpm: interrupted; ")
     assert err.count("\n") == 1
-    assert all(path.suffix == ".svg" and path.read_text().rstrip().endswith("</svg>") for path in out.iterdir())
+    drawings = [path for path in out.iterdir() if path.name != "summary.csv"]
+    assert all(path.suffix == ".svg" and path.read_text().rstrip().endswith("</svg>") for path in drawings)
+    assert {name for row in table(out) for name in row["files"].split("; ")} == {path.name for path in drawings}
 
 
-def test_a_worker_that_dies_is_reported_and_the_others_go_on(session, disks, monkeypatch):
+@pytest.mark.parametrize("deaths", [1, 2])
+def test_an_image_whose_worker_dies_is_tried_once_more_and_the_others_go_on(disks, monkeypatch, deaths):
     lines = []
     whole = workers._Worker.give
 
     def give(worker, job):
-        if job.number == 1:
+        if job.number == 1 and len(lines) < deaths:
             worker._process.kill()
             worker._process.join()
             lines.append(worker)
@@ -280,9 +287,9 @@ def test_a_worker_that_dies_is_reported_and_the_others_go_on(session, disks, mon
     made = SessionFile(shapes=(Circle(CENTERS[0], 6.0),))
     jobs = [Job(number, str(disks), made, Parameters(scales=2), 3, ()) for number in range(4)]
     done = {each.number: each for each in workers.here(jobs, 2)}
-    assert len(lines) == 1
-    assert [bool(done[number].error) for number in range(4)] == [False, True, False, False]
-    assert "ended unexpectedly" in done[1].error
+    assert len(lines) == deaths
+    assert [bool(done[number].error) for number in range(4)] == [False, deaths == 2, False, False]
+    assert deaths == 1 or "ended unexpectedly" in done[1].error
 
 
 class Cluster:
@@ -295,18 +302,15 @@ class Cluster:
             raise TimeoutError("timed out")
         Cluster.cancelled = []
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        pass
+    def close(self, timeout):
+        assert timeout
 
     def map(self, work, jobs, pure):
         assert not pure
         futures = []
         for job in jobs:
             future = Future()
-            future.key = f"job-{job.number}"
+            future.key, future.release = f"job-{job.number}", lambda: None
             if "die" in job.path:
                 future.set_exception(RuntimeError("the worker is gone"))
             else:
@@ -355,6 +359,116 @@ def test_a_scheduler_that_does_not_answer_or_cannot_be_asked_is_told(
     status, _, err = command(*line)
     assert (status, err.count("\n")) == (2, 1)
     assert "cpm-particles[batch]" in err
+
+
+def test_a_scheduler_that_goes_away_leaves_its_images_to_the_next_batch(
+    command, dask, session, disks, monkeypatch, tmp_path
+):
+    def one_and_gone(futures):
+        yield futures[0]
+        raise CancelledError
+
+    monkeypatch.setattr(sys.modules["distributed"], "as_completed", one_and_gone)
+    line = ("batch", disks, disks, "--session", session, "--output", tmp_path / "o", "--max-steps", 5)
+    status, _, err = command(*line, "--scheduler", "tcp://there:8786")
+    assert status == 1
+    assert "The scheduler at tcp://there:8786 has gone" in err
+    assert [bool(row["trouble"]) for row in table(tmp_path / "o")] == [False, True]
+    assert command(*line, "--workers", 1)[0] == 0
+    assert [bool(row["trouble"]) for row in table(tmp_path / "o")] == [False, False]
+
+
+@pytest.fixture
+def counted_jobs(monkeypatch):
+    """Names of the images that are worked on."""
+    names = []
+
+    def counting(job):
+        names.append(Path(job.path).name)
+        return do(job)
+
+    monkeypatch.setattr(workers, "do", counting)
+    return names
+
+
+def test_a_second_batch_does_only_what_is_not_done_in_the_same_way(command, session, disks, tmp_path, counted_jobs):
+    bad, other, out = tmp_path / "bad.png", tmp_path / "other.png", tmp_path / "o"
+    bad.write_text("no picture")
+    shutil.copy(disks, other)
+    line = ("batch", disks, bad, "--session", session, "--output", out, "--workers", 1, "--export", "svg")
+    short = ("--max-steps", 5)
+    assert command(*line, *short)[0] == 1
+    (first, _) = table(out)
+    assert first["image_sha256"] == fingerprint(disks) and first["session_sha256"] == fingerprint(session)
+    assert (first["version"], first["files"]) == (cpm_core.__version__, "disks_contours.svg")
+    assert first["settings"] == "max_steps=5 export=.svg" and first["finished"].endswith("Z")
+    counted_jobs.clear()
+
+    shutil.copy(disks, bad)  # it has been repaired
+    status, said, err = command(*line, *short, "--json")
+    assert (status, counted_jobs, facts(said)["done"]) == (0, ["bad.png"], 2)
+    assert facts(said)["images"][0]["contours"] == 1
+    assert "1 image done before" in err
+    for change in (("--max-steps", 6), ("--max-steps", 6, "--beta", 0.3), (*short, "--again")):
+        counted_jobs.clear()
+        command(*line, *change)
+        assert counted_jobs == ["disks.png", "bad.png"]
+    counted_jobs.clear()
+    (out / "disks_contours.svg").unlink()
+    command(*line, *short)
+    assert counted_jobs == ["disks.png"]
+    rows = table(out)
+    assert command("batch", other, *line[3:], *short)[0] == 0  # rows of other images stay
+    assert table(out)[:2] == rows and len(table(out)) == 3
+
+
+def test_a_batch_of_images_of_the_same_name_overwrites_nothing_of_an_earlier_one(command, session, disks, tmp_path):
+    out, again = tmp_path / "o", tmp_path / "again" / "disks.png"
+    again.parent.mkdir()
+    PIL.Image.open(disks).transpose(PIL.Image.Transpose.FLIP_TOP_BOTTOM).save(again)
+    for image in (disks, again):
+        command("batch", image, "--session", session, "--output", out, "--max-steps", 5, "--export", "csv")
+    assert [row["files"] for row in table(out)] == ["disks_contours.csv", "disks_contours_2.csv"]
+
+
+def test_a_table_that_is_none_of_a_batch_is_not_replaced(command, session, disks, tmp_path):
+    (tmp_path / "o").mkdir()
+    (tmp_path / "o" / "summary.csv").write_text("my,own\n1,2\n")
+    status, _, err = command("batch", disks, "--session", session, "--output", tmp_path / "o", "--max-steps", 5)
+    assert status == 2 and "is not the table of a batch" in err
+    assert (tmp_path / "o" / "summary.csv").read_text() == "my,own\n1,2\n"
+
+
+def test_an_image_with_open_contours_only_keeps_all_files_that_can_hold_them(command, tmp_path):
+    row, col = np.mgrid[:60, :100]
+    PIL.Image.fromarray((220 * (np.hypot(row - 12, col - 50) < 20)).astype(np.uint8)).save(tmp_path / "cut.png")
+    save_session(SessionFile(shapes=(Circle((14.0, 50.0), 10.0),)), tmp_path / "a.cpm")
+    line = ("batch", tmp_path / "cut.png", "--session", tmp_path / "a.cpm", "--output", tmp_path / "o", "--workers", 1)
+    status, _, err = command(*line)
+    assert status == 0
+    assert "cut.png: .png was not written: No contour of cut.png is closed" in err
+    (row,) = table(tmp_path / "o")
+    assert (row["closed"], row["trouble"], row["files"]) == ("0", "", "cut_contours.svg; cut_contours.csv")
+    assert "No contour of cut.png is closed" in row["notes"]
+    assert command(*line, "--export", "png", "--again")[0] == 1  # nothing at all can be written
+
+
+def test_a_batch_keeps_no_files_in_memory(command, session, disks, tmp_path, monkeypatch):
+    alive = weakref.WeakSet()
+
+    class Watched(dict):
+        __hash__ = object.__hash__
+
+    def watching(job):
+        done = do(job)
+        content = Watched(done.files)
+        alive.add(content)
+        return replace(done, files=content)
+
+    most = []
+    monkeypatch.setattr(workers, "do", lambda job: (most.append(len(alive)), watching(job))[1])
+    command("batch", *[disks] * 5, "--session", session, "--output", tmp_path / "o", "--max-steps", 2, "--workers", 1)
+    assert len(most) == 5 and max(most) <= 1
 
 
 def test_what_goes_to_other_processes_can_be_sent():

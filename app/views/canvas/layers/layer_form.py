@@ -11,7 +11,6 @@ from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.options import Amount, Choice, Option
 from app.views.theme import color_maps
 from app.views.widgets.marked_slider import MarkedSlider
-from app.views.widgets.space_key import own_space
 
 
 class LayerForm(QWidget):
@@ -96,7 +95,6 @@ class LayerForm(QWidget):
 
     def _switch(self, name: str, title: str) -> QCheckBox:
         box = QCheckBox(title)
-        own_space(box)
         box.toggled.connect(lambda checked: self.layer.choose(name, checked))
         self._showing.append(lambda: box.setChecked(bool(self.layer.chosen[name])))
         return box

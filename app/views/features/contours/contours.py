@@ -47,7 +47,7 @@ class ContoursFeature(Feature):
         """Table, selection, verdicts, names, colors."""
         return (
             ActionSpec(name="contour_table", menu="Contours", text=tr("&Table of contours"),
-                       do=lambda: self.context.reveal("contours"), shortcuts=("Ctrl+T",),
+                       do=lambda: self.context.areas().enter("contours"), shortcuts=("Ctrl+T",),
                        tip=tr("Show the measures and the review of each contour.")),
             ActionSpec(name="next_contour", menu="Contours", text=tr("Select ne&xt contour"), do=self._select_next,
                        shortcuts=("Shift+N",), tip=tr("Select one contour after the other, longest first."), gap=True,

@@ -42,7 +42,7 @@ class ObjectsFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, what is offered, and what is done to the chosen objects."""
         table = ActionSpec(name="object_table", menu="Objects", text=tr("&Table of objects"),
-                           do=lambda: self.context.reveal("objects"), shortcuts=("Ctrl+Shift+O",),
+                           do=lambda: self.context.areas().enter("objects"), shortcuts=("Ctrl+Shift+O",),
                            tip=tr("Show the classes and the measures of the objects."))  # fmt: skip
         take = ActionSpec(name="take_object", menu="Objects", text=tr("T&ake what is offered"), do=self._selection.take,
                           tip=tr("Make an object of what is offered; Enter does the same on the image."), gap=True,

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QMessageBox, QWidget
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
 from app.model.document.samples import sample_called
 from app.model.text.language import tr
 from app.views.help.cheat_sheet import CheatSheet
 from app.views.help.guide import Guide
-from app.views.help.tour import Tour, stops
+from app.views.help.tour import Tour
+from app.views.help.tour_stops import stops
 from app.views.theme.icons import program_icon
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 
 SEEN = "tour/seen"
 """Preference: whether the tour has been shown."""
+
+_AGAIN = 300
+"""Time after which the tour looks again whether a dialog is open [ms]."""
 
 
 class HelpFeature(Feature):
@@ -37,20 +41,27 @@ class HelpFeature(Feature):
             ActionSpec(name="guide", menu="Help", text=tr("&Guide"), do=self.show_guide, shortcuts=("F1",),
                        tip=tr("First steps, three examples step by step, and the use of the canvas."), icon="guide"),
             ActionSpec(name="tour", menu="Help", text=tr("&Tour of the window"), do=self.begin_tour,
-                       tip=tr("Five bubbles explain the main steps.")),
+                       tip=tr("Five steps to a first result.")),
             ActionSpec(name="about", menu="Help", text=tr("&About CPM"), do=lambda: show_about(window),
                        tip=tr("About this program."), gap=True),
         )  # fmt: skip
 
     def welcome(self) -> None:
-        """Begin the tour at the first start of the program."""
-        if not self.context.preferences.get(SEEN, False):
+        """Begin the tour at the first start of the program, after all dialogs have been answered."""
+        if self.context.preferences.get(SEEN, False):
+            return
+        if QApplication.activeModalWidget() is not None:
+            QTimer.singleShot(_AGAIN, self.context.window, self.welcome)
+        else:
             self.begin_tour()
 
     def begin_tour(self) -> None:
         """Begin the tour."""
         if self.tour is None:
-            self.tour = Tour(self.context.window, stops(self.context.window, self.context.reveal))
+            context = self.context
+            self.tour = Tour(
+                context.window, context.canvas_area, stops(context.window, context.session, context.reveal)
+            )
             self.tour.ended.connect(self._end_tour)
         self.tour.begin()
 

@@ -61,7 +61,7 @@ class RunControlFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The panel of the run."""
-        return (Panel(name="run", title=tr("Run"), widget=self.panel, shortcut="F6"),)
+        return (Panel(name="run", title=tr("Run"), widget=self.panel, shortcut="F5"),)
 
     def close(self) -> bool:
         """Stop the updates."""

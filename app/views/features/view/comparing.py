@@ -41,12 +41,12 @@ class ComparingFeature(Feature):
         """Compare, keep a result, magnify."""
         return (
             ActionSpec(name="wipe", menu="View", text=tr("Compare &two results"), do=self._other.toggle,
-                       shortcuts=("Q",), gap=True, when=has_image, group=STATE,
+                       shortcuts=("Ctrl+D",), gap=True, when=has_image, group=STATE,
                        tip=tr("Show another result on the right of a divider that can be dragged."),
                        holds=lambda situation: self._other.chosen is not None),
             Submenu(name="wipe_with", menu="View", text=tr("Compare wit&h"), fill=self._fill),
             ActionSpec(name="keep_result", menu="View", text=tr("&Keep this result to compare"), do=self._other.keep,
-                       shortcuts=("Shift+Q",), tip=tr("Keep what is found now, to compare later results with it."),
+                       shortcuts=("Ctrl+Shift+D",), tip=tr("Keep what is found now, to compare later results with it."),
                        when=self._has_result),
             ActionSpec(name="magnifier", menu="View", text=tr("&Magnifier"), do=self._switch, shortcuts=("M",),
                        tip=tr("Show what is under the pointer four times as large; hold the key for a short look."),

@@ -14,7 +14,7 @@ from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.canvas.selected_places import selected_places
 from app.views.panels.layer_list import LayersPanel
-from app.views.widgets.action_spec import STATE, ActionSpec
+from app.views.widgets.action_spec import LAYER, STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 _KEY = "layers/{layer}"
@@ -115,7 +115,7 @@ def _colorings(layer: ParticleLayer) -> list[ActionSpec]:
 
 
 def _toggle(layer: Layer, first: bool) -> ActionSpec:
-    return ActionSpec(name=f"layer_{layer.name}", menu="View", text=layer.title,
+    return ActionSpec(name=f"{LAYER}{layer.name}", menu="View", text=layer.title,
                       do=lambda: layer.set_shown(not layer.shown),
                       shortcuts=(layer.shortcut,) if layer.shortcut else (),
                       tip=tr("Show or hide: {layer}").format(layer=layer.tip), group=STATE, checked=layer.shown,

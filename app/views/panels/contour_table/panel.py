@@ -40,6 +40,7 @@ class ContourPanel(QWidget):
         self._session = session
         self._review = review
         self.table = ContourTable(review)
+        self.setFocusProxy(self.table)
         self.summary = QLabel()
         self.summary.setWordWrap(True)
         self.summary.setObjectName("dim")

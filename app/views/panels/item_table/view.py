@@ -15,6 +15,7 @@ from app.views.panels.item_table.model import ItemModel, Sorted
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
+_ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 _PAD = 18
 
 
@@ -139,11 +140,13 @@ class ItemTable(QTableView):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Edit the name on Enter, remove on Delete."""
+        """Edit the name on Enter, remove on Delete; an arrow key first selects the current row."""
         if event.key() in _ENTER:
             self._edit_name(self.currentIndex().row())
         elif event.key() in _DELETE:
             self.remove()
+        elif event.key() in _ALONG and not self.chosen() and self.currentIndex().isValid():
+            self.selectRow(self.currentIndex().row())
         else:
             super().keyPressEvent(event)
 

@@ -23,6 +23,7 @@ class ObjectPanel(QWidget):
         super().__init__()
         self._list = object_list
         self.table = ObjectTable(session, object_list)
+        self.setFocusProxy(self.table)
         self.summary = QLabel()
         self.summary.setWordWrap(True)
         self.summary.setObjectName("dim")

@@ -25,6 +25,8 @@ class Number(QDoubleSpinBox):
     def __init__(self, words: tuple[tuple[float, str], ...]) -> None:
         super().__init__()
         self._words = dict(words)
+        self.exact = 0.0
+        """The value that it was last given, with more digits than are shown."""
 
     def textFromValue(self, value: float) -> str:
         """The word for a value, or the number."""
@@ -42,6 +44,13 @@ class Number(QDoubleSpinBox):
         if word in self._words.values():
             return QValidator.State.Acceptable, text, position
         return super().validate(text, position)
+
+    def move_to(self, value: float) -> None:
+        """Set a value, and drop what has been typed."""
+        changed = value != self.exact
+        self.setValue(value)
+        if changed:
+            self.valueChanged.emit(value)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Scroll the column unless the number has the focus."""
@@ -87,6 +96,7 @@ class ParameterRow(QWidget):
         self.slider.setEnabled(by_hand)
         if not isinstance(value, str):
             self.slider.show_value(value)
+            self.number.exact = value
             spoken = value in dict(self.control.words)
             self.number.setSuffix(f" {self.control.unit}" if self.control.unit and not spoken else "")
             if not math.isclose(self.number.value(), value, abs_tol=0.5 * 10.0 ** -self.number.decimals()):
@@ -119,8 +129,11 @@ class ParameterRow(QWidget):
         super().enterEvent(event)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Explain the control with the focus."""
-        if event.type() == QEvent.Type.FocusIn:
+        """Explain the control with the focus, and restore the default on a double click on the name."""
+        if watched is self._label:
+            if event.type() == QEvent.Type.MouseButtonDblClick:
+                self._reset()
+        elif event.type() == QEvent.Type.FocusIn:
             self.explained.emit(self.control)
         elif event.type() == QEvent.Type.FocusOut:
             self.released.emit()
@@ -138,12 +151,13 @@ class ParameterRow(QWidget):
         self.effect.setObjectName("dim")
         self.effect.hide()
         self._restore.setObjectName("restore")
-        self._restore.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self._restore.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._restore.setAccessibleName(tr("{parameter}: restore the default").format(parameter=control.title))
         default = control.default if isinstance(control.default, str) else f"{control.default:.4g}"
-        restore = tr("Restore the default, {default} (or double-click the slider).")
+        restore = tr("Restore the default, {default} (or double-click the slider or its name).")
         self._restore.setToolTip(restore.format(default=default))
         self._label.setBuddy(self.number)
+        self._label.installEventFilter(self)
         for widget in (self._label, self.number, self.slider):
             widget.setToolTip(tip(control))
         self.use_wording(FIRST_WORDING)
@@ -167,11 +181,11 @@ class ParameterRow(QWidget):
         grid.setVerticalSpacing(0)
         grid.setHorizontalSpacing(6)
         grid.addWidget(self._label, 0, 0, 1, 2)
+        grid.addWidget(self.slider, 1, 1, 1, 2)  # before the number, so that Tab reaches it first
         if self._automatic is not None:
             grid.addWidget(self._automatic, 0, 2, Qt.AlignmentFlag.AlignRight)
         grid.addWidget(self.number, 0, 3, 1, 2, Qt.AlignmentFlag.AlignRight)
         grid.addWidget(low, 1, 0)
-        grid.addWidget(self.slider, 1, 1, 1, 2)
         grid.addWidget(high, 1, 3)
         grid.addWidget(self._restore, 1, 4, Qt.AlignmentFlag.AlignRight)
         grid.addWidget(self.effect, 2, 1, 1, 3)

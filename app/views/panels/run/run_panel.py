@@ -11,7 +11,6 @@ from app.model.display.plots import PLOTS, RunMetrics
 from app.model.state.resolve import Resolved
 from app.model.text.language import tr
 from app.views.panels.run.chart import Chart
-from app.views.widgets.space_key import own_space
 
 _WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"))
 """Numbers that need a row of their own."""
@@ -140,7 +139,6 @@ class PlotPanel(QWidget):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.setAccessibleName(tr("Plot: {title}").format(title=plot.title))
             button.toggled.connect(self._choose)
-            own_space(button)
             row.addWidget(button)
         row.addStretch(1)
         column = QVBoxLayout(self)

@@ -38,6 +38,7 @@ class TimelinePanel(QWidget):
         self._running = running
         self._theme: Theme | None = None
         self.view = TimelineView(navigation)
+        self.setFocusProxy(self.view)
         self.view.step_requested.connect(navigation.go)
         self.buttons = {
             name: timeline_button(name, tip, do)

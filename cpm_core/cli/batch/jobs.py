@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
-from cpm_core.formats import encoded, load_image
-from cpm_core.formats.sessions.session_file import SessionFile
+from cpm_core.formats import encoded, load_image, omission
+from cpm_core.formats.sessions.session_file import SessionFile, fingerprint
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
@@ -34,10 +36,13 @@ class Done:
     facts: dict[str, object] = field(default_factory=dict)  # as in ``cpm run --json``
     files: dict[str, bytes] = field(default_factory=dict)  # suffix -> content
     error: str = ""
+    notes: tuple[str, ...] = ()  # what was changed on reading, or left out of a file
+    sha256: str = ""  # of the image file
 
 
 def do(job: Job) -> Done:
     """Find the contours of one image; the files are only encoded, and the batch writes them together."""
+    sha256 = fingerprint(Path(job.path))
     try:
         began = time.perf_counter()
         image, shapes = load_image(job.path), job.session.shapes
@@ -53,11 +58,30 @@ def do(job: Job) -> Done:
         edited = with_hand_edits(found, image, job.parameters, job.session.hand_edits)
         result = apply(edited, job.session.marks, learning=job.session.learning)
         facts = facts_of(result, time.perf_counter() - began)
-        return Done(job.number, facts, {suffix: encoded(result, suffix) for suffix in job.suffixes})
+        files, notes = _files(result, job.suffixes)
+        return Done(job.number, facts, files, notes=(*image.notes, *notes), sha256=sha256)
     except ValueError as error:
-        return Done(job.number, error=str(error))
+        return Done(job.number, error=str(error), sha256=sha256)
     except MemoryError:
-        return Done(job.number, error="There is not enough memory for this image.")
+        return Done(job.number, error="There is not enough memory for this image.", sha256=sha256)
+
+
+def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], list[str]]:
+    """The files of a result by suffix, and why some hold less than it or cannot be made; ValueError when none can."""
+    files: dict[str, bytes] = {}
+    notes: list[str] = []
+    failure = ""
+    for suffix in suffixes:
+        try:
+            files[suffix] = encoded(result, suffix)
+        except ValueError as error:
+            failure = failure or str(error)
+            notes.append(f"{suffix} was not written: {error}")
+            continue
+        notes += filter(None, [omission(result, suffix)])
+    if failure and not files:
+        raise ValueError(failure)
+    return files, notes
 
 
 def facts_of(result: Result, seconds: float) -> dict[str, object]:

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import multiprocessing.connection
 import signal
+from asyncio import CancelledError
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from cpm_core.cli.jobs import Done, Job, do
+from cpm_core.cli.batch.jobs import Done, Job, do
 from cpm_core.numerics import jit_cache
 from cpm_core.numerics.parallel import cores
 from cpm_core.objects.warm_up import warm_up
+
+_LOG = logging.getLogger(__name__)
+
+_PATIENCE = 5.0
+"""How long a scheduler is waited for at the end [s]."""
 
 _DIED = "The process that worked on it ended unexpectedly; perhaps there was not enough memory."
 
@@ -22,7 +29,8 @@ _DIED = "The process that worked on it ended unexpectedly; perhaps there was not
 def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None]:
     """Do jobs on this computer and yield results as they finish.
 
-    There is one process for each core unless `workers` gives a number; with one, jobs are done in this process.
+    There is one process for each core unless `workers` gives a number; with one, jobs are done in this process. A job
+    whose process dies is tried once more, as the last one.
     """
     count = min(workers or cores(), len(jobs))
     if count <= 1:
@@ -30,6 +38,7 @@ def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None
         return
     _compile_once()
     waiting = list(reversed(jobs))
+    tried: set[int] = set()
     crew = [_Worker() for _ in range(count)]
     try:
         for worker in crew:
@@ -38,12 +47,19 @@ def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None
             busy = {worker.line: worker for worker in crew if worker.job}
             for line in multiprocessing.connection.wait(list(busy)):
                 worker = busy[line]  # type: ignore[index]  # only those connections were given
+                job = worker.job
+                assert job is not None
                 done = worker.take()
+                again = worker.dead and job.number not in tried
+                if again:  # perhaps others took the memory, or somebody ended the process
+                    tried.add(job.number)
+                    waiting.insert(0, job)
                 if worker.dead and waiting:
                     crew[crew.index(worker)] = worker = _Worker()
                 if waiting:
                     worker.give(waiting.pop())
-                yield done
+                if not again:
+                    yield done
     finally:
         for worker in crew:
             worker.end()
@@ -65,15 +81,33 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[Done, None, None]:
         client = Client(address, timeout=10)
     except (OSError, ValueError, TimeoutError) as error:
         raise ValueError(f'--scheduler is "{address}" but no scheduler answers there: {error}.') from error
-    with client:
+    waiting = {job.number for job in jobs}
+    futures: list[Any] = []
+    try:
         futures = client.map(do, jobs, pure=False)
         number = {future.key: job.number for future, job in zip(futures, jobs, strict=True)}
-        try:
-            for future in as_completed(futures):
-                failure: Any = future.exception()
-                yield future.result() if failure is None else Done(number[future.key], error=f"{_DIED} ({failure})")
-        finally:
+        for future in as_completed(futures):
+            done = _result(future, number[future.key])
+            waiting.discard(done.number)
+            yield done
+    except (Exception, CancelledError) as error:  # whatever dask raises when its scheduler has gone
+        _LOG.info("%s: %s", type(error).__name__, error)
+        for left in sorted(waiting):
+            yield Done(left, error=f"The scheduler at {address} has gone; start it again, and the same command.")
+    finally:
+        with suppress(Exception, CancelledError):
             client.cancel(futures)
+        with suppress(Exception, CancelledError):
+            client.close(timeout=_PATIENCE)
+
+
+def _result(future: Any, number: int) -> Done:
+    """What a future of dask holds, which is then let go: dask keeps all that is referred to."""
+    failure = future.exception()
+    done = Done(number, error=f"{_DIED} ({failure})") if failure is not None else future.result()
+    future.release()
+    assert isinstance(done, Done)
+    return done
 
 
 def _compile_once() -> None:

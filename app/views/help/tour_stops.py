@@ -1,0 +1,99 @@
+"""The stops of the tour."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtWidgets import QMainWindow, QToolBar, QToolButton, QWidget
+
+from app.model.text.language import tr
+from app.session.session import Session
+from app.views.export.dialog import ExportDialog
+from app.views.help.tour import Stop
+
+
+def stops(window: QMainWindow, session: Session, reveal: Callable[[str], None]) -> tuple[Stop, ...]:
+    """The five stops in a window; `reveal` brings a panel to the front by its name."""
+    doings = _Doings(window, session, reveal)
+    return (
+        Stop(
+            tr("Open an image"),
+            tr("Open your own image, or drop a file on the window. Or go on with the sample, which is open already."),
+            doings.button("open"),
+            doings.another_image,
+        ),
+        Stop(
+            tr("Draw where to start"),
+            tr("Drag a circle in or around an object. The other tools beside the image draw strokes, points and more."),
+            lambda: window.findChild(QToolBar, "palette"),
+            doings.more_shapes,
+        ),
+        Stop(
+            tr("Run"),
+            tr("Press Space. Particles move to the edges and repel each other along them until they come to rest."),
+            doings.button("primary"),
+            lambda: doings.has_run,
+            doings.run,
+        ),
+        Stop(
+            tr("Steer"),
+            tr("Move a slider: it acts at the next step of the run. The text below the sliders explains it."),
+            lambda: window.findChild(QWidget, "parameters"),
+            doings.other_parameters,
+        ),
+        Stop(
+            tr("Export"),
+            tr("When the run has found contours, export them as vector graphics, table or mask. "
+               "The guide (F1) explains three examples."),
+            doings.button("export"),
+            lambda: doings.is_exporting,
+        ),
+    )  # fmt: skip
+
+
+class _Doings:
+    """What the stops point at, and what a person does there."""
+
+    def __init__(self, window: QMainWindow, session: Session, reveal: Callable[[str], None]) -> None:
+        self._window = window
+        self._session = session
+        self._reveal = reveal
+
+    def button(self, name: str) -> Callable[[], QWidget | None]:
+        """A button of the tool bar."""
+
+        def seen() -> QWidget | None:
+            found = self._window.findChild(QToolButton, name)
+            # In a narrow window the last buttons are hidden; their actions are also in the menus.
+            return found if found is not None and found.isVisible() else self._window.menuBar()
+
+        return seen
+
+    def another_image(self) -> Callable[[], bool]:
+        """Whether an image is opened from now on."""
+        before = self._session.image_generation
+        return lambda: self._session.image_generation != before
+
+    def more_shapes(self) -> Callable[[], bool]:
+        """Whether a shape is drawn from now on."""
+        before = len(self._session.document.shapes)
+        return lambda: len(self._session.document.shapes) > before
+
+    def other_parameters(self) -> Callable[[], bool]:
+        """Whether a parameter is changed from now on."""
+        self._reveal("parameters")
+        before = self._session.document.parameters
+        return lambda: self._session.document.parameters != before
+
+    def run(self) -> None:
+        """Run, where there is something to start from."""
+        if self._session.document.starts and not self.has_run():
+            self._session.run()
+
+    def has_run(self) -> bool:
+        """Whether there is a run."""
+        return self._session.status.started
+
+    def is_exporting(self) -> bool:
+        """Whether the export dialog is open."""
+        return self._window.findChild(ExportDialog) is not None

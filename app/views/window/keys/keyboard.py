@@ -1,0 +1,155 @@
+"""The keyboard belongs to the canvas: fields keep what is text for them, and give the keyboard back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import shiboken6
+from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QApplication,
+    QDockWidget,
+    QMainWindow,
+    QMenu,
+    QMenuBar,
+    QScrollArea,
+    QSlider,
+    QWidget,
+)
+
+from app.views.widgets.own_escape import has_own_escape
+from app.views.window.keys.fields import in_view, is_field, put_back, takes, types, value_of
+
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_ALONG = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+
+
+class Keyboard(QObject):
+    """Decides on the keys of the focused widget, in the window and its detached panels; dialogs are left alone.
+
+    - A character that is not text for a field (see `fields.TEXTS`) is a key of the window: Space runs, letters choose
+      tools.
+    - Enter enters the value of a field and gives the keyboard back to the canvas; it presses a button.
+    - Escape restores the value from before the first key, and gives the keyboard back.
+    - The up and down keys go from slider to slider.
+
+    Tables keep Enter, which names a row. It watches only the widget that has the focus.
+    """
+
+    def __init__(self, window: QMainWindow, canvas: QWidget) -> None:
+        super().__init__(window)
+        self._window = window
+        self._canvas = canvas
+        self._watched: QWidget | None = None
+        self._before: Any = None
+        """The value of the watched field before it was changed by keys; None before the first key."""
+        application = QApplication.instance()
+        assert isinstance(application, QApplication)
+        application.focusChanged.connect(self._follow)
+
+    def give_back(self) -> None:
+        """Give the keyboard to the canvas."""
+        self._canvas.window().activateWindow()
+        self._canvas.setFocus(Qt.FocusReason.ShortcutFocusReason)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Decide on a key of the focused widget."""
+        if not isinstance(event, QKeyEvent) or not isinstance(watched, QWidget):
+            return False
+        if event.type() == QEvent.Type.ShortcutOverride:
+            return self._claim(watched, event)
+        return event.type() == QEvent.Type.KeyPress and self._press(watched, event)
+
+    def _follow(self, _: QWidget | None, now: QWidget | None) -> None:
+        if self._watched is not None and shiboken6.isValid(self._watched):
+            self._watched.removeEventFilter(self)
+        self._watched, self._before = None, None
+        if now is not None and self._is_mine(now):
+            self._watched = now
+            now.installEventFilter(self)
+
+    def _is_mine(self, widget: QWidget) -> bool:
+        """Whether a widget is in the window or in one of its detached panels, and is not the canvas."""
+        top = widget.window()
+        detached = isinstance(top, QDockWidget) and top.parentWidget() is self._window
+        return (
+            (top is self._window or detached)
+            and widget is not self._canvas
+            and not isinstance(widget, QMenuBar | QMenu)
+        )
+
+    def _claim(self, widget: QWidget, event: QKeyEvent) -> bool:
+        """Say whether a key is a shortcut of the window or belongs to the widget."""
+        if event.key() == Qt.Key.Key_Escape and not event.modifiers():
+            event.accept()
+            return True
+        if types(event) and is_field(widget) and not takes(widget, event):
+            event.ignore()
+            return True
+        return False
+
+    def _press(self, widget: QWidget, event: QKeyEvent) -> bool:
+        own = has_own_escape(widget) or in_view(widget)
+        if event.key() == Qt.Key.Key_Escape:
+            if own:
+                return False
+            if self._before is not None:
+                put_back(widget, self._before)
+            self.give_back()
+            return True
+        if event.key() in _ENTER and isinstance(widget, QAbstractButton):
+            widget.click()
+            return True
+        if own or isinstance(widget, QAbstractItemView):
+            return False
+        if event.key() in _ENTER:
+            self._enter(widget, event)
+            return True
+        if isinstance(widget, QSlider) and event.key() in _ALONG:
+            go_along(widget, _ALONG[Qt.Key(event.key())])
+            return True
+        if types(event) and is_field(widget) and not takes(widget, event):
+            event.ignore()  # its action cannot be done now; the field must not take it instead
+            return True
+        if self._before is None:
+            self._before = value_of(widget)
+        return False
+
+    def _enter(self, widget: QWidget, event: QKeyEvent) -> None:
+        widget.removeEventFilter(self)
+        QCoreApplication.sendEvent(widget, event)
+        event.accept()
+        self.give_back()
+
+
+def sliders_of(panel: QWidget) -> list[QSlider]:
+    """The sliders of a panel that can be moved, from top to bottom."""
+    found = [slider for slider in panel.findChildren(QSlider) if slider.isVisibleTo(panel) and slider.isEnabled()]
+    places = {slider: slider.mapTo(panel, slider.rect().topLeft()) for slider in found}
+    return sorted(found, key=lambda slider: (places[slider].y(), places[slider].x()))
+
+
+def go_along(slider: QSlider, by: int) -> None:
+    """Give the keyboard to the next or previous slider of a panel, and scroll it into view."""
+    panel = slider.parentWidget()
+    while panel is not None and not isinstance(panel.parentWidget(), QDockWidget | QMainWindow):
+        panel = panel.parentWidget()
+    if panel is None:
+        return
+    column = sliders_of(panel)
+    place = column.index(slider) + by
+    if 0 <= place < len(column):
+        take_keyboard(column[place])
+
+
+def take_keyboard(widget: QWidget) -> None:
+    """Give the keyboard to a widget, and scroll it into view."""
+    widget.setFocus(Qt.FocusReason.TabFocusReason)
+    around = widget.parentWidget()
+    while around is not None:
+        if isinstance(around, QScrollArea):
+            around.ensureWidgetVisible(widget)
+        around = around.parentWidget()

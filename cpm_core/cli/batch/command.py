@@ -1,0 +1,189 @@
+"""``cpm batch``: applies a session file to many images."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import fields
+from pathlib import Path
+
+from cpm_core.cli.arguments import add_json, add_parameters, add_session, as_number, as_steps, parameters_of
+from cpm_core.cli.batch.jobs import Done, Job
+from cpm_core.cli.batch.summary import NAME, Row, Summary, now
+from cpm_core.cli.batch.workers import elsewhere, here
+from cpm_core.cli.terminal import Count, counted
+from cpm_core.formats import READABLE, WRITABLE
+from cpm_core.formats.atomic import write_together
+from cpm_core.formats.sessions.session_file import fingerprint, load_session
+from cpm_core.parameters import Parameters
+from cpm_core.shapes.document_shapes import starts_of
+
+FAILED = 1
+"""Exit status when some images failed."""
+
+_STANDARD = (".svg", ".csv", ".png")
+
+
+def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add this command to those of the command line."""
+    parser = commands.add_parser("batch", help="find the contours of many images", allow_abbrev=False)
+    parser.set_defaults(command=_batch)
+    parser.description = (
+        "Apply a session file to each image: its start, regions, charges and parameters. An image that fails is "
+        "reported, and the others go on. What the summary in the folder says is done already is not done again."
+    )
+    parser.add_argument("images", metavar="IMAGE", nargs="+", help=f"image file ({', '.join(READABLE)})")
+    add_session(parser, required=True)
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--workers", metavar="N", type=as_number, help="processes to work in (default: one a core)")
+    where.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="work on a dask cluster that sees the same files; dask trusts its network, and whoever reaches the "
+        "scheduler can run programs on its workers",
+    )
+    add_parameters(parser.add_argument_group("parameters (in place of those of the session)"))
+    outcome = parser.add_argument_group("outcome")
+    outcome.add_argument("--output", metavar="DIR", required=True, help="folder to write to; made if there is none")
+    outcome.add_argument(
+        "--export",
+        metavar="SUFFIX",
+        nargs="+",
+        default=list(_STANDARD),
+        help=f"formats to write (default: svg csv png; of {', '.join(WRITABLE)})",
+    )
+    outcome.add_argument("--max-steps", metavar="N", type=as_number, help="stop each run after so many steps at most")
+    outcome.add_argument("--again", action="store_true", help="do also what the summary says is done")
+    add_json(outcome)
+
+
+def _batch(arguments: argparse.Namespace) -> int:
+    """Process all images, after all checks that need none of them."""
+    session = load_session(Path(arguments.session))
+    parameters = parameters_of(arguments, session.parameters)
+    max_steps, workers = as_steps(arguments.max_steps), _workers(arguments.workers)
+    suffixes = _suffixes(arguments.export)
+    if not starts_of(session.shapes):
+        raise ValueError(f"{arguments.session} has no start: draw one, or start everywhere, and save it again.")
+    output = _folder(arguments.output)
+    summary = Summary(output, arguments.images)
+    settings = _settings(session.parameters, parameters, max_steps, suffixes)
+    session_hash = fingerprint(Path(arguments.session))
+    known = {} if arguments.again else summary.done(session_hash, settings)
+    stems = _stems(arguments.images, known, summary.taken(), suffixes)
+    for note in session.notes:
+        print(f"cpm: {note}", file=sys.stderr)
+    if known:
+        print(f"cpm: {counted(len(known), 'image')} done before; --again does them again.", file=sys.stderr)
+    paths = {number: str(Path(image).absolute()) for number, image in enumerate(arguments.images)}
+    jobs = [
+        Job(number, path, session, parameters, max_steps, suffixes)
+        for number, path in paths.items()
+        if number not in known
+    ]
+    results = elsewhere(jobs, arguments.scheduler) if arguments.scheduler else here(jobs, workers)
+    began, progress = time.perf_counter(), Count(len(jobs))
+    try:
+        with closing(results), progress:
+            for done in results:
+                image = arguments.images[done.number]
+                row = _write(image, done, output, stems[done.number], session_hash, settings)
+                summary.add(done.number, row)
+                progress.advance()
+                for sentence in filter(None, (row.trouble, *row.notes)):
+                    progress.message(f"cpm: {image}: {sentence}")
+    except KeyboardInterrupt:
+        summary.write()
+        finished = f"{len(summary.rows)} of {counted(len(paths), 'image')} were done, and their files are complete"
+        raise KeyboardInterrupt(f"{finished}; the same command does the others") from None
+    summary.write()
+    _report(list(summary.rows.values()), output, time.perf_counter() - began, as_json=arguments.json)
+    return FAILED if any(row.trouble for row in summary.rows.values()) else 0
+
+
+def _write(image: str, done: Done, output: Path, stem: str, session_hash: str, settings: str) -> Row:
+    """Write all files of an image, or none, and tell it as a row of the summary."""
+    files = [(output / f"{stem}{suffix}", content) for suffix, content in done.files.items()]
+    error, facts = done.error, done.facts
+    try:
+        write_together(files)
+    except ValueError as trouble:
+        error, facts, files = str(trouble), {}, []
+    names = tuple(path.name for path, _ in files)
+    hashes = {"image_sha256": done.sha256, "session_sha256": session_hash}
+    return Row(image, facts, names, error, done.notes, **hashes, settings=settings, finished=now())
+
+
+def _settings(session: Parameters, used: Parameters, max_steps: int | None, suffixes: Sequence[str]) -> str:
+    """What a batch is asked in addition to the session: other parameters, steps, formats."""
+    parts = {field.name: getattr(used, field.name) for field in fields(Parameters)}
+    changed = [f"{name}={value}" for name, value in parts.items() if value != getattr(session, name)]
+    steps = [] if max_steps is None else [f"max_steps={max_steps}"]
+    return " ".join([*changed, *steps, f"export={','.join(suffixes)}"])
+
+
+def _workers(given: int | float | str | None) -> int | None:
+    if given is None or (isinstance(given, int) and 0 < given <= 1024):
+        return given
+    raise ValueError(f"--workers is {given} but must be a whole number from 1 to 1024.")
+
+
+def _suffixes(given: Sequence[str]) -> tuple[str, ...]:
+    """Suffixes with their dot, without repeats."""
+    wanted = tuple(dict.fromkeys(f".{suffix.lower().lstrip('.')}" for suffix in given))
+    for suffix in wanted:
+        if suffix not in WRITABLE:
+            raise ValueError(f'--export is "{suffix}" but must be one of {", ".join(WRITABLE)}.')
+    return wanted
+
+
+def _folder(given: str) -> Path:
+    folder = Path(given)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"--output is {folder} but no folder can be made there: {error.strerror or error}.") from error
+    return folder
+
+
+def _stems(images: Sequence[str], known: Mapping[int, Row], taken: set[str], suffixes: Sequence[str]) -> dict[int, str]:
+    """Unique file names without a suffix, after the names of the images that are not done yet."""
+    stems: dict[int, str] = {}
+    for number, image in enumerate(images):
+        if number in known:
+            continue
+        stem = first = f"{Path(image).stem}_contours"
+        count = 1
+        while any(f"{stem}{suffix}".lower() in taken for suffix in suffixes):
+            count += 1
+            stem = f"{first}_{count}"
+        taken |= {f"{stem}{suffix}".lower() for suffix in suffixes}
+        stems[number] = stem
+    return stems
+
+
+def _report(every: Sequence[Row], output: Path, seconds: float, *, as_json: bool) -> None:
+    failed = sum(bool(row.trouble) for row in every)
+    if as_json:
+        images = [
+            {
+                "image": row.image,
+                **row.facts,
+                "files": [str(output / name) for name in row.files],
+                "trouble": row.trouble,
+                "notes": list(row.notes),
+            }
+            for row in every
+        ]
+        facts = {"images": images, "done": len(every) - failed, "failed": failed, "seconds": round(seconds, 3)}
+        print(json.dumps({**facts, "summary": str(output / NAME)}))
+        return
+    for row in every:
+        if not row.trouble:
+            print(f"{row.image}: {counted(int(str(row.facts['contours'])), 'contour')}")
+    failures = f", {failed} failed" if failed else ""
+    print(f"{counted(len(every), 'image')} in {seconds:.1f} s{failures}; wrote {output / NAME}")

@@ -1,0 +1,285 @@
+"""The keyboard belongs to the canvas: fields give it back, and keep only what is text for them."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QToolButton
+
+from app.model.document import edits
+from app.views.canvas.tools import TOOLS
+from app.views.window.keys.keyboard import sliders_of
+
+KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
+
+
+@pytest.fixture
+def board(ready, hand):
+    """The ready window, active, with a circle to start from."""
+    ready.activateWindow()
+    hand.wait(ready.isActiveWindow)
+    return ready
+
+
+@pytest.fixture
+def beta(board):
+    return board.panels["parameters"].rows["beta"]
+
+
+def focus(hand, widget) -> None:
+    widget.setFocus()
+    hand.wait(widget.hasFocus)
+
+
+def type_in(hand, widget, text: str) -> None:
+    focus(hand, widget)
+    for character in text:
+        hand.qtbot.keyClicks(widget, character)
+
+
+def fields(window) -> dict[str, object]:
+    """One field of each kind in the window."""
+    window.panels["parameters"].advanced.fold.setChecked(True)
+    parameters = window.panels["parameters"]
+    return {
+        "number": parameters.rows["beta"].number,
+        "slider": parameters.rows["beta"].slider,
+        "choice": next(iter(parameters.choices.values())).box,
+        "button": window.findChild(QToolButton, "save"),
+        "check box": parameters.rows["smoothing"].findChild(QCheckBox),
+        "preset": parameters.gallery,
+        "timeline": window.panels["timeline"].view,
+        "step": window.panels["timeline"].step,
+    }
+
+
+KINDS = ("number", "slider", "choice", "button", "check box", "preset", "timeline")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_space_runs_from_every_field_that_is_no_text(board, hand, kind) -> None:
+    field = fields(board)[kind]
+    parameters = board.session.document.parameters
+    focus(hand, field)
+    hand.key(KEY.Key_Space)
+    assert board.session.status.phase != "ready"
+    assert board.session.document.parameters == parameters
+    assert not board.panels["parameters"].gallery.popup.isVisible()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_letters_choose_tools_from_every_field_and_bring_the_keyboard_to_the_canvas(board, hand, kind) -> None:
+    field = fields(board)[kind]
+    for tool in TOOLS:
+        focus(hand, field)
+        hand.key(getattr(KEY, f"Key_{tool.shortcut}"))
+        assert hand.canvas.tool.name == tool.name
+        assert hand.canvas.hasFocus()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_escape_gives_the_keyboard_back_from_every_field(board, hand, kind) -> None:
+    focus(hand, fields(board)[kind])
+    hand.key(KEY.Key_Escape)
+    assert hand.canvas.hasFocus()
+
+
+@pytest.mark.parametrize("kind", ["number", "slider", "choice", "timeline"])
+def test_enter_gives_the_keyboard_back_from_every_field(board, hand, kind) -> None:
+    focus(hand, fields(board)[kind])
+    hand.key(KEY.Key_Return)
+    assert hand.canvas.hasFocus()
+
+
+def test_a_number_is_entered_by_enter_and_space_then_runs(board, hand, beta) -> None:
+    focus(hand, beta.number)
+    beta.number.selectAll()
+    type_in(hand, beta.number, "0.5")
+    hand.key(KEY.Key_Return)
+    assert board.session.document.parameters.beta == 0.5
+    assert beta.number.text().startswith("0.5")
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+
+
+def test_a_number_takes_no_space_and_no_letter_even_where_they_do_nothing(window, hand) -> None:
+    number = window.panels["parameters"].rows["beta"].number
+    window.activateWindow()
+    hand.wait(window.isActiveWindow)
+    focus(hand, number)
+    number.selectAll()
+    text = number.text()
+    window.actions_by_name["run"].setEnabled(False)
+    for key in (KEY.Key_Space, KEY.Key_M, KEY.Key_Z):
+        hand.key(key)
+        assert number.text() == text
+
+
+@pytest.mark.parametrize("kind", ["number", "slider", "choice"])
+def test_escape_restores_the_value_from_before_the_first_key(board, hand, kind) -> None:
+    board.session.edit("β", lambda document: edits.set_parameter(document, "beta", 0.777))  # between two steps
+    before = board.session.document.parameters
+    field = fields(board)[kind]
+    focus(hand, field)
+    for _ in range(2):
+        hand.key(KEY.Key_Right if kind == "slider" else KEY.Key_Down)
+    assert board.session.document.parameters != before
+    hand.key(KEY.Key_Escape)
+    assert board.session.document.parameters == before
+    assert hand.canvas.hasFocus()
+
+
+def test_escape_drops_what_is_typed_and_not_entered(board, hand, beta) -> None:
+    before, text = board.session.document.parameters, beta.number.text()
+    focus(hand, beta.number)
+    beta.number.selectAll()
+    type_in(hand, beta.number, "1.9")
+    hand.key(KEY.Key_Escape)
+    assert (board.session.document.parameters, beta.number.text()) == (before, text)
+
+
+def test_the_name_of_a_branch_is_text(board, hand) -> None:
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    name = board.panels["timeline"].branch.name
+    before = name.text()
+    focus(hand, name)
+    name.selectAll()
+    type_in(hand, name, "far a")
+    assert name.text() == "far a"
+    assert board.session.status.phase == "finished"
+    hand.key(KEY.Key_Escape)
+    assert (name.text(), hand.canvas.hasFocus()) == (before, True)
+    focus(hand, name)
+    name.selectAll()
+    type_in(hand, name, "far b")
+    hand.key(KEY.Key_Return)
+    assert hand.canvas.hasFocus()
+    hand.wait(lambda: board.panels["timeline"].branch.name.text() == "far b")
+
+
+def test_enter_presses_the_focused_button(board, hand) -> None:
+    box = fields(board)["check box"]
+    focus(hand, box)
+    hand.key(KEY.Key_Return)
+    assert board.session.document.parameters.smoothing == "auto"
+    assert box.hasFocus()
+
+
+def test_the_presets_open_by_enter_and_do_not_reopen_by_space(board, hand) -> None:
+    gallery = board.panels["parameters"].gallery
+    focus(hand, gallery)
+    hand.key(KEY.Key_Return)
+    assert gallery.popup.isVisible()
+    hand.qtbot.keyClick(gallery.pictures, KEY.Key_Return)
+    assert not gallery.popup.isVisible()
+    focus(hand, gallery)
+    hand.key(KEY.Key_Space)
+    assert not gallery.popup.isVisible()
+    assert board.session.status.phase != "ready"
+
+
+def test_resets_are_out_of_the_tab_order_and_a_double_click_on_the_name_resets(board, hand, beta) -> None:
+    default = board.session.document.parameters.beta
+    focus(hand, beta.slider)
+    hand.key(KEY.Key_Right)
+    assert board.session.document.parameters.beta != default
+    hand.key(KEY.Key_Tab)
+    assert beta.number.hasFocus()
+    hand.key(KEY.Key_Tab)
+    assert board.focusWidget().objectName() != "restore"
+    hand.qtbot.mouseDClick(beta._label, Qt.MouseButton.LeftButton)
+    assert board.session.document.parameters.beta == default
+
+
+def test_a_key_goes_to_the_sliders_and_arrows_go_along_them(board, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Q)
+    column = sliders_of(board.panels["parameters"])
+    assert column[0].hasFocus()
+    for slider in column[1:]:
+        hand.key(KEY.Key_Down)
+        assert slider.hasFocus()
+        assert not slider.visibleRegion().isEmpty()
+    hand.key(KEY.Key_Down)
+    assert column[-1].hasFocus()
+    hand.key(KEY.Key_Up)
+    assert column[-2].hasFocus()
+    before = board.session.document.parameters
+    hand.key(KEY.Key_Right)
+    assert board.session.document.parameters != before
+    hand.key(KEY.Key_Escape)
+    hand.key(KEY.Key_Q)
+    assert column[-2].hasFocus()
+
+
+def test_a_table_that_opens_is_walked_at_once(board, hand) -> None:
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: board.session.status.phase == "finished" and bool(board.workspace.review.items))
+    shapes = board.session.document.shapes
+    for key, modifier in ((KEY.Key_T, MODIFIER.ControlModifier), (KEY.Key_F11, MODIFIER.NoModifier)):
+        board.docks["contours"].hide()
+        board.workspace.review.select(())
+        hand.canvas.setFocus()
+        hand.key(key, modifier)
+        hand.wait(board.panels["contours"].table.hasFocus)
+        hand.key(KEY.Key_Down)
+        assert len(board.workspace.review.selected) == 1
+    assert board.session.document.shapes == shapes
+    hand.key(KEY.Key_Escape)
+    assert hand.canvas.hasFocus()
+
+
+def test_a_panel_behind_a_tab_is_raised_by_its_key_before_it_is_closed(board, hand) -> None:
+    board.docks.reveal("history")
+    board.docks.reveal("parameters")
+    hand.wait(lambda: board.docks["history"].visibleRegion().isEmpty())
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_H, MODIFIER.ControlModifier)
+    hand.wait(lambda: not board.docks["history"].visibleRegion().isEmpty())
+    action = next(action for action in board.docks.actions if action.text() == "History")
+    assert action.isChecked()
+    hand.key(KEY.Key_H, MODIFIER.ControlModifier)
+    assert board.docks["history"].isHidden()
+    assert not action.isChecked()
+    assert hand.canvas.hasFocus()
+
+
+def test_f6_goes_around_the_open_areas_both_ways(board, hand) -> None:
+    board.docks.reveal("contours")
+    board.docks.reveal("timeline")
+    hand.canvas.setFocus()
+    parameters, timeline = sliders_of(board.panels["parameters"])[0], board.panels["timeline"].view
+    around = [parameters, board.panels["contours"].table, timeline, hand.canvas]
+    for widget in around:
+        hand.key(KEY.Key_F6)
+        hand.wait(widget.hasFocus)
+    for widget in (*around[-2::-1], hand.canvas):
+        hand.key(KEY.Key_F6, MODIFIER.ShiftModifier)
+        hand.wait(widget.hasFocus)
+
+
+def test_keys_work_from_a_detached_panel(board, hand, beta) -> None:
+    board.docks["parameters"].setFloating(True)
+    hand.wait(board.docks["parameters"].isVisible)
+    board.docks["parameters"].activateWindow()
+    focus(hand, beta.number)
+    beta.number.selectAll()
+    hand.qtbot.keyClicks(beta.number, "0.5")
+    hand.qtbot.keyClick(beta.number, KEY.Key_Return)
+    assert board.session.document.parameters.beta == 0.5
+    hand.wait(hand.canvas.hasFocus)
+
+
+def test_dialogs_keep_their_keys(board, hand) -> None:
+    dialog = board.actions_by_name["preferences"]
+    dialog.trigger()
+    shown = QApplication.activeModalWidget()
+    box = shown.findChild(QCheckBox)
+    checked = box.isChecked()
+    box.setFocus()
+    hand.qtbot.keyClick(box, KEY.Key_Space)
+    assert box.isChecked() is not checked
+    assert board.session.status.phase == "ready"
+    assert shown.findChild(QComboBox) is not None
+    shown.reject()
