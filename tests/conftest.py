@@ -11,6 +11,9 @@ from cpm_core.objects.warm_up import warm_up
 # No window of a test shall flash on a person's screen unless asked for by naming a platform.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
+# Tests read the sentences of the source, on the computer of a person of any language.
+os.environ["LANGUAGE"] = "en"
+
 
 @pytest.fixture(scope="session")
 def compiled_loops() -> None:

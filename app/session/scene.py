@@ -154,7 +154,7 @@ class Scene:
     ----------
     image : Image or None
         The image; None while none is open.
-    display : ndarray or None
+    display : DisplayImage or None
         The image with its full range of gray values.
     window_found : WindowFound or None
         The last requested range of gray values.
@@ -176,7 +176,7 @@ class Scene:
         Keys of the selected contours.
     hovered_contour : int or None
         Key of the contour under the pointer.
-    overlays : mapping of str to ndarray
+    overlays : mapping of str to ndarray or DisplayImage
         The requested overlays by name; see `app.session.worker.overlays`.
     probed : Probed or None
         Forces on a particle.
@@ -202,7 +202,7 @@ class Scene:
     contours: ReviewedContours = NO_CONTOURS
     selected_contours: frozenset[int] = frozenset()
     hovered_contour: int | None = None
-    overlays: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
+    overlays: Mapping[str, NDArray[np.generic] | DisplayImage] = field(default_factory=dict)
     probed: Probed | None = None
     compared: Compared | None = None
     truth: Truth | None = None

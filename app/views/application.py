@@ -6,11 +6,12 @@ import signal
 import sys
 
 import pyqtgraph as pg
-from PySide6.QtCore import QTimer
+from PySide6.QtCore import QLibraryInfo, QTimer, QTranslator
 from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
 
 from app.model.document.samples import samples
+from app.model.text.language import language
 from app.session.workspace import Workspace
 from app.views.features.file.recovery import RecoveryFeature
 from app.views.features.help.help import HelpFeature
@@ -33,10 +34,19 @@ def make_application() -> QApplication:
     application.setDesktopFileName("cpm")
     application.setStyle("Fusion")
     application.setWindowIcon(program_icon())
+    _translate_own_dialogs_of_qt(application)
     pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
     QPixmapCache.setCacheLimit(PIXMAP_CACHE)
     sys.setswitchinterval(SWITCH_INTERVAL)
     return application
+
+
+def _translate_own_dialogs_of_qt(application: QApplication) -> None:
+    """Let Qt's dialogs for files and colors speak the language of the window, where Qt has it."""
+    translator = QTranslator(application)
+    folder = QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
+    if translator.load(f"qtbase_{language()}", folder):
+        application.installTranslator(translator)
 
 
 def open_window(path: str | None = None) -> MainWindow:

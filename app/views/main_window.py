@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -9,6 +10,8 @@ from PySide6.QtCore import QByteArray, QSize, Qt
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QMainWindow
 
+from app.model.display.lengths import prefer_unit
+from app.model.preferences.table import UNIT
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.session.workspace import Workspace
@@ -25,12 +28,13 @@ from app.views.features.view.appearance import AppearanceFeature
 from app.views.theme import theme
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.actions import Actions
-from app.views.window.docks import Docks
+from app.views.window.docking.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.garbage import GarbageCollector
 from app.views.window.keys.areas import Areas
 from app.views.window.keys.keyboard import Keyboard
-from app.views.window.menus import Menus
+from app.views.window.keys.shortcuts import Shortcuts, use_keys
+from app.views.window.menus import MENUS, Menus
 from app.views.window.tool_bar import ToolBar
 from app.views.window.tool_palette import ToolPalette
 
@@ -39,8 +43,8 @@ P = TypeVar("P", bound=Feature)
 _SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
 """Preferred size of the window, and space on the screen for its frame."""
 
-_GEOMETRY, _LAYOUT = "window/geometry", "window/panels"
-"""Keys of the preferences for the geometry of the window and the layout of its panels."""
+_GEOMETRY, _LAYOUT, _HEIGHTS = "window/geometry", "window/panels", "window/heights"
+"""Keys of the preferences for the geometry of the window, the layout of its panels, and the heights of those below."""
 
 
 class MainWindow(QMainWindow):
@@ -59,6 +63,7 @@ class MainWindow(QMainWindow):
         self.workspace = workspace
         self.session = session = workspace.session
         self.preferences = preferences or Preferences(self)
+        self.preferences.follow(UNIT, lambda: prefer_unit(self.preferences.value(UNIT)))
         self._garbage = GarbageCollector(self)
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
@@ -66,20 +71,7 @@ class MainWindow(QMainWindow):
         self.canvas_area = CanvasArea(workspace)
         self.setCentralWidget(self.canvas_area)
         self._keyboard = Keyboard(self, self.canvas_area.canvas)
-        context = FeatureContext(
-            window=self,
-            workspace=workspace,
-            canvas_area=self.canvas_area,
-            preferences=self.preferences,
-            action_specs=lambda: self.actions_by_name.specs,
-            preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
-            reveal=self._reveal,
-            areas=lambda: self.areas,
-            use_theme=self.use_theme,
-            refresh=self.refresh,
-            open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
-            show_menu=lambda name, at: self.menus[name].popup(at),  # the menus are made after the features
-        )
+        context = self._make_context()
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
         specs = [spec for feature in self.features.values() for spec in feature.action_specs()]
         self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.import_file
@@ -91,6 +83,7 @@ class MainWindow(QMainWindow):
         self.panels = {panel.name: panel.widget for panel in panels}
         self.areas = Areas(self.canvas_area.canvas, self.panels, self._reveal)
         self.docks = Docks(self, panels, self.areas)
+        self.shortcuts = self._make_shortcuts()
         self.menus.add_section("View", (*self.docks.actions, self._restore_action()))
         self._palette_of_tools = self._add_bars()
         self.pointer_readout = PointerReadout(session, self.canvas_area.canvas)
@@ -138,6 +131,7 @@ class MainWindow(QMainWindow):
             return
         self.preferences.put(_GEOMETRY, self.saveGeometry())
         self.preferences.put(_LAYOUT, self.saveState(self.docks.version))
+        self.preferences.put(_HEIGHTS, self.docks.heights.chosen)
         self.docks.leave()
         self.hide()
         self.workspace.close()
@@ -156,6 +150,41 @@ class MainWindow(QMainWindow):
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features
+
+    def _make_context(self) -> FeatureContext:
+        return FeatureContext(
+            window=self,
+            workspace=self.workspace,
+            canvas_area=self.canvas_area,
+            preferences=self.preferences,
+            action_specs=lambda: self.actions_by_name.specs,
+            preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
+            shortcuts=lambda: self.shortcuts,
+            reveal=self._reveal,
+            areas=lambda: self.areas,
+            use_theme=self.use_theme,
+            refresh=self.refresh,
+            open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
+            show_menu=lambda name, at: self.menus[name].popup(at),  # the menus are made after the features
+        )
+
+    def _make_shortcuts(self) -> Shortcuts:
+        made = Shortcuts(self.preferences, self)
+        for spec in self.actions_by_name.specs:
+            menu = spec.menu.partition(">")[0]
+            group = tr("Tools") if spec.group == "tool" else MENUS[menu].replace("&", "")
+            title = spec.text.replace("&", "").rstrip("…")
+            made.add(spec.name, title, group, spec.shortcuts, partial(self.actions_by_name.use_keys, spec.name))
+        for action in self.docks.actions:
+            keys = [key.toString() for key in action.shortcuts()]
+            made.add(action.objectName(), action.text(), tr("Panels"), keys, partial(use_keys, action))
+        made.changed.connect(self._use_keys)
+        self._use_keys()
+        return made
+
+    def _use_keys(self) -> None:
+        for feature in self.features.values():
+            feature.use_keys()
 
     def _add_bars(self) -> ToolPalette:
         palette = ToolPalette(self.actions_by_name)
@@ -177,3 +206,4 @@ class MainWindow(QMainWindow):
         if not geometry.isEmpty():
             self.restoreGeometry(geometry)
             self.restoreState(self.preferences.get(_LAYOUT, QByteArray()), self.docks.version)
+            self.docks.heights.chosen = self.preferences.get(_HEIGHTS, [])

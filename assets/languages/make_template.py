@@ -21,6 +21,10 @@ ROOT = HERE.parent.parent
 _HEAD = 'msgid ""\nmsgstr ""\n"Content-Type: text/plain; charset=UTF-8\\n"\n"Content-Transfer-Encoding: 8bit\\n"\n'
 
 
+_NAME = "English"
+"""Is translated by the name of the language, such as "Deutsch"."""
+
+
 def in_source() -> Iterator[tuple[str, str]]:
     """Sentences that the window's source gives to ``tr``, each with where it stands."""
     for path in sorted((ROOT / "app").rglob("*.py")):
@@ -47,17 +51,22 @@ def in_core() -> Iterator[tuple[str, str]]:
         yield entry["about"], f"sample {entry['file']}"
 
 
-def template() -> str:
-    """The whole file."""
-    places: dict[str, list[str]] = {}
+def sentences() -> dict[str, list[str]]:
+    """All sentences, each with the places where it stands."""
+    places: dict[str, list[str]] = {_NAME: ["name of the language in itself"]}
     for said, place in (*in_source(), *in_core()):
         if said:
             places.setdefault(said, []).append(place)
+    return places
+
+
+def template() -> str:
+    """The whole file."""
     entries = (
         "".join(f"#: {place}\n" for place in where)
         + ("#, python-brace-format\n" if "{" in said else "")
         + f'msgid {json.dumps(said, ensure_ascii=False)}\nmsgstr ""\n'
-        for said, where in places.items()
+        for said, where in sentences().items()
     )
     return "\n".join((_HEAD, *entries))
 

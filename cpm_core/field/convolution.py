@@ -6,7 +6,9 @@ transformed back. It takes about as long as the three plain transforms that it c
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
+from collections.abc import Iterator
 from functools import reduce
 from itertools import product
 from threading import Lock
@@ -20,6 +22,13 @@ from cpm_core.numerics.types import Array
 _KEPT_BYTES = 128 * 2**20
 """Memory for kernel spectra that are kept for the next image of the same size: enough for the three scales of one of
 2048 x 2048 pixels in double precision (93 MB). Larger spectra are computed each time [bytes]."""
+
+
+_BLOCK = 2**22
+"""Samples that are transformed at once, so that padded copies of a large image stay small."""
+
+_MOST_IN_DOUBLE = 2**22
+"""Pixels up to which kernels are transformed in double precision."""
 
 
 def convolved_field(edge_map: ArrayLike, exponent: float | None = None, precision: DTypeLike = np.float64) -> Array:
@@ -38,19 +47,42 @@ def convolved_field(edge_map: ArrayLike, exponent: float | None = None, precisio
     # the kernel's mirror image begins at half of an even size, which must exceed all differences of two pixels
     padded = tuple(2 * scipy.fft.next_fast_len(max(n, 2), real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
     spectrum = scipy.fft.rfft(f, padded[-1], axis=-1, workers=-1)
-    for axis in reversed(range(f.ndim - 1)):
-        spectrum = scipy.fft.fft(spectrum, padded[axis], axis=axis, overwrite_x=True, workers=-1)
-    spectrum *= f.dtype.type(1) * 1j  # the kernels' spectra are imaginary
+    kernels = _spectra.of(f.shape, padded, power, f.dtype)
+    parts = [*(np.empty_like(spectrum) for _ in kernels[1:]), spectrum]
+    step = max(_BLOCK // math.prod(padded[:-1]), 1)
+    for first in range(0, spectrum.shape[-1], step):
+        some = (..., slice(first, first + step))
+        _convolve(spectrum[some], [kernel[some] for kernel in kernels], padded, [part[some] for part in parts])
     out = np.empty((f.ndim, *f.shape), f.dtype)
-    part = np.empty_like(spectrum)
-    for component, kernel in enumerate(_spectra.of(f.shape, padded, power, f.dtype)):
-        _multiply(spectrum, kernel, component, part)
-        back = part
-        for axis, n in enumerate(f.shape[:-1]):
-            back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=-1)
-            back = back[(slice(None),) * axis + (slice(n),)]
-        out[component] = scipy.fft.irfft(back, padded[-1], axis=-1, workers=-1)[..., : f.shape[-1]]
+    lines = max(_BLOCK // math.prod(f.shape[1:-1]) // padded[-1], 1) if f.ndim > 1 else len(spectrum)
+    for component, part in enumerate(parts):
+        for first in range(0, len(spectrum), lines):
+            rows = slice(first, first + lines)
+            out[component, rows] = scipy.fft.irfft(part[rows], padded[-1], axis=-1, workers=-1)[..., : f.shape[-1]]
     return out
+
+
+def _convolve(
+    spectrum: NDArray[np.complexfloating],
+    kernels: list[Array],
+    padded: tuple[int, ...],
+    parts: list[NDArray[np.complexfloating]],
+) -> None:
+    """Convolve some frequencies of the last axis with each kernel along the other axes, and cut off the padding.
+
+    `parts` receives the results, the last of them in the place of `spectrum` itself.
+    """
+    whole = spectrum.copy()
+    for axis in reversed(range(whole.ndim - 1)):
+        whole = scipy.fft.fft(whole, padded[axis], axis=axis, overwrite_x=True, workers=-1)
+    whole *= whole.dtype.type(1j)  # the kernels' spectra are imaginary
+    multiplied = np.empty_like(whole)
+    for component, (kernel, part) in enumerate(zip(kernels, parts, strict=True)):
+        _multiply(whole, kernel, component, multiplied)
+        back = multiplied
+        for axis, n in enumerate(part.shape[:-1]):
+            back = scipy.fft.ifft(back, axis=axis, workers=-1)[(slice(None),) * axis + (slice(n),)]
+        part[...] = back
 
 
 def convolved_potential(edge_map: Array) -> Array:
@@ -102,7 +134,7 @@ class _Spectra:
             if key in self._kept:
                 self._kept.move_to_end(key)
                 return self._kept[key]
-        spectra = tuple(kernel.astype(precision, copy=False) for kernel in _kernel_spectra(shape, padded, power))
+        spectra = tuple(_kernel_spectra(shape, padded, power, precision))
         with self._lock:
             self._kept[key] = spectra
             while self.size > _KEPT_BYTES:
@@ -118,20 +150,24 @@ class _Spectra:
 _spectra = _Spectra()
 
 
-def _kernel_spectra(shape: tuple[int, ...], padded: tuple[int, ...], power: float) -> tuple[Array, ...]:
+def _kernel_spectra(
+    shape: tuple[int, ...], padded: tuple[int, ...], power: float, precision: np.dtype
+) -> Iterator[Array]:
     """Imaginary parts, but for the sign, of the kernels' spectra at frequencies that are not negative.
 
     The field of one charge is odd along its own component and even along the others, so that sine and cosine transforms
     of a quarter (an eighth) of the grid give its whole spectrum, which has no real part.
     """
-    grid = np.meshgrid(*(np.arange(size // 2 + 1, dtype=float) for size in padded), indexing="ij", sparse=True)
+    # in single precision only where double takes too much memory
+    most = np.dtype(float) if math.prod(shape) <= _MOST_IN_DOUBLE else precision
+    grid = np.meshgrid(*(np.arange(size // 2 + 1, dtype=most) for size in padded), indexing="ij", sparse=True)
     squared = sum((g**2 for g in grid[1:]), start=grid[0] ** 2)
     squared[(0,) * len(shape)] = np.inf  # no charge acts on itself
     # a root is several times faster than a power
     decay = 1.0 / (squared * np.sqrt(squared)) if power == 2.0 else squared ** (-0.5 * (power + 1.0))
     for axis, n in enumerate(shape):  # beyond any difference of two pixels: never read
         decay[(slice(None),) * axis + (slice(n, None),)] = 0.0
-    spectra = []
+    del squared
     for component, offset in enumerate(grid):
         kernel = offset * decay
         for axis in range(len(shape)):
@@ -141,5 +177,4 @@ def _kernel_spectra(shape: tuple[int, ...], padded: tuple[int, ...], power: floa
                 kernel[(slice(None),) * axis + ([0, -1],)] = 0.0
             else:
                 kernel = scipy.fft.dct(kernel, type=1, axis=axis, overwrite_x=True, workers=-1)
-        spectra.append(kernel)
-    return tuple(spectra)
+        yield kernel.astype(precision, copy=False)

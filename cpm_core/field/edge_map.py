@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
 from cpm_core.numerics.parallel import share
@@ -37,23 +37,24 @@ _LEAST_LINES = 64
 """Lines of an image that are worth a thread."""
 
 
-def gradient(values: ArrayLike, smoothing: float) -> Array:
+def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.float64) -> Array:
     r"""Gradient of the smoothed image, shape (D, \*shape) [gray levels / px].
 
     Central differences of `values`, shape (\*shape), after a Gaussian of standard deviation `smoothing` [px]; 0 leaves
     the image as it is. The image is continued beyond its border by its outermost pixels, so that the border is no edge.
+    `precision` is the type of the result.
     """
     image = real_numbers(values)
     if smoothing > 0:
         for axis in range(image.ndim):
             image = _smoothed_along(image, smoothing, axis)
-    out = np.empty((image.ndim, *image.shape))
+    out = np.empty((image.ndim, *image.shape), precision)
     for axis, part in enumerate(out):
         line, slope = np.moveaxis(image, axis, 0), np.moveaxis(part, axis, 0)
         np.subtract(line[2:], line[:-2], out=slope[1:-1])
         np.subtract(line[1:2], line[:1], out=slope[:1])
         np.subtract(line[-1:], line[-2:-1], out=slope[-1:])
-    out *= 0.5
+    out *= out.dtype.type(0.5)
     return out
 
 

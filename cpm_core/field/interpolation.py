@@ -16,7 +16,8 @@ def interpolate(field: NDArray[np.floating], positions: Array) -> Array:
     """
     out = np.empty((len(positions), len(field)))
     shape = np.array(field.shape[1:], dtype=np.int64)
-    flat = np.ascontiguousarray(field, dtype=float).reshape(len(field), -1)
+    kept = field.dtype if field.dtype == np.float32 else np.float64  # a large field in single precision is not copied
+    flat = np.ascontiguousarray(field, dtype=kept).reshape(len(field), -1)
     _interpolate(flat, shape, np.ascontiguousarray(positions, dtype=float), out)
     return out
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import scipy
 
-from cpm_core.field.convolution import convolved_field
-from cpm_core.field.scale_field import FIELD_PRECISION, ScaleField, least_strength, lorentz_force
+from cpm_core.field.scale_field import PackedForce, ScaleField, least_strength, packed_force
 from cpm_core.numerics.types import Mask
 
 _FULL, _GONE = 1.5, 3.0
@@ -26,14 +26,14 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
     contact, are those of the edges that stay.
     """
     away = scipy.ndimage.distance_transform_edt(~ridge) if ridge.any() else np.full(ridge.shape, np.inf)
-    kept = np.clip((_GONE - away) / (_GONE - _FULL), 0.0, 1.0)
-    strength, charged = scale_field.edge_map * kept, scale_field.fixed_charges * kept
+    kept = np.clip((_GONE - away) / (_GONE - _FULL), 0.0, 1.0).astype(scale_field.edge_map.dtype, copy=False)
+    strength = scale_field.edge_map * kept
+    same = scale_field.fixed_charges is scale_field.edge_map
+    charged = strength if same else scale_field.fixed_charges * kept
     strongest = float(strength.max(initial=0.0))
-    field = convolved_field(charged, precision=FIELD_PRECISION)
-    force = lorentz_force(field, scale_field.gradient, strength, strongest)
     return replace(
         scale_field,
-        packed=np.stack([*force, *scale_field.gradient, strength], axis=-1, dtype=np.float32),
+        force=PackedForce(partial(packed_force, charged, scale_field.gradient, strength, strongest)),
         edge_map=strength,
         strongest=strongest,
         fixed_charges=charged,

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
+from threading import Lock
 
 import numpy as np
 import scipy
@@ -54,6 +56,27 @@ force changes by about 1e-6, contours of shapes by less than a thousandth of a p
 SPLINE_MARGIN = 3
 """Pixels by which spline coefficients continue beyond the border, so that none is missing near it."""
 
+LARGE = 2**22
+"""Pixels above which an image counts as large: its fields are kept in single precision and made only when a run needs
+them."""
+
+
+class PackedForce:
+    """The packed force field of a scale: made on first use, once for all threads and all copies of its scale field."""
+
+    def __init__(self, make: Callable[[], Single]) -> None:
+        self._make: Callable[[], Single] | None = make
+        self._made: Single | None = None
+        self._lock = Lock()
+
+    def __call__(self) -> Single:
+        """The packed force field."""
+        with self._lock:
+            if self._made is None:
+                assert self._make is not None
+                self._made, self._make = self._make(), None
+            return self._made
+
 
 @dataclass(frozen=True, eq=False)
 class ScaleField:
@@ -61,9 +84,8 @@ class ScaleField:
 
     Attributes
     ----------
-    packed : ndarray of float32, shape (\*shape, 2 D + 1)
-        Packed force field: normalized Lorentz force, `gradient` and `edge_map` of each pixel side by side, so that a
-        particle reads one place in memory; single precision is enough for the force.
+    force : PackedForce
+        Makes `packed`.
     gradient : ndarray, shape (D, \*shape)
         Gradient of the smoothed image [gray levels / px]; on an edge it is normal to it.
     edge_map : ndarray, shape (\*shape)
@@ -85,7 +107,7 @@ class ScaleField:
         Where contours may run; None for everywhere.
     """
 
-    packed: Single
+    force: PackedForce
     gradient: Array
     edge_map: Array
     values: Array
@@ -95,6 +117,15 @@ class ScaleField:
     smoothing: float
     barrier_map: BarrierMap = NO_BARRIERS
     reached: Mask | None = None
+
+    @property
+    def packed(self) -> Single:
+        r"""Packed force field, float32 of shape (\*shape, 2 D + 1).
+
+        Normalized Lorentz force, `gradient` and `edge_map` of each pixel side by side, so that a particle reads one
+        place in memory; single precision is enough for the force.
+        """
+        return self.force()
 
     @property
     def lorentz(self) -> Single:
@@ -116,7 +147,8 @@ class ScaleField:
     @cached_property
     def spline(self) -> Array:
         """Cubic spline coefficients of the edge map, continued by `SPLINE_MARGIN` pixels beyond the border."""
-        return np.pad(scipy.ndimage.spline_filter(self.edge_map, order=3, mode="nearest"), SPLINE_MARGIN, mode="edge")
+        spline = scipy.ndimage.spline_filter(self.edge_map, order=3, output=self.edge_map.dtype, mode="nearest")
+        return np.pad(spline, SPLINE_MARGIN, mode="edge")
 
     @cached_property
     def potential(self) -> Array:
@@ -171,7 +203,8 @@ def build_scale_field(
         A field for the same regions: its barriers are taken over, and its gradient if image and smoothing are the same.
     """
     same = known is not None and known.values is values and known.smoothing == smoothing
-    grad = known.gradient if known is not None and same else gradient(values, smoothing)
+    precision = np.float32 if values.size > LARGE else np.float64
+    grad = known.gradient if known is not None and same else gradient(values, smoothing, precision)
     strength = magnitude(grad)
     barrier_map = NO_BARRIERS
     if regions is not None:
@@ -180,13 +213,25 @@ def build_scale_field(
     if regions is not None and regions.interest:
         inside &= regions.pixels(values.shape)
     strongest = float(strength.max(where=inside, initial=0.0))
-    charged = np.where(inside & (strength >= edge_floor * strongest), strength, 0.0)
-    lorentz = lorentz_force(convolved_field(charged, precision=FIELD_PRECISION), grad, strength, strongest)
-    if not inside.all():
+    everywhere = bool(inside.all())
+    charged = strength
+    if edge_floor > 0.0 or not everywhere:
+        charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
+    if not everywhere:
         strength[~within(inside, _MARGIN)] = 0.0
-    packed = np.stack([*lorentz, *grad, strength], axis=-1, dtype=np.float32)
-    floor = _weakest_edge(strength[inside], strongest, edge_floor)
-    return ScaleField(packed, grad, strength, values, strongest, charged, floor, smoothing, barrier_map)
+    force = PackedForce(partial(packed_force, charged, grad, strength, strongest, None if everywhere else grad))
+    floor = _weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor)
+    return ScaleField(force, grad, strength, values, strongest, charged, floor, smoothing, barrier_map)
+
+
+def packed_force(charged: Array, grad: Array, strength: Array, strongest: float, whole: Array | None = None) -> Single:
+    """`ScaleField.packed` of fixed charges, image gradient, edge map and largest edge strength.
+
+    Where the edge map has been cut, the force is that of the uncut one, the magnitude of the gradient `whole`.
+    """
+    felt = strength if whole is None else magnitude(whole)
+    force = lorentz_force(convolved_field(charged, precision=FIELD_PRECISION), grad, felt, strongest)
+    return np.stack([*force, *grad, strength], axis=-1, dtype=np.float32)
 
 
 def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
@@ -220,7 +265,7 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
     of the gradient, `strongest` the largest edge strength that counts.
     """
     tiny = 1e-12 * float(magnitude(field).max())
-    force = np.empty(grad.shape)
+    force = np.empty(grad.shape, grad.dtype)
     lines = max(_PART * len(strength) // strength.size, _LEAST_LINES)
 
     def work(first: int, end: int) -> None:
@@ -235,13 +280,13 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
 
 def _force_of_lines(field: Array, grad: Array, strength: Array, strongest: float, tiny: float) -> Array:
     """`lorentz_force` on some lines of the image; a field of size `tiny` or less counts as zero."""
+    field, grad, strength = (part.astype(float, copy=False) for part in (field, grad, strength))
     summit = running_maximum(strength, _SUMMIT_REACH)
     near = strength / np.maximum(summit, 1e-300)
     near -= _SLOPE
     near /= _RIDGE - _SLOPE
     np.clip(near, 0.0, 1.0, out=near)
     near *= summit >= WEAKEST_EDGE * strongest
-    field = field.astype(float, copy=False)
     size = magnitude(field)
     beside = running_maximum(size, _FIELD_REACH)
     beside *= near

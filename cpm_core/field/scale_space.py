@@ -11,7 +11,7 @@ from collections import OrderedDict
 from copy import copy
 from threading import Lock
 
-from cpm_core.field.scale_field import ScaleField, build_scale_field
+from cpm_core.field.scale_field import LARGE, ScaleField, build_scale_field
 from cpm_core.field.source_images import SourceImages
 from cpm_core.image.barriers import NO_BARRIERS, BarrierMap, build_barrier_map
 from cpm_core.image.regions import Line, Regions
@@ -72,7 +72,9 @@ class ScaleSpace:
             return self._kept[_key(scale, parameters)]
 
     def prepare(self, parameters: Parameters) -> None:
-        """Build the fields of all scales at once, side by side."""
+        """Build the fields of all scales at once, side by side; of a large image nothing, until a run needs it."""
+        if self._image.size > LARGE:
+            return
         with self._lock:
             self._keep(list(range(len(self))), parameters)
 

@@ -76,7 +76,7 @@ def load_image(path: str | os.PathLike[str]) -> Image:
             f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
             "or save it again as PNG or TIFF."
         ) from error
-    return Image(decoded.values, decoded.spacing, decoded.unit, file.name, decoded.notes)
+    return Image(decoded.values, decoded.spacing, decoded.unit, file.name, decoded.notes, decoded.colors)
 
 
 def _head(file: Path) -> bytes:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cpm_core.image.colors import Colors
 from cpm_core.image.gray_levels import usable
 
 MINIMUM_SIDE = 8
@@ -33,12 +34,14 @@ class Image:
         Name of the image, for display.
     notes : tuple of str, optional
         What was changed between the file and `values`, one sentence each.
+    colors : Colors, optional
+        Colors of the pixels, for display; None for a gray image.
 
     Raises
     ------
     ValueError
         When `values` is not a grid of two or three axes of finite real numbers, at least `MINIMUM_SIDE` pixels along
-        each, or when `spacing` is not one positive number for each axis.
+        each, when `spacing` is not one positive number for each axis, or when `colors` has another shape.
     """
 
     values: NDArray[np.float64]
@@ -46,6 +49,7 @@ class Image:
     unit: str | None = None
     source: str = "image"
     notes: tuple[str, ...] = ()
+    colors: Colors | None = None
 
     def __post_init__(self) -> None:
         given = np.asarray(self.values)
@@ -70,6 +74,11 @@ class Image:
         if len(spacing) != values.ndim or not all(math.isfinite(size) and size > 0 for size in spacing):
             raise ValueError(
                 f"The spacing of {self.source} is {self.spacing}, but must be {_COUNTS[values.ndim]} positive numbers."
+            )
+        if self.colors is not None and self.colors.samples.shape != (*values.shape, 3):
+            raise ValueError(
+                f"The colors of {self.source} have the shape {self.colors.samples.shape}, "
+                f"but must have {(*values.shape, 3)}."
             )
         values.flags.writeable = False
         object.__setattr__(self, "values", values)

@@ -36,10 +36,10 @@ class ChoiceInfo:
 
 CHOICES: dict[str, ChoiceInfo] = {
     "edges": ChoiceInfo(
-        "edges", "Edges of", "What the edges are taken from.",
+        "edges", "Edges from", "What the edges are found in.",
         {
-            "gradient": "Takes the edges of the gray levels.",
-            "vessels": "Takes the edges of a vessel measure, which is large in what is long and thin, darker or "
+            "gradient": "Finds the edges of the gray levels.",
+            "vessels": "Finds the edges of a vessel measure, which is large in what is long and thin, darker or "
             "brighter than what is around it.",
         },
         "field",

@@ -60,72 +60,72 @@ UNLIMITED_REACH = 300.0
 _TABLE = (
     ParameterInfo(
         "reach", "r", "px", 0.0, UNLIMITED_REACH, 0.0, UNLIMITED_REACH, 1.0, "Reach",
-        "How far particles creep beyond a junction, away from the edges around the start that they reach on their own "
-        "flight; at 300 there is no limit.",
-        "More of it finds what is connected to the object, and at last everything.",
+        "How far particles follow edges beyond a junction, away from the edges around the start; at 300 there is no "
+        "limit.",
+        "More of it also finds what is connected to the object, and in the end everything.",
         "", "field", False,
     ),
     ParameterInfo(
         "weakest_edge", "f_first", "", 0.0, 0.95, 0.0, 0.95, 0.01, "Weakest edge",
         "Fraction of the strength of the edges around the start under which an edge does not hold particles; above 0 "
-        "an edge around the start must also rise in the same sense as most of them.",
-        "More of it leaves out what is weaker than the edges first met.",
+        "an edge must also go from dark to light in the same direction as most edges around the start.",
+        "More of it leaves out edges that are weaker than those around the start.",
         "", "field", False,
     ),
     ParameterInfo(
         "beta", "β", "", 0.0, 4.0, 0.1, 2.0, 0.05, "Damping",
-        "Friction that takes speed out of the particles.",
-        "More of it calms the particles sooner and keeps them near the first edges they meet; "
-        "less lets them coast across weak edges.",
+        "Friction that slows the particles down.",
+        "More of it brings the particles to rest sooner, at the first edges they meet; "
+        "less lets them move on across weak edges.",
         "eq. (12)", "nothing", False,
     ),
     ParameterInfo(
-        "w1", "w₁", "", 0.0, 100.0, 0.05, 3.0, 0.05, "Coulomb weight",
-        "Weight of the repulsion between particles.",
+        "w1", "w₁", "", 0.0, 100.0, 0.05, 3.0, 0.05, "Repulsion",
+        "Weight of the repulsion between particles, the Coulomb force.",
         "More of it spreads the particles faster along edges and into bays; it must stay below w₂.",
         "eq. (12)", "nothing", False,
     ),
     ParameterInfo(
-        "w2", "w₂", "", 0.001, 100.0, 0.1, 3.0, 0.05, "Lorentz weight",
-        "Weight of the attraction by the edges of the image.",
+        "w2", "w₂", "", 0.001, 100.0, 0.1, 3.0, 0.05, "Attraction",
+        "Weight of the attraction by the edges of the image, the Lorentz force.",
         "More of it pulls the particles harder to edges and holds them there; it must stay above w₁.",
         "eq. (12)", "nothing", True,
     ),
     ParameterInfo(
-        "annealing", "a", "", 0.0, 1.0, 0.9, 1.0, 0.001, "Annealing factor",
-        "Factor by which the largest gap that a new particle fills shrinks at every step.",
-        "More of it (nearer to 1) keeps particles being inserted longer, for denser rows along the edges.",
+        "annealing", "a", "", 0.0, 1.0, 0.9, 1.0, 0.001, "Annealing",
+        "Factor by which the insertion range shrinks at every step.",
+        "More of it (nearer to 1) inserts particles for longer, which gives denser rows along the edges.",
         "section 3.6", "nothing", False,
     ),
     ParameterInfo(
         "time_step", "Δt", "", 0.01, 1.0, 0.05, 1.0, 0.05, "Time step",
-        "Time that one step advances the particles by.",
-        "More of it moves the particles faster, until they overshoot the edges.",
+        "Time between two steps of a run.",
+        "More of it moves the particles farther in a step; with too much they miss the edges.",
         "eq. (14)", "nothing", True,
     ),
     ParameterInfo(
-        "d_min", "d_min", "px", 0.5, 20.0, 1.0, 6.0, 0.1, "Smallest distance",
-        "Spacing of the particles: two nearer than half of it become one.",
+        "d_min", "d_min", "px", 0.5, 20.0, 1.0, 6.0, 0.1, "Particle spacing",
+        "Distance between neighbors; of two particles nearer than half of it, one is deleted.",
         "More of it gives fewer particles and coarser contours.",
         "section 3.6", "nothing", True,
     ),
     ParameterInfo(
         "d_max", "d_max,0", "px", 0.0, 50.0, 0.0, 10.0, 0.1, "Insertion range",
-        "Two neighbors at rest on an edge, farther apart than d_min by at most this, get a particle between them; "
-        "it shrinks by the annealing factor.",
-        "More of it fills wider gaps.",
+        "Two neighbors at rest on an edge, farther apart than the particle spacing by at most this, get a particle "
+        "between them; it shrinks by the annealing.",
+        "More of it inserts particles between neighbors that are farther apart.",
         "section 3.6", "nothing", True,
     ),
     ParameterInfo(
         "smoothing", "σ", "px", 0.0, 20.0, 0.5, 8.0, 0.1, "Smoothing",
-        "Width of the Gaussian that smooths the image before its edges are taken.",
-        "More of it quiets noise and texture, and rounds corners.",
+        "Width of the Gaussian filter that smooths the image before its edges are found.",
+        "More of it removes noise and texture, and rounds corners.",
         "section 3.1", "field", False,
     ),
     ParameterInfo(
         "gamma", "γ", "", 0.1, 4.0, 0.2, 2.0, 0.05, "Gamma",
-        "Exponent of the gray levels, over their range in the image, before edges are taken.",
-        "Less of it (below 1) lets edges among dark gray levels count more, more of it those among bright ones.",
+        "Exponent applied to the gray levels, over their range in the image, before edges are found.",
+        "Less of it (below 1) strengthens edges between dark gray levels, more of it those between bright ones.",
         "", "field", True,
     ),
     ParameterInfo(
@@ -137,25 +137,25 @@ _TABLE = (
     ParameterInfo(
         "edge_floor", "f_min", "", 0.0, 0.99, 0.0, 0.6, 0.01, "Edge floor",
         "Fraction of the largest edge strength under which no fixed charge is placed; at 0 all are placed, and the "
-        "background decides what is too weak for an edge.",
+        "strength of the background decides what is too weak for an edge.",
         "More of it leaves out weak edges and texture.",
         "", "field", False,
     ),
     ParameterInfo(
-        "max_border", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Widest border",
-        "A dark or bright rim of the image up to this wide, as a fraction of its shorter side, counts as its border, "
-        "whose edge is left out.",
+        "max_border", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Maximum border",
+        "A dark or bright rim of the image up to this width, as a fraction of its shorter side, counts as its border; "
+        "its edge is left out.",
         "More of it finds wider borders; 0 leaves every edge in.",
         "", "field", True,
     ),
     ParameterInfo(
-        "max_gap", "g_max", "px", 0.0, 1e4, 0.0, 60.0, 1.0, "Widest gap",
+        "max_gap", "g_max", "px", 0.0, 1e4, 0.0, 60.0, 1.0, "Maximum gap",
         "Distance up to which loose ends of contours are joined across a gap, along the edge map.",
         "More of it bridges wider gaps; at 0 real gaps stay open.",
         "", "contours", False,
     ),
     ParameterInfo(
-        "min_strength", "s_min", "gray/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Least strength",
+        "min_strength", "s_min", "gray/px", 0.0, 1e9, 0.0, 60.0, 0.5, "Minimum strength",
         "Mean edge strength under which a contour, or a part of one with a loose end, is left out.",
         "More of it keeps only the contours of strong edges.",
         "", "contours", False,
@@ -163,39 +163,39 @@ _TABLE = (
     ParameterInfo(
         "sure_edge", "f_sure", "", 0.0, 0.99, 0.0, 0.6, 0.01, "Sure edge",
         "Fraction of the largest edge strength under which a contour stays only if it is connected to one above it.",
-        "More of it leaves out weak contours by themselves and keeps those that continue strong ones.",
+        "More of it leaves out weak contours that stand alone and keeps those that continue strong ones.",
         "", "contours", True,
     ),
     ParameterInfo(
-        "min_contrast", "c_min", "", 0.0, 0.99, 0.0, 0.9, 0.01, "Least contrast",
+        "min_contrast", "c_min", "", 0.0, 0.99, 0.0, 0.9, 0.01, "Minimum contrast",
         "Contrast of the regions on both sides, from 0 for equal ones to 1 for uniform ones, under which a contour, or "
         "a part of one with a loose end, is left out.",
-        "More of it leaves out texture, whose edges have the same on both sides.",
+        "More of it leaves out texture, which looks the same on both sides of an edge.",
         "", "contours", True,
     ),
     ParameterInfo(
-        "min_length", "l_min", "px", 0.0, 1e9, 0.0, 200.0, 1.0, "Least length",
+        "min_length", "l_min", "px", 0.0, 1e9, 0.0, 200.0, 1.0, "Minimum length",
         "Length under which a contour is left out.",
         "More of it drops specks and fragments.",
         "", "contours", False,
     ),
     ParameterInfo(
         "polarity", "p", "", -1.0, 1.0, -1.0, 1.0, 1.0, "Dark or light",
-        "Skeletons are of what is darker than its surroundings below 0, of what is lighter above 0, and of what stands "
-        "out in the image at 0.",
+        "What has a skeleton: below 0 what is darker than its surroundings, above 0 what is lighter; at 0 the image "
+        "decides.",
         "More of it goes from dark to light objects.",
         "", "contours", False,
     ),
     ParameterInfo(
-        "max_width", "w_max", "px", 0.0, 1e4, 0.0, 100.0, 0.5, "Widest",
+        "max_width", "w_max", "px", 0.0, 1e4, 0.0, 100.0, 0.5, "Maximum width",
         "Width above which a part has no skeleton; at 0 any width counts where the outlines are closed, and otherwise "
         "the widths in the image decide.",
-        "More of it takes in wider parts.",
+        "More of it includes wider parts.",
         "", "contours", False,
     ),
     ParameterInfo(
         "pruning", "ρ", "px", 0.0, 1e3, 0.0, 10.0, 0.1, "Pruning",
-        "How far a part of a shape may stick out of the rest for its branch of the skeleton to be left out.",
+        "How far a part of a shape may extend beyond the rest without a branch of the skeleton of its own.",
         "More of it leaves fewer and shorter branches.",
         "section 5.3", "contours", False,
     ),

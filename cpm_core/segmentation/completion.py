@@ -21,6 +21,9 @@ _UNDER_WAY, _PATIENCE = 0.3, 2
 """Fraction of the speed that the field alone gives a particle, above which one outside the coverage map counts as
 under way, and the factor by which it then comes to rest more slowly: it may have far to go."""
 
+_TRAVELLING = 0.25
+"""Fraction of the particles that may be under way at the end of a coarser scale."""
+
 _CERTAIN = 1.25
 """Edge strength, in multiples of the edge floor, that holds particles in any case."""
 
@@ -44,13 +47,29 @@ def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters)
     idle = idle_at(state.coverage, particles.position, state.step_of_scale, _OUTSIDE)
     away = idle == _OUTSIDE
     if away.any():
-        driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
-        speed = np.einsum("ni,ni->n", particles.velocity, particles.velocity)
         under_way = state.idle // _PATIENCE if state.coverage.size else 0  # before the first coverage there is no limit
-        idle[away] = np.where(speed[away] > (_UNDER_WAY * driven) ** 2, under_way, state.idle)
+        idle[away] = np.where(_is_fast(state, parameters)[away], under_way, state.idle)
     if state.charges:
         _let_gather(state, scale_field, idle)
     return idle
+
+
+def is_travelling(state: State, parameters: Parameters) -> bool:
+    """Whether so many particles are still under way to their first edge that a coarser scale has not done its work.
+
+    A start far from all edges would else be handed on to the finest scale, where noise stops particles that have far
+    to go.
+    """
+    idle = idle_at(state.coverage, state.particles.position, state.step_of_scale, _OUTSIDE)
+    flying = int(np.count_nonzero((idle == _OUTSIDE) & _is_fast(state, parameters)))
+    return flying > _TRAVELLING * state.count
+
+
+def _is_fast(state: State, parameters: Parameters) -> NDArray[np.bool_]:
+    """Which particles move so fast, shape (N,), that the field alone must drive them."""
+    driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
+    velocity = state.particles.velocity
+    return np.asarray(np.einsum("ni,ni->n", velocity, velocity) > (_UNDER_WAY * driven) ** 2)
 
 
 def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:

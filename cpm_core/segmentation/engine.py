@@ -136,7 +136,7 @@ class Engine(RunFields):
         state, moved = displaced(state, idle, scale_field, parameters)
         if len(state.particles):
             state = self._populate(state, moved, repulsion_gone, scale_field, parameters)
-        return advance(state, scale_field, self.regions)
+        return advance(state, scale_field, self.regions, parameters)
 
     def forces(
         self,

@@ -10,10 +10,11 @@ from cpm_core.dynamics.equilibrium import IDLE_STEPS, QUIET_STEPS, is_quiet
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.regions import Regions
+from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.initialization import allowed_by, inside_image
 from cpm_core.particles.state import Particles, State
-from cpm_core.segmentation.completion import reseeded, without_off_edge, without_resting_off_edge
+from cpm_core.segmentation.completion import is_travelling, reseeded, without_off_edge, without_resting_off_edge
 
 _STEPS_A_PIXEL = 2.0
 """Greatest number of steps of a scale for each pixel of the longest side: a front advances about two pixels a step."""
@@ -22,14 +23,15 @@ _LEAST_STEPS = 400
 """Number of steps that every scale may take."""
 
 
-def advance(state: State, scale_field: ScaleField, regions: Regions | None) -> State:
+def advance(state: State, scale_field: ScaleField, regions: Regions | None, parameters: Parameters) -> State:
     """End a scale or the run at equilibrium or after the greatest number of steps; else return the state."""
     quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
     state = replace(state, quiet=state.quiet + 1 if quiet else 0)
     most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(scale_field.shape)))
     overdue = state.step_of_scale - state.reactivated >= most
     if state.scale > 0:
-        if state.count == 0 or state.idle >= IDLE_STEPS or overdue:
+        done = state.idle >= IDLE_STEPS and not is_travelling(state, parameters)
+        if state.count == 0 or done or overdue:
             return start_scale(without_off_edge(state, scale_field, and_drawn=True), state.scale - 1, regions)
         return state
     if state.count == 0:

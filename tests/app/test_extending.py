@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 from skimage.measure import find_contours
 
 from app.model.document import edits
-from app.model.text.wording import WORDS
+from app.model.text.wording import FORMULAS
 from app.session.core_functions import Core
 from app.session.workspace import Workspace
 from app.views import main_window
@@ -237,7 +237,7 @@ def test_a_method_is_a_class_that_the_window_runs_without_knowing_it(opened, han
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_a_parameter_is_known_in_every_place_that_names_parameters(name, capsys) -> None:
     assert name in {field.name for field in fields(Parameters)}
-    assert name in WORDS or name == "w1"  # of which the window sets the ratio to w2
+    assert name in FORMULAS or name == "w1"  # of which the window sets the ratio to w2
     with pytest.raises(SystemExit):
         main(["run", "--help"])
     assert f"--{name.replace('_', '-')}" in capsys.readouterr().out

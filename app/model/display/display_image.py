@@ -1,4 +1,4 @@
-"""Display images: an image or an overlay with one byte a pixel."""
+"""Display images: an image or an overlay with one byte a pixel and channel, at full size and reduced."""
 
 from __future__ import annotations
 
@@ -7,12 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 
-DisplayImage = NDArray[np.uint8]
+Shades = NDArray[np.uint8]
+"""One byte a pixel, shape (H, W), or one for red, green and blue each, shape (H, W, 3)."""
 
 _ROWS = 64
 """Rows that are processed at once: few enough for the processor's cache, which is several times faster."""
+
+_OVERVIEW = 256
+"""Longest side of the smallest level [px]."""
 
 _CODES = 1 << 12
 """Entries of the table of the gamma curve."""
@@ -30,13 +35,70 @@ class IntensityWindow:
     gamma: float = 1.0
 
 
-def display_of_image(values: Array) -> DisplayImage:
+@dataclass(frozen=True, eq=False, slots=True)
+class DisplayImage:
+    """Shades for the canvas at full size and reduced, so that a view draws about as many pixels as it shows.
+
+    Attributes
+    ----------
+    levels : tuple of ndarray
+        The shades, and each time the means of two by two pixels of the level before. A pixel ``(i, j)`` of level k
+        covers the pixels from ``(i, j) 2^k`` up to ``(i + 1, j + 1) 2^k``; at the end there may be fewer.
+    """
+
+    levels: tuple[Shades, ...]
+
+    @staticmethod
+    def of(shades: Shades) -> DisplayImage:
+        """Reduce shades until the longest side is short."""
+        levels = [shades]
+        while max(levels[-1].shape[:2]) > _OVERVIEW:
+            levels.append(_halved(levels[-1]))
+        return DisplayImage(tuple(levels))
+
+    @property
+    def shades(self) -> Shades:
+        """The shades at full size."""
+        return self.levels[0]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns at full size."""
+        rows, cols = self.shades.shape[:2]
+        return rows, cols
+
+    def reduced(self, side: float) -> Shades:
+        """The smallest level whose longer side has at least `side` pixels, or the full size."""
+        return next((level for level in reversed(self.levels) if max(level.shape[:2]) >= side), self.shades)
+
+
+def _halved(shades: Shades) -> Shades:
+    """Means of two by two pixels; the last row or column of an odd number counts twice."""
+    rows, cols = shades.shape[:2]
+    out = np.empty(((rows + 1) // 2, (cols + 1) // 2, *shades.shape[2:]), np.uint8)
+    for begin in range(0, len(out), _ROWS):
+        part = shades[2 * begin : 2 * (begin + _ROWS)].astype(np.uint16)
+        if len(part) % 2:
+            part = np.concatenate([part, part[-1:]])
+        rows_added = part[0::2] + part[1::2]
+        if cols % 2:
+            rows_added = np.concatenate([rows_added, rows_added[:, -1:]], axis=1)
+        out[begin : begin + _ROWS] = (rows_added[:, 0::2] + rows_added[:, 1::2] + 2) // 4
+    return out
+
+
+def display_of_image(values: Array) -> Shades:
     """Gray values from the smallest, 0, to the largest, 255."""
     return apply_window(values, IntensityWindow(float(values.min()), float(values.max())))
 
 
-def apply_window(values: Array, window: IntensityWindow) -> DisplayImage:
-    """Display image of an intensity window, ``255 ((v - low) / (high - low))^gamma``, rounded and clipped.
+def display_of(image: Image) -> DisplayImage:
+    """Display image of an image: its colors, or its gray values from the smallest to the largest."""
+    return DisplayImage.of(image.colors.samples if image.colors is not None else display_of_image(image.values))
+
+
+def apply_window(values: Array, window: IntensityWindow) -> Shades:
+    """Shades of an intensity window, ``255 ((v - low) / (high - low))^gamma``, rounded and clipped.
 
     It has the shape of the gray values, (H, W), and is made from them directly, so that the narrowest window has 256
     gray values.
@@ -57,6 +119,16 @@ def apply_window(values: Array, window: IntensityWindow) -> DisplayImage:
     return shown
 
 
+def color_curve(window: IntensityWindow, white: float) -> Shades:
+    """Curve of an intensity window for each channel of a color image, shape (256,).
+
+    `white` is the gray level that a byte of 255 stands for.
+    """
+    levels = np.linspace(0.0, white, 256)[np.newaxis]
+    curve: Shades = apply_window(levels, window)[0]
+    return curve
+
+
 def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     """Ends of the range of gray values without `percent` per cent of the pixels at either end.
 
@@ -68,12 +140,12 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def display_of_edge_map(edge_map: Array) -> DisplayImage:
+def display_of_edge_map(edge_map: Array) -> Shades:
     """Edge strengths from zero, 0, to the largest, 255; the square root makes weak edges visible."""
     return _bytes(255.0 * np.sqrt(np.clip(edge_map / max(float(edge_map.max()), 1e-300), 0.0, 1.0)))
 
 
-def _bytes(values: Array) -> DisplayImage:
+def _bytes(values: Array) -> Shades:
     return np.rint(values).astype(np.uint8)
 
 
@@ -81,6 +153,6 @@ _OUTLIERS = 0.5
 """Percentage of the pixels at either end that the display image of a potential leaves out."""
 
 
-def display_of_potential(potential: Array) -> DisplayImage:
+def display_of_potential(potential: Array) -> Shades:
     """Potentials from the lowest, 0, to the highest, 255, without a few pixels at either end."""
     return apply_window(potential, IntensityWindow(*percentile_window(potential, _OUTLIERS)))

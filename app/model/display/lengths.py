@@ -1,14 +1,63 @@
-"""Lengths in readable units, and the scale bar."""
+"""Lengths in readable units, and the scale bar.
+
+One rule holds wherever a length or an area that was measured is shown: `shown_in` gives the size of a pixel in the unit
+that the user prefers. What the user sets, such as parameters, is in px.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from app.model.display.round_numbers import round_down
+from app.model.text.language import tr
 
 _METRIC = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
 _KNOWN = {**_METRIC, "um": 1e-6, "cm": 1e-2}
 _PIXEL = "px"
+_OF_THE_IMAGE = "image"
+
+UNITS = {
+    _OF_THE_IMAGE: tr("In the unit of the image"),
+    _PIXEL: tr("In px"),
+    "nm": tr("In nm"),
+    "µm": tr("In µm"),
+    "mm": tr("In mm"),
+    "cm": tr("In cm"),
+}
+"""Names and titles of the units that can be preferred."""
+
+_preferred = _OF_THE_IMAGE
+
+
+def prefer_unit(name: str) -> None:
+    """Show lengths in a unit of `UNITS`."""
+    global _preferred  # noqa: PLW0603  # one for all windows, as the language is
+    _preferred = name
+
+
+@dataclass(frozen=True, slots=True)
+class PixelSize:
+    """Size of a pixel in a unit, which is None for px; `factor` leads to it from the unit of the image."""
+
+    spacing: tuple[float, ...]
+    unit: str | None
+    factor: float = 1.0
+
+
+def shown_in(spacing: Sequence[float], unit: str | None) -> PixelSize:
+    """Size of a pixel in the preferred unit.
+
+    It stays in the unit of the image where that is none of length, and where pixels that are not square would make
+    lengths in px depend on the direction.
+    """
+    sizes = tuple(float(size) for size in spacing)
+    if _preferred == _PIXEL and len(set(sizes)) == 1:
+        return PixelSize((1.0,) * len(sizes), None, 1.0 / sizes[0])
+    if unit in _KNOWN and _preferred in _KNOWN:
+        factor = _KNOWN[unit] / _KNOWN[_preferred]
+        return PixelSize(tuple(size * factor for size in sizes), _preferred, factor)
+    return PixelSize(sizes, unit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +74,8 @@ def bar(most: float, spacing: float, unit: str | None) -> Bar:
     `most` is its maximum length [px of the image], `spacing` the size of a pixel [unit], px without a unit.
     """
     size, name = (most * spacing, unit) if unit else (most, _PIXEL)
-    size, name = _readable(size, name)
+    if _preferred == _OF_THE_IMAGE:
+        size, name = _readable(size, name)
     length = round_down(size)
     return Bar(most * (length / size), f"{length:g} {name}" if length < 1e6 else f"{length:,.0f} {name}")
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from app.model.text.language import tr
-from app.model.text.wording import WORDS, Wording, rich
+from app.model.text.wording import FORMULAS, Wording, rich
 from cpm_core.parameters import AUTOMATIC, DEFAULTS, OF_STARTS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import Invalidates
 
@@ -82,14 +82,9 @@ class Control:
         return _BY_ITSELF.get(self.name, "")
 
     @property
-    def intuitive(self) -> str:
-        """Its effect, in a few plain words."""
-        return WORDS[self.name].plain
-
-    @property
     def formula(self) -> str:
         """Its formula, as rich text."""
-        return WORDS[self.name].formula
+        return FORMULAS[self.name]
 
     @property
     def rich_symbol(self) -> str:
@@ -97,9 +92,9 @@ class Control:
         return rich(self.symbol)
 
     def label(self, wording: Wording) -> str:
-        """Label of the slider, as rich text: plain words and the symbol, or the symbol and its name."""
-        if wording == "intuitive":
-            return f"{self.intuitive} &nbsp;<span style='font-weight: normal'>{self.rich_symbol}</span>"
+        """Label of the slider, as rich text: its name and symbol, or its symbol and name."""
+        if wording == "name":
+            return f"{self.title} &nbsp;<span style='font-weight: normal'>{self.rich_symbol}</span>"
         return f"{self.rich_symbol} &nbsp;{self.title}"
 
     @property

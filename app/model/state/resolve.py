@@ -18,6 +18,17 @@ PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0,
 """Steps per second of the speed control; None for no limit."""
 FIRST_PACE = 6
 
+_LEADING = (
+    tr("Step"),
+    tr("Particles"),
+    tr("Contours"),
+    tr("Branches"),
+    tr("Length"),
+    tr("Thickness"),
+    tr("Skeleton of"),
+)
+"""Labels of the numbers that are always shown."""
+
 
 @dataclass(frozen=True, slots=True)
 class Resolved:
@@ -25,7 +36,8 @@ class Resolved:
 
     `run_text`, `undo_text` and `redo_text` are texts of actions; `running` is whether Run is shown as Pause. `state` is
     one sentence on the state of the run, `hint` one on the next thing to do, or empty. `numbers` are label, value and
-    explanation of each line of the status panel. `particles` is whether the mode has particles that move.
+    explanation of each line of the status panel, `leading` the labels of those that are always shown. `particles` is
+    whether the mode has particles that move.
     """
 
     title: str
@@ -36,6 +48,7 @@ class Resolved:
     state: str
     hint: str
     numbers: tuple[tuple[str, str, str], ...]
+    leading: tuple[str, ...]
     particles: bool
 
 
@@ -51,6 +64,7 @@ def resolve(situation: Situation) -> Resolved:
         state=_state(situation),
         hint=_hint(situation),
         numbers=_numbers(status) if needs_start(document.mode) else _numbers_of_skeleton(status),
+        leading=_LEADING,
         particles=needs_start(document.mode),
     )
 

@@ -87,7 +87,7 @@ class Overlays:
     """The requested overlays by name, for the image opened as `generation`; see `app.session.worker.overlays`."""
 
     generation: int
-    arrays: Mapping[str, NDArray[np.generic]]
+    arrays: Mapping[str, NDArray[np.generic] | DisplayImage]
 
 
 # Reports: ordered, few.

@@ -11,14 +11,13 @@ from pathlib import Path
 
 from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer
 
+from app.model.preferences.table import AUTOSAVE, AUTOSAVE_EVERY
+from app.session.storage.preferences import Preferences
 from app.session.storage.session_file import DocumentFile
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 
 KEY = "journal"
 """Key under which a journal, otherwise a session file, names the file and the work that it belongs to."""
-
-EVERY = 2000
-"""Time from a change until it is written, with further changes in between [ms]."""
 
 _log = logging.getLogger(__name__)
 
@@ -35,7 +34,7 @@ class Journal(QObject):
     Each window has its own journal, with a lock beside it that ends with the process, even after a crash.
     """
 
-    def __init__(self, document_file: DocumentFile, folder: Path) -> None:
+    def __init__(self, document_file: DocumentFile, folder: Path, preferences: Preferences) -> None:
         super().__init__(document_file)
         self._document_file = document_file
         self.path = folder / f"{uuid.uuid4().hex}{SUFFIX}"
@@ -45,15 +44,17 @@ class Journal(QObject):
         self._closed = False
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
-        self._timer.setInterval(EVERY)
         self._timer.timeout.connect(self.write)
+        self._preferences = preferences
+        preferences.follow(AUTOSAVE_EVERY, self._use_interval)
+        preferences.follow(AUTOSAVE, self._plan)
         document_file.edited.connect(self._plan)
         document_file.changed.connect(self._plan)
 
     def write(self) -> None:
         """Start to write the unsaved work, or remove the journal when all is saved."""
         self._timer.stop()
-        if not self._document_file.unsaved:
+        if not self._document_file.unsaved or not self._preferences.value(AUTOSAVE):
             self._submit(None)
             return
         kept, path = self._document_file.file, self._document_file.path
@@ -74,6 +75,10 @@ class Journal(QObject):
             self._writer.shutdown()
             self._writer = None
             self._lock.unlock()
+
+    def _use_interval(self) -> None:
+        """Take over the time from a change until it is written, with further changes in between."""
+        self._timer.setInterval(round(1000 * self._preferences.value(AUTOSAVE_EVERY)))
 
     def _plan(self) -> None:
         if not (self._closed or self._timer.isActive()) and (self._document_file.unsaved or self._writer is not None):

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Callable
 from typing import TypeVar
 
 from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
+from app.model.preferences.preference import Preference
+
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
+V = TypeVar("V")
+
+_log = logging.getLogger(__name__)
 
 
 class Preferences(QObject):
-    """Values by key; each key has its only default where it is read."""
+    """Values of preferences, and what the window keeps for itself by key, with the only default where it is read."""
 
     changed = Signal(str)
     """Key of a value that has changed."""
@@ -18,6 +25,34 @@ class Preferences(QObject):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._settings = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
+        self._broken: set[str] = set()
+
+    def value(self, preference: Preference[V]) -> V:
+        """The value of a preference; its default when none is stored or the stored one cannot be used."""
+        stored = self._settings.value(preference.name)
+        if stored is None:
+            return preference.default
+        taken = preference.taken(stored)
+        if taken is not None:
+            return taken
+        if preference.name not in self._broken:
+            self._broken.add(preference.name)
+            _log.warning("preference %s cannot be %r; %r is used", preference.name, stored, preference.default)
+        return preference.default
+
+    def choose(self, preference: Preference[V], value: V) -> None:
+        """Store a value; the default is not stored."""
+        if value != self.value(preference):
+            if value == preference.default:
+                self._settings.remove(preference.name)
+            else:
+                self._settings.setValue(preference.name, value)
+            self.changed.emit(preference.name)
+
+    def follow(self, preference: Preference[V], do: Callable[[], object]) -> None:
+        """Call a function now and whenever the value changes, as long as these preferences exist."""
+        self.changed.connect(lambda key: do() if key == preference.name else None)
+        do()
 
     def get(self, key: str, default: Value) -> Value:
         """The value of a key, of the default's type; the default when there is none or it is invalid."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from app.model.display.display_image import display_of_image
+from app.model.display.display_image import display_of
 from app.model.text.language import tr
 from app.session.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
@@ -66,7 +66,7 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
     method = core.methods["cpm"](image, parameters, None)
     go_on()
-    all_notes, display = (*image.notes, *notes), display_of_image(image.values)
+    all_notes, display = (*image.notes, *notes), display_of(image)
     return Opened(
         image, method, display, path, parameters, all_notes, sha256, saved, scales, images_beside(path), beside
     )

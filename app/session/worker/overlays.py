@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.display.display_image import display_of_edge_map, display_of_potential
+from app.model.display.display_image import DisplayImage, display_of_edge_map, display_of_potential
 from app.model.display.iso_lines import iso_lines
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays
@@ -20,13 +20,15 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.parameters import Parameters, invalidating
 from cpm_core.segmentation.method import Method
 
-Overlay = Callable[[Method[Any], Parameters, Sequence[PlacedCharge]], NDArray[np.generic]]
+Overlay = Callable[[Method[Any], Parameters, Sequence[PlacedCharge]], NDArray[np.generic] | DisplayImage]
 
 OVERLAYS: Mapping[str, Overlay] = MappingProxyType(
     {
-        "edge_map": lambda method, parameters, _: display_of_edge_map(method.edge_map(parameters)),
+        "edge_map": lambda method, parameters, _: DisplayImage.of(display_of_edge_map(method.edge_map(parameters))),
         "field": lambda method, parameters, charges: method.field(parameters, 0, charges),
-        "potential": lambda method, parameters, charges: display_of_potential(method.potential(parameters, charges)),
+        "potential": lambda method, parameters, charges: DisplayImage.of(
+            display_of_potential(method.potential(parameters, charges))
+        ),
         "iso_lines": lambda method, parameters, charges: iso_lines(method.potential(parameters, charges)),
     }
 )

@@ -10,10 +10,11 @@ from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPaintEvent, QPen, QTransform
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from app.model.display.display_image import DisplayImage
+from app.model.display.display_image import DisplayImage, Shades
 from app.model.text.language import tr
 from app.views.canvas.coordinates import to_xy
 from app.views.theme import theme
+from app.views.theme.look import look
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.contours.appearance import rgb
 from cpm_core.formats.masks.labels import palette
@@ -22,6 +23,9 @@ from cpm_core.numerics.types import Array
 _LINE, _HALO, _PALE = 1.6, 3.0, 1.0
 _FILL = 150
 """Opacity of filled contours, of 255."""
+
+_LARGEST = 2000
+"""Side of the image from which on it is drawn reduced [px]."""
 
 _SLIGHTLY = 0.3
 """Opacity of the image, on which contours stand out."""
@@ -33,7 +37,7 @@ class Preview(QWidget):
     def __init__(self, display: DisplayImage | None, shape: tuple[int, ...]) -> None:
         super().__init__()
         self._rows, self._cols = shape
-        self._image = _picture(display) if display is not None else None
+        self._image = _picture(display.reduced(_LARGEST)) if display is not None else None
         self._written: Sequence[Contour] = ()
         self._left_out: Sequence[Contour] = ()
         self._bridges: Sequence[Array] = ()
@@ -68,12 +72,14 @@ class Preview(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         zoom = size.width() / self._cols  # the center of the first pixel is (0, 0)
         onto = QTransform(zoom, 0, 0, zoom, placed.x() + 0.5 * zoom, placed.y() + 0.5 * zoom)
-        pale = QPen(QColor(theme.REJECTED), _PALE, Qt.PenStyle.DashLine)
+        pale = QPen(QColor(look().color(theme.REJECTED)), _PALE, Qt.PenStyle.DashLine)
         for contour in self._left_out:
             painter.strokePath(onto.map(_path(contour.path)), pale)
         self._draw_written(painter, onto)
         for bridge in self._bridges:
-            painter.strokePath(onto.map(_path(bridge)), QPen(QColor(theme.BRIDGE), 1.4 * _LINE, Qt.PenStyle.DotLine))
+            painter.strokePath(
+                onto.map(_path(bridge)), QPen(QColor(look().color(theme.BRIDGE)), 1.4 * _LINE, Qt.PenStyle.DotLine)
+            )
         painter.end()
 
     def _draw_written(self, painter: QPainter, onto: QTransform) -> None:
@@ -89,12 +95,16 @@ class Preview(QWidget):
         for path in paths:
             painter.strokePath(path, QPen(QColor(theme.HALO), _HALO))
         for contour, path in zip(self._written, paths, strict=True):
-            own = QColor(*rgb(contour)) if contour.color else QColor(theme.CLOSED if contour.closed else theme.OPEN)
+            own = (
+                QColor(*rgb(contour))
+                if contour.color
+                else QColor(look().color(theme.CLOSED if contour.closed else theme.OPEN))
+            )
             painter.strokePath(path, QPen(own, _LINE))
 
 
-def _picture(display: DisplayImage) -> QImage:
-    gray = np.ascontiguousarray(display)
+def _picture(shades: Shades) -> QImage:
+    gray = np.ascontiguousarray(shades)
     rows, cols = gray.shape[:2]
     kind = QImage.Format.Format_Grayscale8 if gray.ndim == 2 else QImage.Format.Format_RGB888
     return QImage(gray.data, cols, rows, gray.strides[0], kind).copy()

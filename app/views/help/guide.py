@@ -19,7 +19,7 @@ _SIZE = QSize(780, 640)
 _PICTURE = 300
 """Width of a picture [px]."""
 
-_LABELS = {control.name: f"“{control.intuitive}” ({control.rich_symbol})" for control in controls()}
+_LABELS = {control.name: f"“{control.title}” ({control.rich_symbol})" for control in controls()}
 """Labels of parameters by their names."""
 
 KEYS = "keys"

@@ -12,16 +12,22 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QTransfo
 from app.model.display.display_image import DisplayImage
 from app.views.canvas.coordinates import to_xy
 from app.views.theme import theme
+from app.views.theme.look import look
 from cpm_core.contours.contour import Contour
 
 _LINE, _HALO = 1.8, 3.2
 
+_LEAST = 1000.0
+"""Pixels along the longer side of the crop from which on the image is drawn reduced."""
+
 
 class Picture:
-    """Draws the part `crop` [px] of an image, uint8 of shape (H, W) or (H, W, 3), and contours into rectangles."""
+    """Draws the part `crop` [px] of an image, and contours, into rectangles."""
 
     def __init__(self, display: DisplayImage, crop: QRectF) -> None:
-        gray = np.ascontiguousarray(display)
+        shades = display.reduced(_LEAST * max(display.shape) / max(crop.width(), crop.height(), 1.0))
+        self._size = 1.0 if shades is display.shades else max(display.shape) / max(shades.shape[:2])
+        gray = np.ascontiguousarray(shades)
         rows, cols = gray.shape[:2]
         kind = QImage.Format.Format_Grayscale8 if gray.ndim == 2 else QImage.Format.Format_RGB888
         self._image = QImage(gray.data, cols, rows, gray.strides[0], kind).copy()
@@ -42,7 +48,11 @@ class Picture:
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         painter.setOpacity(0.35 if pale else 1.0)
         # The center of the first pixel of an image is (0, 0), as on the canvas.
-        painter.drawImage(placed, self._image, self._crop.translated(0.5, 0.5))
+        part = self._crop.translated(0.5, 0.5)
+        size = self._size
+        painter.drawImage(
+            placed, self._image, QRectF(part.x() / size, part.y() / size, part.width() / size, part.height() / size)
+        )
         painter.setOpacity(1.0)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         zoom = placed.width() / max(self._crop.width(), 1e-9)
@@ -56,7 +66,7 @@ class Picture:
 
 
 def _color(contour: Contour) -> str:
-    return contour.color or (theme.CLOSED if contour.closed else theme.OPEN)
+    return contour.color or look().color(theme.CLOSED if contour.closed else theme.OPEN)
 
 
 def _path(contour: Contour) -> QPainterPath:

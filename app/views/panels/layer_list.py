@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
@@ -42,6 +44,16 @@ class LayersPanel(QWidget):
         outer.setContentsMargins(6, 8, 4, 4)
         outer.addWidget(area)
 
+    def show_colors(self) -> None:
+        """Show the colors in use, which the preferences change."""
+        for row in self.rows.values():
+            row.show_color()
+
+    def show_keys(self, keys: Mapping[str, Sequence[str]]) -> None:
+        """Name the keys of layers, by their names, in the tooltips."""
+        for name, row in self.rows.items():
+            row.show_key(next(iter(keys.get(name, ())), ""))
+
     def _bring_into_view(self) -> None:
         row = self.sender()
         if isinstance(row, LayerRow):
@@ -59,6 +71,8 @@ class LayerRow(QWidget):
         super().__init__()
         self.layer = layer
         self.box = self._make_box()
+        self.show_color()
+        self.show_key(layer.shortcut)
         self.fold = self._make_fold()
         self.opacity = MarkedSlider(_LOWEST_OPACITY, 1.0, _OPACITY_STEP, None)
         self.opacity.setFixedWidth(_OPACITY)
@@ -82,13 +96,19 @@ class LayerRow(QWidget):
         layer.changed.connect(self._show)
         self._show()
 
+    def show_color(self) -> None:
+        """Show the colors in use."""
+        if self.layer.colors:
+            self.box.setIcon(swatch(*self.layer.colors))
+
+    def show_key(self, key: str) -> None:
+        """Name the key in the tooltip."""
+        self.box.setToolTip(f"{self.layer.tip} ({key})" if key else self.layer.tip)
+
     def _make_box(self) -> QCheckBox:
         layer = self.layer
         box = QCheckBox(layer.title)
-        if layer.colors:
-            box.setIcon(swatch(*layer.colors))
-            box.setIconSize(QSize(16 * len(layer.colors), 14))
-        box.setToolTip(f"{layer.tip} ({layer.shortcut})" if layer.shortcut else layer.tip)
+        box.setIconSize(QSize(16 * max(len(layer.colors), 1), 14))
         box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         return box
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QFileDialog, QInputDialog, QMenu, QMessageBox, QWidget
+from PySide6.QtWidgets import QFileDialog, QMenu, QWidget
 
 from app.model.document import edits
 from app.model.document.document import Document
@@ -15,6 +15,7 @@ from app.model.parameters.presets import SUFFIX, Preset
 from app.model.text.language import tr
 from app.session.storage.presets import PresetStore
 from app.views.presets.preset_gallery import PresetGallery, picture_of
+from app.views.window.dialogs import Button, Question, ask_for_one, ask_for_text
 from app.views.window.feature import FeatureContext
 
 _TOPIC = "preset"
@@ -58,6 +59,8 @@ class PresetFiles(QObject):
 
     def _make(self, text: str, do: Callable[[], None], tip: str) -> QAction:
         action = QAction(text, self)
+        # Otherwise Qt leaves out the dots, which say that a dialog will open, on tool buttons.
+        action.setIconText(text.replace("&", ""))
         action.setToolTip(tip)
         action.setStatusTip(tip)
         action.triggered.connect(lambda _=False: self._try(do))
@@ -93,14 +96,14 @@ class PresetFiles(QObject):
         session.say(tr("The parameters are saved as “{name}”.").format(name=kept.name))
 
     def _rename(self) -> None:
-        preset = self._own(tr("Rename which preset?"))
+        preset = self._own(tr("Rename which preset?"), tr("Rename…"))
         if preset is not None:
             name = ask_for_name(self._context.window, preset.name)
             if name:
                 self.store.rename(preset.name, name)
 
     def _delete(self) -> None:
-        preset = self._own(tr("Delete which preset?"))
+        preset = self._own(tr("Delete which preset?"), tr("Delete…"))
         if preset is not None and agrees_to_delete(self._context.window, preset.name):
             self.store.delete(preset.name)
 
@@ -123,7 +126,7 @@ class PresetFiles(QObject):
         names = [preset.name for preset in self.store.presets]
         if current is not None:
             names.insert(0, names.pop(names.index(current.name)))
-        name = ask_for_preset(self._context.window, names, tr("Export which preset?"))
+        name = ask_for_preset(self._context.window, names, tr("Export which preset?"), tr("Export…"))
         preset = self.store.called(name)
         if preset is None:
             return
@@ -133,34 +136,33 @@ class PresetFiles(QObject):
             self.store.hand_out(preset, Path(chosen))
             self._context.session.say(tr("Exported to {path}.").format(path=chosen))
 
-    def _own(self, question: str) -> Preset | None:
+    def _own(self, question: str, button: str) -> Preset | None:
         """The preset in use if it is the user's own, else one of their own that the user chooses."""
         current = self.gallery.current
         if current is not None and current.own:
             return current
         names = [preset.name for preset in self.store.presets if preset.own]
-        return self.store.called(ask_for_preset(self._context.window, names, question))
+        return self.store.called(ask_for_preset(self._context.window, names, question, button))
 
 
 def ask_for_name(parent: QWidget, suggestion: str) -> str:
     """Name for a preset, empty when canceled."""
-    name, agreed = QInputDialog.getText(parent, tr("Name of the preset"), tr("Name:"), text=suggestion)
-    return name if agreed else ""
+    title, button = tr("Name of the preset"), tr("Use this name")
+    return ask_for_text(parent, title, tr("Name:"), button, suggestion) or ""
 
 
-def ask_for_preset(parent: QWidget, names: list[str], question: str) -> str:
+def ask_for_preset(parent: QWidget, names: list[str], question: str, button: str) -> str:
     """Name of one of these presets, empty when canceled."""
     if len(names) < 2:
         return names[0] if names else ""
-    name, agreed = QInputDialog.getItem(parent, tr("Preset"), question, names, 0, False)
-    return name if agreed else ""
+    return ask_for_one(parent, tr("Preset"), question, button, names) or ""
 
 
 def agrees_to_delete(parent: QWidget, name: str) -> bool:
     """Whether the user agrees to delete a preset."""
-    question = tr("Delete the preset “{name}”? This cannot be undone.").format(name=name)
-    buttons = QMessageBox.StandardButton.Yes | QMessageBox.StandardButton.No
-    return QMessageBox.question(parent, tr("Delete preset"), question, buttons) == QMessageBox.StandardButton.Yes
+    text, more = tr("Delete the preset “{name}”?").format(name=name), tr("This cannot be undone.")
+    buttons = Button("keep", tr("&Keep"), "cancel"), Button("delete", tr("&Delete"), "discard")
+    return Question(parent, tr("Delete preset"), text, more, buttons).ask() == "delete"
 
 
 def ask_for_preset_file(parent: QWidget, folder: str) -> str:

@@ -9,8 +9,12 @@ from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
 from PySide6.QtSvg import QSvgRenderer
 
 from app.model.text.assets import asset
+from app.views.theme.look import look
 
 _SIZES = (16, 20, 24, 32, 40, 48)
+
+RIM = "#858b93"
+"""Color around a swatch, which separates any color from a light and from a dark background."""
 
 
 @cache
@@ -52,9 +56,9 @@ def swatch(*colors: str) -> QIcon:
     pixmap.fill(Qt.GlobalColor.transparent)
     painter = QPainter(pixmap)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.setPen(QColor(0, 0, 0, 110))
+    painter.setPen(QColor(RIM))
     for index, color in enumerate(colors):
-        painter.setBrush(QColor(color))
+        painter.setBrush(QColor(look().color(color)))
         painter.drawEllipse(QRectF(index * (side + 2) + 1.5, 1.5, side - 3, side - 3))
     painter.end()
     return QIcon(pixmap)

@@ -8,18 +8,19 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication
 
+from app.model.preferences.table import INKS
+from app.views.theme.look import Ink
+
 # The canvas is dark in both themes, so that the image is the brightest object. Hues after Okabe and Ito.
 CANVAS = "#14161a"
-MOVING = "#f0e442"
-RESTING = "#2bd4a4"
-CLOSED = "#56b4e9"
-OPEN = "#ff9d1e"
+MOVING, RESTING, CLOSED, OPEN, BRIDGE, BY_HAND, REJECTED = (
+    Ink(name, INKS[name].default) for name in ("moving", "resting", "closed", "open", "bridge", "by_hand", "rejected")
+)
+"""Colors that the preferences can change; use `look` where they do not go through an item of the canvas or a swatch."""
+
 JUNCTION = "#ff7ac6"
 DRAWING = "#c9ced6"
 CHOSEN = "#ffffff"
-BRIDGE = "#ffffff"
-BY_HAND = "#c4f042"
-REJECTED = "#c3c9d1"
 HOVERED = "#90ffffff"
 TRUTH = "#d79bd0"
 MISSING = "#ff5a36"
@@ -36,6 +37,7 @@ GHOST = "#c792ff"
 THICKNESSES = ("#6a7fd1", "#3f9fd0", "#35bcab", "#8ccf5e", "#f3e04b")
 """From thin to thick: of increasing lightness, distinguishable without distinguishing red from green."""
 DISK = "#70ffffff"
+COULOMB, LORENTZ, DAMPING = "#ff9d1e", "#56b4e9", "#2bd4a4"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,13 +69,13 @@ _COLORS = {
     "base": ("#ffffff", "#343a43"),
     "button": ("#eceef1", "#3a414b"),
     "text": ("#1b1f24", "#e7eaee"),
-    "dim": ("#5a6470", "#9aa4b0"),
+    "dim": ("#5a6470", "#a8b2bd"),
     "line": ("#cfd4da", "#464d58"),
-    "accent": ("#1f6fd6", "#4d94ee"),
+    "accent": ("#1c69cd", "#4d94ee"),
     "accent_text": ("#ffffff", "#0c1016"),
     "accent_hover": ("#185fbb", "#6ba8f5"),
     "chosen": ("#dbe8fa", "#2c425f"),
-    "faded": ("#99a1ab", "#6c7682"),
+    "faded": ("#858d97", "#757f8b"),
     "error": ("#fde3e1", "#4d2320"),
     "error_text": ("#7d1a14", "#ffd9d5"),
     "message": ("#dff0e6", "#1e3d2c"),
@@ -117,7 +119,7 @@ def _palette(theme: Theme) -> QPalette:
         role.PlaceholderText: theme.dim,
         role.Highlight: theme.accent,
         role.HighlightedText: theme.accent_text,
-        role.Link: theme.accent,
+        role.Link: theme.accent_hover,
         role.Mid: theme.line,
     }
     for key, color in colors.items():
@@ -145,7 +147,9 @@ def _bars(theme: Theme) -> str:
     QToolBar QToolButton:focus {{ border-color: {theme.accent}; }}
     QToolBar QToolButton:checked {{ background: {theme.button}; border-color: {theme.accent}; }}
     QToolBar QToolButton:disabled {{ color: {theme.faded}; }}
-    QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: right top; }}
+    QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: right center;
+                                            right: 3px; }}
+    QToolBar QToolButton#starts {{ padding-right: 16px; }}
     QToolBar QToolButton#qt_toolbar_ext_button {{ padding: 0; background: {theme.button}; border-color: {theme.line}; }}
     QToolBar QToolButton#primary {{ background: {theme.accent}; color: {theme.accent_text}; font-weight: 600; }}
     QToolBar QToolButton#primary:hover {{ background: {theme.accent_hover}; }}
@@ -175,6 +179,7 @@ def _panels(theme: Theme) -> str:
     QMainWindow::separator {{ width: 1px; height: 1px; background: {theme.line}; }}
     QMainWindow::separator:hover {{ background: {theme.accent}; }}
     QWidget#title {{ background: {theme.window}; border-bottom: 1px solid {theme.line}; }}
+    QWidget#upright {{ background: {theme.window}; border-right: 1px solid {theme.line}; }}
     QToolButton#quiet {{ border: 1px solid transparent; border-radius: 4px; padding: 1px; }}
     QToolButton#quiet:hover {{ background: {theme.button}; }}
     QToolButton#quiet:focus {{ border-color: {theme.accent}; }}
@@ -235,6 +240,11 @@ def _controls(theme: Theme) -> str:
     QDockWidget QToolButton#preset:hover, QFrame#popup QToolButton:hover,
     QDockWidget QToolButton#preset:focus, QFrame#popup QToolButton:focus {{ border-color: {theme.accent}; }}
     QFrame#popup QToolButton:disabled {{ color: {theme.faded}; }}
+    QComboBox:disabled, QAbstractSpinBox:disabled, QLineEdit:disabled, QPushButton:disabled,
+    QDockWidget QToolButton:disabled {{ background: {theme.window}; color: {theme.faded}; }}
+    QDialogButtonBox, QMessageBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
+    QMessageBox QLabel#qt_msgbox_label {{ font-weight: 600; min-width: 320px; }}
+    QMessageBox QLabel#qt_msgbox_informativelabel {{ min-width: 320px; }}
     """
 
 

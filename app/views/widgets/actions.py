@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QWidget
@@ -56,6 +57,14 @@ class Actions:
             if spec.pictured is not None and self._icons[spec.name] != (wanted := spec.pictured(situation)):
                 self._icons[spec.name] = wanted
                 self._tint(spec.name)
+
+    def use_keys(self, name: str, keys: tuple[str, ...]) -> None:
+        """Give an action other keys; menus and tooltips follow, and all that shows `specs`."""
+        spec = self._specs[name] = replace(self._specs[name], shortcuts=keys)
+        action = self._actions[name]
+        action.setShortcuts([QKeySequence(key) for key in keys])
+        action.setToolTip(tooltip(action.text(), spec))
+        self._changing = [self._specs[known.name] for known in self._changing]
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the icons."""

@@ -1,13 +1,11 @@
-"""A row of the preferences dialog, and a field for alternatives."""
+"""A row of the preferences dialog that is more than the value of one preference."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 
-from PySide6.QtWidgets import QComboBox, QWidget
-
-from app.views.widgets.action_spec import ActionSpec
+from PySide6.QtWidgets import QWidget
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -16,29 +14,17 @@ class PreferenceRow:
 
     Attributes
     ----------
-    section : str
-        Heading above the rows of one section.
+    page : str
+        Name of its page in `PAGES`.
     label : str
-        Label before the widget; may be empty.
+        Label before the widget.
     make : callable
-        Makes a new widget each time the dialog opens; the widget itself stores changes immediately.
+        Makes a new widget each time the dialog opens.
     note : str
         A sentence below it.
     """
 
-    section: str
+    page: str
     label: str
     make: Callable[[], QWidget]
     note: str = ""
-
-
-def choice(specs: Iterable[ActionSpec], current: str) -> QWidget:
-    """A field that offers alternative actions by their texts and does the chosen one; `current` is the name in use."""
-    offered = list(specs)
-    field = QComboBox()
-    for spec in offered:
-        field.addItem(spec.text.replace("&", ""))
-    names = [spec.name for spec in offered]
-    field.setCurrentIndex(names.index(current) if current in names else 0)
-    field.activated.connect(lambda index: offered[index].do())
-    return field

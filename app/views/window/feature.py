@@ -21,6 +21,7 @@ from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.keys.areas import Areas
+from app.views.window.keys.shortcuts import Shortcuts
 
 Area = Literal["left", "right", "bottom"]
 
@@ -42,7 +43,9 @@ class FeatureContext:
     action_specs : callable
         Returns all actions, once the window is built.
     preference_rows : callable
-        Returns all rows of the preferences dialog, once the window is built.
+        Returns the rows of the preferences dialog that are more than a value, once the window is built.
+    shortcuts : callable
+        Returns the keys of all actions, once the window is built.
     reveal : callable
         Opens a panel by name and brings it to the front.
     areas : callable
@@ -63,6 +66,7 @@ class FeatureContext:
     preferences: Preferences
     action_specs: Callable[[], Iterable[ActionSpec]]
     preference_rows: Callable[[], Iterable[PreferenceRow]]
+    shortcuts: Callable[[], Shortcuts]
     reveal: Callable[[str], None]
     areas: Callable[[], Areas]
     use_theme: Callable[[Theme], None]
@@ -94,6 +98,10 @@ class Panel:
         Panels of one area with the same value are tabbed; empty for a panel without tab.
     shown : bool
         Whether it is initially open.
+    fitted : bool
+        Whether its height follows what it shows, as far as there is room.
+    height : int
+        Initial height of the area below the canvas while it is in front; 0 for the least [px].
     shortcut : str
         Key that opens or closes it.
     """
@@ -104,6 +112,8 @@ class Panel:
     area: Area = "right"
     tab: str = ""
     shown: bool = True
+    fitted: bool = False
+    height: int = 0
     shortcut: str = ""
 
 
@@ -122,11 +132,14 @@ class Feature:
         return ()
 
     def preferences(self) -> Sequence[PreferenceRow]:
-        """Its rows of the preferences dialog."""
+        """Its rows of the preferences dialog that are more than the value of a preference."""
         return ()
 
     def use_theme(self, theme: Theme) -> None:
         """Apply the colors of a theme that the palette does not set."""
+
+    def use_keys(self) -> None:
+        """Show the keys of actions, at first and when the user has changed them."""
 
     def close(self) -> bool:
         """End its work before the window closes; False keeps the window open."""

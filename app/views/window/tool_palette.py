@@ -6,13 +6,23 @@ from itertools import groupby
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QSizePolicy, QToolBar, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QGridLayout,
+    QLabel,
+    QMenu,
+    QSizePolicy,
+    QToolBar,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from app.model.text.language import tr
 from app.views.canvas.tools import OBJECT, START, TOOLS
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import Actions
+from app.views.widgets.scrolled import Scrolled
 from cpm_core.shapes import KINDS
 
 _WIDEST = 16_777_215
@@ -53,7 +63,9 @@ class ToolPalette(QToolBar):
                 grid.addWidget(self.starts, grid.rowCount(), 0, 1, _COLUMNS)
             column.addLayout(grid)
         column.addStretch(1)
-        self.addWidget(case)
+        scrolled = Scrolled(case, 3 * _BUTTON)
+        scrolled.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        self.addWidget(scrolled)
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the button without an action."""

@@ -9,11 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.image.colors import Colors
+
 MAXIMUM_PIXELS = 2**26
 """Most pixels of an image; the field of a larger one exceeds the memory of a common computer."""
 
 WEIGHTS = (0.2125, 0.7154, 0.0721)
 """Share of red, green and blue in the luminance (ITU-R BT.709)."""
+
+LUMINANCE_NOTE = "Color was turned into luminance."
 
 ORIENTATION_TAG = 274
 """Number of the orientation tag of EXIF and TIFF, which cameras and scanners write."""
@@ -48,12 +52,30 @@ class Decoded:
         Unit of `spacing`; None when the file does not give it.
     notes : tuple of str
         What was changed while reading.
+    channels : ndarray, shape (H, W, 3), or None
+        Red, green and blue in the range of the file; None where the file is gray.
+    white : float
+        What the largest value of a channel is.
     """
 
     values: NDArray[Any]
     spacing: tuple[float, float] = (1.0, 1.0)
     unit: str | None = None
     notes: tuple[str, ...] = ()
+    channels: NDArray[Any] | None = None
+    white: float = 255.0
+
+    @property
+    def colors(self) -> Colors | None:
+        """The channels with one byte a sample."""
+        if self.channels is None:
+            return None
+        if self.channels.dtype == np.uint8:
+            return Colors(np.ascontiguousarray(self.channels), self.white)
+        samples = np.empty(self.channels.shape, np.uint8)
+        for row, line in zip(samples, self.channels, strict=True):  # without a second image of eight bytes a sample
+            row[...] = np.rint(np.clip(np.nan_to_num(line * (255.0 / self.white)), 0.0, 255.0))
+        return Colors(samples, self.white)
 
 
 def check_size(name: str, rows: int, columns: int) -> None:
@@ -74,7 +96,9 @@ def full_scale(values: NDArray[Any]) -> float:
     return max(1.0, float(np.max(values, initial=1.0)))
 
 
-def to_gray(samples: NDArray[Any], alpha: NDArray[Any] | None = None) -> tuple[NDArray[Any], tuple[str, ...]]:
+def from_samples(
+    samples: NDArray[Any], alpha: NDArray[Any] | None = None, notes: tuple[str, ...] = (), white: float | None = None
+) -> Decoded:
     """Reduce the samples of each pixel to its gray level.
 
     Parameters
@@ -83,30 +107,39 @@ def to_gray(samples: NDArray[Any], alpha: NDArray[Any] | None = None) -> tuple[N
         Gray, or red, green and blue.
     alpha : ndarray, shape (H, W), optional
         Opacity from 0 to the full scale of its type. Transparent parts become white, as on paper.
+    notes : tuple of str, optional
+        What was changed before.
+    white : float, optional
+        Value of white; by default that of the type of `samples`.
 
     Returns
     -------
-    values : ndarray, shape (H, W)
-        Gray levels in the range of `samples`; opaque gray samples are returned unchanged.
-    notes : tuple of str
-        What was changed.
+    Decoded
+        Gray levels in the range of `samples`, of opaque gray samples unchanged, and the channels of colored ones.
     """
-    notes: list[str] = []
-    first = samples[..., 0]
-    if samples.shape[-1] == 1:
-        gray = first
-    elif np.array_equal(first, samples[..., 1]) and np.array_equal(first, samples[..., 2]):
-        gray = first
-        notes.append("Its three color channels are the same; one was taken.")
+    said, count = list(notes), samples.shape[-1]
+    alike = all(np.array_equal(samples[..., 0], samples[..., other]) for other in range(1, count))
+    white = full_scale(samples) if white is None else white
+    if alpha is not None and np.any(alpha != full_scale(alpha)):
+        opacity = (alpha / full_scale(alpha))[..., np.newaxis]
+        samples = (samples[..., :1] if alike else samples) * opacity + white * (1.0 - opacity)
+        after = ["Transparent parts were laid on white."]
     else:
-        gray = samples.astype(np.float64) @ np.array(WEIGHTS)
-        notes.append("Color was turned into luminance.")
-    if alpha is not None:
-        opacity = alpha.astype(np.float64) / full_scale(alpha)
-        if np.any(opacity != 1.0):
-            gray = gray * opacity + full_scale(samples) * (1.0 - opacity)
-            notes.append("Transparent parts were laid on white.")
-    return gray, tuple(notes)
+        after = []
+    if not alike:
+        said.append(LUMINANCE_NOTE)
+    elif count > 1:
+        said.append("Its three color channels are the same; one was taken.")
+    gray = samples[..., 0] if alike else luminance(samples)
+    return Decoded(gray, notes=(*said, *after), channels=None if alike else samples, white=white)
+
+
+def luminance(channels: NDArray[Any]) -> NDArray[np.float64]:
+    """Luminance of red, green and blue, shape (H, W, 3), in their range."""
+    gray = np.zeros(channels.shape[:2])
+    for channel, weight in enumerate(WEIGHTS):
+        gray += weight * channels[..., channel]
+    return gray
 
 
 def upright(decoded: Decoded, orientation: int) -> Decoded:
@@ -114,12 +147,12 @@ def upright(decoded: Decoded, orientation: int) -> Decoded:
     if orientation not in _TURNS:
         return decoded
     swap, flip_rows, flip_columns = _TURNS[orientation]
-    values, spacing = decoded.values, decoded.spacing
-    if swap:
-        values, spacing = values.T, (spacing[1], spacing[0])
-    if flip_rows:
-        values = values[::-1]
-    if flip_columns:
-        values = values[:, ::-1]
-    note = "It was turned upright by its orientation tag."
-    return replace(decoded, values=np.ascontiguousarray(values), spacing=spacing, notes=(*decoded.notes, note))
+    spacing = decoded.spacing[::-1] if swap else decoded.spacing
+
+    def turned(pixels: NDArray[Any]) -> NDArray[Any]:
+        pixels = pixels.swapaxes(0, 1) if swap else pixels
+        return np.ascontiguousarray(pixels[:: -1 if flip_rows else 1, :: -1 if flip_columns else 1])
+
+    channels = None if decoded.channels is None else turned(decoded.channels)
+    notes = (*decoded.notes, "It was turned upright by its orientation tag.")
+    return replace(decoded, values=turned(decoded.values), spacing=spacing, notes=notes, channels=channels)

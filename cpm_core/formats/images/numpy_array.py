@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, to_gray
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples
 
 READS = {".npy": "NumPy array"}
 
@@ -39,5 +39,4 @@ def read(path: Path) -> Decoded:
     values = np.array(stored)
     if not color:
         return Decoded(values)
-    gray, notes = to_gray(values[..., :3], values[..., 3] if values.shape[2] == 4 else None)
-    return Decoded(gray, notes=notes)
+    return from_samples(values[..., :3], values[..., 3] if values.shape[2] == 4 else None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from cpm_core.formats.images.decoded import (
     Decoded,
     UnreadableError,
     check_size,
-    to_gray,
+    from_samples,
     upright,
 )
 
@@ -83,11 +84,9 @@ def pixels(picture: PIL.Image.Image) -> Decoded:
     elif mode in _WITH_ALPHA or "transparency" in picture.info:
         samples = np.array(picture.convert("RGBA"))
         channels = 1 if mode in ("L", "LA") else 3
-        values, color_notes = to_gray(samples[..., :channels], samples[..., 3])
-        notes.extend(color_notes)
+        return from_samples(samples[..., :channels], samples[..., 3], tuple(notes))
     else:
-        values, color_notes = to_gray(np.array(picture.convert("RGB")))
-        notes.extend(color_notes)
+        return from_samples(np.array(picture.convert("RGB")), notes=tuple(notes))
     return Decoded(values, notes=tuple(notes))
 
 
@@ -97,7 +96,7 @@ def _read(picture: PIL.Image.Image, name: str) -> Decoded:
     spacing, unit = _spacing(picture)
     turn = _orientation(picture)
     frames = ("Only its first frame was taken.",) if _has_second_frame(picture) else ()
-    return upright(Decoded(decoded.values, spacing, unit, (*decoded.notes, *frames)), turn)
+    return upright(replace(decoded, spacing=spacing, unit=unit, notes=(*decoded.notes, *frames)), turn)
 
 
 def _tile_arguments(picture: PIL.Image.Image) -> tuple[Any, ...]:

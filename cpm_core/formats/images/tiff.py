@@ -17,7 +17,7 @@ import tifffile
 from numpy.typing import NDArray
 
 from cpm_core.formats.images import packing, raster, resolution
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, full_scale, to_gray, upright
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples, full_scale, upright
 from cpm_core.image.gray_levels import NO_DATA
 
 READS = {".tif": "TIFF image, first page", ".tiff": "TIFF image, first page"}
@@ -58,12 +58,13 @@ def read(path: Path) -> Decoded:
         turn = _number(page, "Orientation", 1)
         if page.photometric in _KNOWN_LEVELS and page.compression not in _BY_PILLOW:
             decoded = _pixels(page, path.name)
-            found = Decoded(decoded.values, spacing, unit, (*decoded.notes, *_page_notes(file)))
-            return upright(found, turn)
+            notes = (*decoded.notes, *_page_notes(file))
+            return upright(replace(decoded, spacing=spacing, unit=unit, notes=notes), turn)
         decoded = _by_pillow(page, path)
         notes = (*decoded.notes, *_page_notes(file))
         # Pillow has turned the pixels; the size of a pixel turns with them
-        return replace(upright(Decoded(np.empty((0, 0)), spacing, unit, notes), turn), values=decoded.values)
+        turned = upright(Decoded(np.empty((0, 0)), spacing, unit, notes), turn)
+        return replace(turned, values=decoded.values, channels=decoded.channels, white=decoded.white)
 
 
 def _by_pillow(page: tifffile.TiffPage, path: Path) -> Decoded:
@@ -111,7 +112,7 @@ def _pixels(page: tifffile.TiffPage, name: str) -> Decoded:
         notes.append("Black and white were read as 0 and 255.")
     if page.photometric == _PALETTE:
         table = np.asarray(page.colormap, dtype=np.float64) / 257.0
-        samples = np.rint(table.T[samples[..., 0]])
+        samples = np.rint(table).astype(np.uint8).T[samples[..., 0]]
         count = 3
     else:
         count = 3 if page.photometric == _RGB else 1
@@ -123,14 +124,15 @@ def _pixels(page: tifffile.TiffPage, name: str) -> Decoded:
     if extra.shape[-1] > has_alpha:
         notes.append(f"Only the first {count + has_alpha} of its {samples.shape[-1]} channels were taken.")
     alpha = extra[..., 0] if has_alpha else None
-    colors = samples[..., :count]
+    colors, white = samples[..., :count], full_scale(samples)
     if alpha is not None and int(page.extrasamples[0]) == _PREMULTIPLIED:
         opacity = alpha[..., np.newaxis] / full_scale(alpha)
         colors = np.divide(colors, opacity, out=np.zeros(colors.shape), where=opacity > 0.0)
-    gray, color_notes = to_gray(colors, alpha)
+    decoded = from_samples(colors, alpha, tuple(notes), white)
     if count == 1:
-        gray = _without_no_data(page, gray, raw[..., 0] if raw.ndim == 3 else raw)
-    return Decoded(gray, notes=(*notes, *color_notes))
+        values = _without_no_data(page, decoded.values, raw[..., 0] if raw.ndim == 3 else raw)
+        return replace(decoded, values=values)
+    return decoded
 
 
 def _without_no_data(page: tifffile.TiffPage, gray: NDArray[Any], stored: NDArray[Any]) -> NDArray[Any]:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.model.display.display_image import DisplayImage
 from app.model.display.lengths import bar
 from app.views.canvas.layers.image.scale_bar import LONGEST
 from cpm_core.image.image import Image
@@ -52,7 +53,7 @@ def show(window, unit: str | None) -> None:
     session = window.session
     values = np.random.default_rng(0).uniform(size=(64, 64))
     image = Image(values, spacing=(0.25, 0.5), unit=unit)
-    session.show(replace(session.scene, image=image, display=np.zeros((64, 64), np.uint8)))
+    session.show(replace(session.scene, image=image, display=DisplayImage.of(np.zeros((64, 64), np.uint8))))
 
 
 def test_the_bar_follows_the_zoom_and_is_shown_only_with_a_unit(window, hand):

@@ -237,9 +237,10 @@ def test_sliders_of_the_skeleton_act_without_a_new_run_and_are_undone(window, ha
 
 def test_only_what_matters_for_a_skeleton_is_shown(window, hand) -> None:
     panel = window.panels["run"]
-    assert panel.plot.isVisibleTo(panel)
+    panel.status.section.fold.click()
+    assert panel.plots.isVisibleTo(panel)
     find_skeleton(window, hand)
-    assert not panel.plot.isVisibleTo(panel)
+    assert not panel.plots.isVisibleTo(panel)
     assert panel.status.value("Branches") == "1"
     assert panel.status.value("Thickness") == f"{window.session.scene.skeleton.thickness:.1f} px"
     assert panel.status.value("Skeleton of") == "what is light"
@@ -249,7 +250,7 @@ def test_only_what_matters_for_a_skeleton_is_shown(window, hand) -> None:
     assert window.actions_by_name["export"].isEnabled()
     assert "skeleton" in window.actions_by_name["export"].text()
     hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
-    hand.wait(lambda: panel.plot.isVisibleTo(panel))
+    hand.wait(lambda: panel.plots.isVisibleTo(panel))
     names = [label.text() for label in panel.status.findChildren(QLabel) if label.isVisibleTo(panel)]
     assert {"Particles", "ε", "Scale"} <= set(names)
 

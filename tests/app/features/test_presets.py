@@ -181,7 +181,7 @@ def test_own_presets_are_saved_with_a_picture_renamed_shared_and_deleted(
     preset_files.rename.trigger()
     assert gallery.current.name == "Softer"
     shared = tmp_path / "softer.cpmpreset"
-    monkeypatch.setattr(dialogs, "ask_for_preset", lambda parent, names, question: names[0])
+    monkeypatch.setattr(dialogs, "ask_for_preset", lambda parent, names, question, button: names[0])
     monkeypatch.setattr(dialogs, "ask_where_to", lambda parent, suggestion: str(shared))
     preset_files.export_action.trigger()
     monkeypatch.setattr(dialogs, "agrees_to_delete", lambda parent, name: True)

@@ -275,12 +275,12 @@ def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, recor
     hand.key(KEY.Key_7, ALT)
     hand.wait(lambda: len(seen) == 1)
     engine = Engine(window.session.image, PRESETS["shape"])
-    np.testing.assert_array_equal(seen[0].get("edge_map"), display_of_edge_map(engine.edge_map(PRESETS["shape"])))
+    np.testing.assert_array_equal(seen[0]["edge_map"].shades, display_of_edge_map(engine.edge_map(PRESETS["shape"])))
     assert seen[0].get("field") is None
     window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
     hand.wait(lambda: len(seen) == 2)
     np.testing.assert_array_equal(
-        seen[1].get("edge_map"), display_of_edge_map(engine.edge_map(replace(PRESETS["shape"], smoothing=2.0)))
+        seen[1]["edge_map"].shades, display_of_edge_map(engine.edge_map(replace(PRESETS["shape"], smoothing=2.0)))
     )
     window.panels["layers"].boxes["field"].click()
     hand.wait(lambda: len(seen) == 3)

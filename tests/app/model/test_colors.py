@@ -3,6 +3,7 @@
 import pytest
 
 from app.views.theme import theme
+from app.views.theme.icons import RIM
 from cpm_core.cli.figures import plotting
 
 
@@ -36,7 +37,9 @@ def test_contrast_is_that_of_the_standard():
 
 TEXT_ON = (
     *(("text", ground) for ground in ("window", "panel", "base", "button", "chosen")),
-    *(("dim", ground) for ground in ("window", "panel", "base")),
+    *(("dim", ground) for ground in ("window", "panel", "base", "button")),
+    *(("accent", ground) for ground in ("window", "panel")),  # headings that have the focus
+    *(("accent_hover", ground) for ground in ("window", "panel", "base")),  # links
     ("accent_text", "accent"),
     ("accent_text", "accent_hover"),
     ("error_text", "error"),
@@ -54,7 +57,23 @@ def test_text_can_be_read_on_its_background(used, text, ground):
 def test_focused_and_disabled_controls_can_be_distinguished(used):
     for ground in ("window", "panel", "base"):
         assert contrast(used.accent, getattr(used, ground)) >= 3.0
-        assert contrast(used.faded, getattr(used, ground)) >= 1.9
+    assert contrast(used.faded, used.window) >= 3.0
+
+
+@pytest.mark.parametrize("used", [theme.LIGHT, theme.DARK], ids=["light", "dark"])
+def test_the_rim_of_a_swatch_separates_any_color_from_the_background(used):
+    for ground in ("window", "panel", "base"):
+        assert contrast(RIM, getattr(used, ground)) >= 3.0
+
+
+def test_marks_on_the_canvas_are_seen_on_its_background():
+    marks = {
+        name: color
+        for name, color in vars(theme).items()
+        if name.isupper() and isinstance(color, str) and name not in ("CANVAS", "HALO") and len(color) == 7
+    }
+    assert {"CLOSED", "OPEN", "JUNCTION", "ATTRACTING"} <= marks.keys()
+    assert {name: color for name, color in marks.items() if contrast(color, theme.CANVAS) < 3.0} == {}
 
 
 def seen(color, kind):

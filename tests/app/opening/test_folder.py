@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QCheckBox
 
 from app.model.document import edits
+from app.model.preferences.table import SAVE_IN_FOLDER
 from app.session.core_functions import Core
 from app.session.tasks.folder_images import _counted, images_beside, session_beside
-from app.views.features.file.folder import SAVES, FolderFeature
+from app.views.features.file.folder import FolderFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core import load_image
@@ -135,11 +135,7 @@ def draw(window: MainWindow) -> None:
 
 
 def test_work_is_saved_on_the_way_by_choice(window, hand, folder) -> None:
-    feature = window.feature(FolderFeature)
-    (row,) = feature.preferences()
-    box = row.make()
-    assert isinstance(box, QCheckBox)
-    box.click()
+    window.preferences.choose(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand1.npy")
     draw(window)
     go(window, hand, NEXT, "hand2.npy")
@@ -149,7 +145,7 @@ def test_work_is_saved_on_the_way_by_choice(window, hand, folder) -> None:
 
 
 def test_saving_on_the_way_never_replaces_the_file_of_other_work(window, hand, folder, monkeypatch) -> None:
-    window.preferences.put(SAVES, True)
+    window.preferences.choose(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand2.npy")  # not its session
     draw(window)
     draw(window)
@@ -158,7 +154,7 @@ def test_saving_on_the_way_never_replaces_the_file_of_other_work(window, hand, f
 
 
 def test_where_saving_fails_the_image_stays(window, hand, folder, monkeypatch) -> None:
-    window.preferences.put(SAVES, True)
+    window.preferences.choose(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand1.npy")
     window.feature(OpenSaveFeature).document_file.path = folder / "none" / "a.cpm"
     draw(window)

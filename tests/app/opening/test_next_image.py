@@ -14,9 +14,11 @@ from PySide6.QtWidgets import QCheckBox, QWidget
 
 from app.model.document import edits
 from app.model.document.modes import fresh_parameters
+from app.model.preferences.table import KEEP_PARAMETERS
 from app.session.core_functions import Core
 from app.views.features.edit.modes import ModesFeature
 from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.help.help import HelpFeature
 from app.views.features.run.run_control import RunControlFeature
 from app.views.main_window import MainWindow
@@ -98,11 +100,12 @@ def test_the_parameters_of_the_last_image_are_one_action_away_and_can_be_taken_b
 
 
 def test_parameters_are_kept_for_the_next_image_by_choice(window, hand, other) -> None:
-    rows = {row.label: row for row in window.feature(OpenSaveFeature).context.preference_rows()}
-    box = rows["Next image"].make()
+    dialog = window.feature(PreferencesFeature).show()
+    box = dialog.rows[KEEP_PARAMETERS.label]
     assert isinstance(box, QCheckBox)
     assert not box.isChecked()
     box.click()
+    dialog.reject()
     tune(window)
     open_image(window, hand, other)
     assert window.session.document.parameters == replace(FRESH, beta=1.9)

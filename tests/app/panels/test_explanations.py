@@ -7,7 +7,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel
 
 from app.model.parameters.controls import controls
-from app.model.text.wording import WORDS, rich
+from app.model.preferences.table import MOTION, WORDING
+from app.model.text.wording import FORMULAS, rich
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.panels.parameters.illustration import Illustration
 from app.views.panels.parameters.illustrations import ILLUSTRATIONS
@@ -17,12 +18,12 @@ CONTROLS = {control.name: control for control in controls()}
 
 
 def test_every_control_has_words_and_an_illustration_and_nothing_else_has() -> None:
-    assert set(WORDS) == set(ILLUSTRATIONS) == set(CONTROLS) == {*PARAMETERS, "ratio"} - {"w1"}
+    assert set(FORMULAS) == set(ILLUSTRATIONS) == set(CONTROLS) == {*PARAMETERS, "ratio"} - {"w1"}
 
 
 def test_no_two_controls_have_the_same_name() -> None:
-    for names in ([words.plain for words in WORDS.values()], [control.title for control in CONTROLS.values()]):
-        assert len(set(names)) == len(names)
+    names = [control.title for control in CONTROLS.values()]
+    assert len(set(names)) == len(names)
 
 
 @pytest.mark.parametrize("name", CONTROLS)
@@ -54,7 +55,7 @@ def test_an_illustration_is_animated_only_while_it_is_visible_and_animation_is_o
     hand.wait(lambda: illustration.moving)
     window.actions_by_name["motion"].trigger()
     assert not illustration.moving
-    assert window.preferences.get("motion", True) is False
+    assert window.preferences.value(MOTION) is False
     window.actions_by_name["motion"].trigger()
     assert illustration.moving
     window.docks["layers"].raise_()
@@ -67,7 +68,7 @@ def test_the_explanation_follows_the_focus_and_fits_its_panel(window, hand, size
     panel = window.panels["parameters"]
     panel.advanced.fold.click()
     hand.wait(lambda: (window.width(), window.height()) == size)
-    for wording in ("formula", "intuitive"):
+    for wording in ("symbol", "name"):
         window.actions_by_name[f"wording_{wording}"].trigger()
         for name, row in panel.rows.items():
             row.slider.setFocus(Qt.FocusReason.TabFocusReason)
@@ -85,7 +86,7 @@ def test_the_explanation_is_complete_where_there_is_room(window, hand) -> None:
     hand.wait(explanation.body.isVisible)
     control = explanation.control
     shown = explanation.head.text() + explanation.body.text()
-    for part in (control.intuitive, control.title, control.span, control.meaning, control.formula, control.acts):
+    for part in (control.title, control.span, control.meaning, control.formula, control.acts):
         assert part in shown
 
 
@@ -100,16 +101,15 @@ def test_the_illustration_follows_the_slider(window, hand) -> None:
     assert panel.explanation.illustration.picture(0.8) != before
 
 
-def test_plain_and_formula_labels_are_switched_from_the_menu_and_remembered(window, hand) -> None:
+def test_labels_begin_with_name_or_symbol_by_choice_which_is_remembered(window, hand) -> None:
     row = window.panels["parameters"].rows["beta"]
-    assert "Calm" in row.findChild(QLabel).text()
-    window.actions_by_name["wording_formula"].trigger()
-    assert "Calm" not in row.findChild(QLabel).text()
+    assert row.findChild(QLabel).text().startswith("Damping")
+    window.actions_by_name["wording_symbol"].trigger()
     assert row.findChild(QLabel).text().startswith("<i>β</i>")
     assert row.slider.accessibleName() == "Damping"
-    assert window.preferences.get("parameters/wording", "") == "formula"
-    window.actions_by_name["wording_intuitive"].trigger()
-    assert "Calm" in row.findChild(QLabel).text()
+    assert window.preferences.value(WORDING) == "symbol"
+    window.actions_by_name["wording_name"].trigger()
+    assert row.findChild(QLabel).text().startswith("Damping")
 
 
 def test_symbols_are_set_with_subscripts() -> None:
@@ -119,11 +119,11 @@ def test_symbols_are_set_with_subscripts() -> None:
 
 def test_the_preferences_offer_wording_animation_and_colors(window, hand) -> None:
     dialog = window.feature(PreferencesFeature).show()
-    wording, motion, colors = (dialog.rows[label] for label in ("Wording", "Illustrations", "Colors"))
+    wording, motion, colors = (dialog.rows[label] for label in ("Labels", "Illustrations", "Colors of the window"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
     wording.activated.emit(1)
-    assert window.actions_by_name["wording_formula"].isChecked()
-    assert not window.actions_by_name["wording_intuitive"].isChecked()
+    assert window.actions_by_name["wording_symbol"].isChecked()
+    assert not window.actions_by_name["wording_name"].isChecked()
     hand.qtbot.mouseClick(motion, Qt.MouseButton.LeftButton)
     assert not window.actions_by_name["motion"].isChecked()
     colors.activated.emit(2)

@@ -17,7 +17,7 @@ from app.model.state.status import RunStatus
 from app.views.canvas.items.curves import pieces
 from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
 from app.views.features.help.help import show_about
-from app.views.panels.run.run_panel import PlotPanel
+from app.views.panels.run.plot_panel import PlotPanel
 from cpm_core import Parameters
 from cpm_core.parameters.choices import CHOICES
 
@@ -108,6 +108,7 @@ def test_the_numbers_of_a_large_run_fit_their_labels(window, hand) -> None:
         bridges=23, longest_bridge=104.6,
     )  # fmt: skip
     panel = window.panels["run"].status
+    panel.section.fold.click()
     panel.show_resolved(resolve(Situation(window.session.document, status)), "60")
     assert panel.value("Bridged") == "23 gaps, longest 104.6 px"
     hand.wait(lambda: panel.isVisible() and not panel.layout().activate())

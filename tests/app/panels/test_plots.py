@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 
 from app.model.display.plots import PLOTS, RunMetrics, figure
 from app.session.worker.recorded_run import RunRecord
-from app.views.panels.run.run_panel import PlotPanel
+from app.views.panels.run.plot_panel import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc
 
@@ -108,6 +108,7 @@ def test_going_back_in_a_run_clears_a_reading_beyond_its_end(panel):
 def test_plots_are_chosen_by_keys_and_remembered(ready, hand, qtbot):
     window, plot = ready, ready.panels["run"].plot
     assert plot.shown == ("epsilon", "count")
+    window.panels["run"].plots.fold.click()
     button = plot.buttons["potential"]
     button.setFocus()
     hand.key(Qt.Key.Key_Space)

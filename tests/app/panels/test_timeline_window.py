@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 
+from app.model.preferences.table import PREFERENCES, TIMELINE_MEMORY
 from app.session.worker.commands.run import Command, CommandContext
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.features.file.preferences import PreferencesFeature
-from app.views.features.run.timeline import BUDGET, TimelineFeature
-from app.views.window.preferences_dialog import PreferencesDialog
+from app.views.features.run.timeline import TimelineFeature
+from app.views.window.preferences.dialog import PreferencesDialog
 from cpm_core import PRESETS, Engine
 from cpm_core.particles.initialization import circle
 from cpm_core.particles.state import State
@@ -294,11 +295,12 @@ def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> 
     (dialog,) = rested.findChildren(PreferencesDialog)
     field, used_now = dialog.rows["Memory for steps"], dialog.rows["In use now"]
     assert f"{used / MEGABYTE:.1f} MB" in used_now.text()
+    dialog.turn_to("run")
     field.setFocus()
     field.selectAll()
     hand.qtbot.keyClicks(field, "16")
-    hand.qtbot.keyClick(field, KEY.Key_Tab)
-    assert rested.preferences.get(BUDGET, 0) == 16
+    hand.qtbot.keyClick(field, KEY.Key_Return)
+    assert rested.preferences.value(TIMELINE_MEMORY) == 16
     hand.wait(lambda: navigation(rested).outline.budget == 16 * MEGABYTE)
     hand.qtbot.keyClick(dialog, KEY.Key_Escape)
     hand.wait(lambda: not rested.findChildren(PreferencesDialog))
@@ -319,6 +321,7 @@ def test_with_very_little_memory_every_step_is_still_exact(rested, hand, fresh) 
 def test_every_part_of_the_window_has_the_rows_that_it_brings(rested) -> None:
     dialog = rested.feature(PreferencesFeature).show()
     labels = {row.label for feature in rested.features.values() for row in feature.preferences()}
+    labels |= {preference.label for preference in PREFERENCES}
     assert {"Memory for steps", "In use now"} <= labels == set(dialog.rows)
     dialog.reject()
 

@@ -8,6 +8,7 @@ from threading import Thread
 import numpy as np
 import pytest
 
+from cpm_core.field import convolution as convolution_module
 from cpm_core.field import scale_field as scale_field_module
 from cpm_core.field import scale_space as scale_space_module
 from cpm_core.field import source_images as source_images_module
@@ -21,6 +22,20 @@ from ..scenes import disk
 START = Parameters()
 IMAGE = disk((72, 80), (35.4, 38.7), 20.0).values
 REGIONS = Regions(interest=[[(4, 4), (4, 70), (66, 70), (66, 4)]], barriers=[[(10.3, 8.2), (10.3, 60.4)]])
+
+
+class UsedScaleSpace(ScaleSpace):
+    """A scale space whose fields are used at once, also by particles."""
+
+    def at(self, scale, parameters):
+        field = super().at(scale, parameters)
+        field.force()
+        return field
+
+    def prepare(self, parameters):
+        super().prepare(parameters)
+        for scale in range(len(self)):
+            self.at(scale, parameters)
 
 
 @pytest.fixture
@@ -44,9 +59,9 @@ def calls(monkeypatch):
         count(scale_field_module, name)
     smoothed_along = scale_field_module.gradient
 
-    def gradient(values, smoothing):
+    def gradient(values, smoothing, *precision):
         counted["gradient"] += smoothing > 0.0  # the slope of the edge map itself is part of the force
-        return smoothed_along(values, smoothing)
+        return smoothed_along(values, smoothing, *precision)
 
     monkeypatch.setattr(scale_field_module, "gradient", gradient)
     return counted
@@ -70,7 +85,7 @@ def others(calls):
 
 @pytest.mark.parametrize("name", [name for name, info in PARAMETERS.items() if info.invalidates != "field"])
 def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
-    space = ScaleSpace(IMAGE, 3)
+    space = UsedScaleSpace(IMAGE, 3)
     before = [space.at(scale, START) for scale in range(3)]
     calls.clear()
     other = replace(START, scales=2) if name == "scales" else changed(name)
@@ -79,7 +94,7 @@ def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
 
 
 def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
-    space = ScaleSpace(IMAGE, 1)
+    space = UsedScaleSpace(IMAGE, 1)
     names = [name for name in invalidating("field") if name not in OF_STARTS]
     assert len(names) == 5
     built = [space.at(0, START), *(space.at(0, changed(name)) for name in names)]
@@ -87,7 +102,7 @@ def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
 
 
 def test_another_smoothing_leaves_pyramid_and_barriers(calls):
-    space = ScaleSpace(IMAGE, 2, REGIONS)
+    space = UsedScaleSpace(IMAGE, 2, REGIONS)
     space.prepare(START)
     assert others(calls) == {"pyramid": 1, "toned": 1} | dict.fromkeys(
         ("build_scale_field", "gradient", "convolved_field", "build_barrier_map", "inside_border"), 2
@@ -98,7 +113,7 @@ def test_another_smoothing_leaves_pyramid_and_barriers(calls):
 
 @pytest.mark.parametrize("change", [{"edge_floor": 0.3}, {"max_border": 0.1}], ids=str)
 def test_another_edge_floor_or_border_leaves_the_gradient_too(calls, change):
-    space = ScaleSpace(IMAGE, 2, REGIONS)
+    space = UsedScaleSpace(IMAGE, 2, REGIONS)
     space.prepare(START)
     calls.clear()
     space.at(0, replace(START, **change))
@@ -106,7 +121,7 @@ def test_another_edge_floor_or_border_leaves_the_gradient_too(calls, change):
 
 
 def test_going_back_costs_nothing(calls):
-    space = ScaleSpace(IMAGE, 3)
+    space = UsedScaleSpace(IMAGE, 3)
     before = [space.at(scale, START) for scale in range(3)]
     space.prepare(replace(START, smoothing=2.0))
     calls.clear()
@@ -115,7 +130,7 @@ def test_going_back_costs_nothing(calls):
 
 
 def test_noise_is_measured_once(calls):
-    space = ScaleSpace(IMAGE, 2)
+    space = UsedScaleSpace(IMAGE, 2)
     for floor in (0.0, 0.1, 0.2, 0.3):
         space.prepare(replace(START, smoothing="auto", edge_floor=floor))
     assert (calls["prepared"], calls["automatic_smoothing"]) == (1, 1)  # the coarser scale has its own
@@ -128,11 +143,11 @@ def test_noise_is_measured_once(calls):
 )
 def test_a_scale_field_does_not_depend_on_its_history(regions, taken):
     wanted = Parameters(**taken, edge_floor=0.2, max_border=0.1)
-    space = ScaleSpace(IMAGE, 2, regions)
+    space = UsedScaleSpace(IMAGE, 2, regions)
     for before in (START, replace(wanted, edge_floor=0.0), replace(wanted, max_border=0.0)):
         space.prepare(before)
     for scale in range(2):
-        roundabout, straight = space.at(scale, wanted), ScaleSpace(IMAGE, 2, regions).at(scale, wanted)
+        roundabout, straight = space.at(scale, wanted), UsedScaleSpace(IMAGE, 2, regions).at(scale, wanted)
         np.testing.assert_array_equal(roundabout.packed, straight.packed)
         np.testing.assert_array_equal(roundabout.barrier_map.segments, straight.barrier_map.segments)
         assert roundabout.floor == straight.floor
@@ -141,7 +156,7 @@ def test_a_scale_field_does_not_depend_on_its_history(regions, taken):
 
 @pytest.mark.parametrize("other", [{"gamma": 0.5}, {"edges": "vessels"}], ids=str)
 def test_another_source_is_made_once_and_shared_by_other_regions(calls, other):
-    space = ScaleSpace(IMAGE, 2)
+    space = UsedScaleSpace(IMAGE, 2)
     for _ in range(2):
         for floor in (0.0, 0.1, 0.2):
             space.prepare(replace(START, **other, edge_floor=floor))
@@ -150,7 +165,7 @@ def test_another_source_is_made_once_and_shared_by_other_regions(calls, other):
 
 
 def test_not_more_is_kept_than_the_last_two_settings(calls):
-    space = ScaleSpace(IMAGE, 2)
+    space = UsedScaleSpace(IMAGE, 2)
     for smoothing in (1.0, 2.0, 3.0, 4.0):
         space.prepare(replace(START, smoothing=smoothing))
     calls.clear()
@@ -162,7 +177,7 @@ def test_not_more_is_kept_than_the_last_two_settings(calls):
 
 
 def test_many_threads_get_the_same_scale_field(calls):
-    space, seen = ScaleSpace(IMAGE, 2), []
+    space, seen = UsedScaleSpace(IMAGE, 2), []
     threads = [Thread(target=lambda: seen.append(space.at(0, START))) for _ in range(8)]
     for thread in threads:
         thread.start()
@@ -177,7 +192,7 @@ def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
     """Lines computed side by side are those of the whole: no seam, to the last bit."""
     image = np.random.default_rng(2).normal(0.0, 20.0, (150, 140)) + disk((150, 140), (70.0, 72.0), 40.0).values
     monkeypatch.setattr(scale_field_module, "_PART", 40 * 140)
-    pieces = ScaleSpace(image, 1).at(0, START)
+    pieces = UsedScaleSpace(image, 1).at(0, START)
 
     def alone(work, count, _least):
         work(0, count)
@@ -186,4 +201,39 @@ def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
 
     for name in ("cpm_core.field.scale_field", "cpm_core.field.edge_map"):
         monkeypatch.setattr(sys.modules[name], "share", alone)
-    np.testing.assert_array_equal(ScaleSpace(image, 1).at(0, START).packed, pieces.packed)
+    np.testing.assert_array_equal(UsedScaleSpace(image, 1).at(0, START).packed, pieces.packed)
+
+
+def test_no_field_of_a_large_image_is_made_before_it_is_needed(calls, monkeypatch):
+    monkeypatch.setattr(scale_space_module, "LARGE", IMAGE.size - 1)
+    ScaleSpace(IMAGE, 3).prepare(START)
+    assert others(calls) == {"pyramid": 1}
+
+
+def test_the_force_of_a_field_is_made_when_particles_need_it_and_shared_beyond_barriers(calls):
+    space = ScaleSpace(IMAGE, 1)
+    plain = space.at(0, START)
+    barred = space.with_regions(Regions(barriers=REGIONS.barriers)).at(0, START)
+    assert calls["convolved_field"] == 0
+    assert barred.packed is plain.packed
+    assert calls["convolved_field"] == 1
+
+
+def test_fields_of_a_large_image_take_half_the_memory_and_differ_by_rounding_only(monkeypatch):
+    double = ScaleSpace(IMAGE, 1, REGIONS).at(0, START)
+    for module, name in ((scale_field_module, "LARGE"), (convolution_module, "_MOST_IN_DOUBLE")):
+        monkeypatch.setattr(module, name, 0)
+    convolution_module._spectra.__init__()
+    single = ScaleSpace(IMAGE, 1, REGIONS).at(0, START)
+    for name in ("gradient", "edge_map", "fixed_charges"):
+        assert getattr(single, name).dtype == np.float32
+        np.testing.assert_allclose(getattr(single, name), getattr(double, name), rtol=0, atol=1e-6 * double.strongest)
+    np.testing.assert_allclose(single.packed[..., :2], double.packed[..., :2], rtol=0, atol=2e-4)
+    convolution_module._spectra.__init__()
+
+
+def test_a_field_that_is_transformed_in_parts_is_the_very_field(monkeypatch):
+    whole = convolution_module.convolved_field(IMAGE)
+    monkeypatch.setattr(convolution_module, "_BLOCK", 2000)
+    parts = convolution_module.convolved_field(IMAGE)
+    np.testing.assert_allclose(parts, whole, rtol=0, atol=1e-12 * np.abs(whole).max())

@@ -57,4 +57,4 @@ class Shade(Command):
 
     def execute(self, context: CommandContext) -> None:
         """Make the display image."""
-        context.report(Shaded(self.image, self.window, apply_window(self.image.values, self.window)))
+        context.report(Shaded(self.image, self.window, DisplayImage.of(apply_window(self.image.values, self.window))))

@@ -8,12 +8,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPainterPath
+from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.item import OverImage, cached, line_pen
 from app.views.theme import theme
+from app.views.theme.look import Kind, look
 from cpm_core.numerics.polyline import coarser
 from cpm_core.numerics.types import Array
 
@@ -25,7 +26,7 @@ _UNSEEN = 0.1
 _STEPS = 2
 """Zooms per factor of two at which invisible corners are removed again; in between slightly more is drawn."""
 
-_WIDEST = 12.0
+_WIDEST = 24.0
 """Margin for the widest line beside its corners [px of the screen]."""
 
 _MANY = 100
@@ -49,15 +50,22 @@ class Curves(OverImage):
         Widths of the line and of its halo, 0 for no halo [px of the screen].
     dashed : bool
         Whether the line is dashed.
+    kind : {"contours", "shapes", "fixed"}
+        What it belongs to; its width is as preferred for this kind.
     """
 
-    def __init__(self, color: str, z: float, width: float = 2.0, halo: float = 3.6, dashed: bool = False) -> None:
+    def __init__(
+        self,
+        color: str,
+        z: float,
+        width: float = 2.0,
+        halo: float = 3.6,
+        dashed: bool = False,
+        kind: Kind = "contours",
+    ) -> None:
         super().__init__(z, _RIM)
-        pen = line_pen(color, width)
-        if dashed:
-            pen.setDashPattern(_DASHES)
-            pen.setCapStyle(Qt.PenCapStyle.FlatCap)
-        self._pens = (line_pen(theme.HALO, halo), pen) if halo else (pen,)
+        self._color, self._width, self._dashed, self._kind = color, width, dashed, kind
+        self._rim_of_halo = halo - width if halo else 0.0
         self._paths: Sequence[Array] = ()
         self._pieces: list[QPainterPath] = []
         self._boxes = boxes([])
@@ -85,12 +93,23 @@ class Curves(OverImage):
         zoom = painter.worldTransform().m11() * painter.device().devicePixelRatioF()
         self._make_pieces(2.0 ** (math.ceil(_STEPS * math.log2(zoom)) / _STEPS))
         seen = self._visible(painter, zoom)
-        for pen in self._pens:
+        pens = self._pens()
+        for pen in pens:
             # Where there are many halos, jagged ones are not visible below the smooth lines.
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing, pen is self._pens[-1] or len(seen) < _MANY)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing, pen is pens[-1] or len(seen) < _MANY)
             painter.setPen(pen)
             for index in seen:
                 painter.drawPath(self._pieces[index])
+
+    def _pens(self) -> tuple[QPen, ...]:
+        """Pens of halo and line, in the look in use; the rim of a halo is as wide beside a line of any width."""
+        pen = line_pen(self._color, self._width, self._kind)
+        if self._dashed:
+            pen.setDashPattern(_DASHES)
+            pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+        if not self._rim_of_halo:
+            return (pen,)
+        return line_pen(theme.HALO, self._width * look().width(self._kind) + self._rim_of_halo), pen
 
     def _make_pieces(self, zoom: float) -> None:
         """Make the pieces for `zoom` px of the screen per px of the image, without corners that are invisible there."""

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.item import OverImage
+from app.views.theme.look import look
 from cpm_core.numerics.types import Array
 
 _SMALLEST = 2.4
@@ -119,19 +120,19 @@ class Discs(OverImage):
 
     def _stamp_for(self, ratio: float, zoom: float) -> QPixmap:
         """Pixmap of the discs of all colors, for `ratio` device pixels per point and an image enlarged by `zoom`."""
-        full = min(self._diameter, max(_SMALLEST, _SPAN * zoom))
-        diameter = round(ratio * self._shrunk * full, 1)
-        if self._stamped != (diameter, ratio, self._colors):
-            self._stamped = (diameter, ratio, self._colors)
+        diameter = round(ratio * self._shrunk * look().points * min(self._diameter, max(_SMALLEST, _SPAN * zoom)), 1)
+        colors = tuple(look().color(color) for color in self._colors)
+        if self._stamped != (diameter, ratio, colors):
+            self._stamped = (diameter, ratio, colors)
             side = math.ceil(diameter + 2.0 * ratio)
-            self._stamp = QPixmap(side * len(self._colors), side)
+            self._stamp = QPixmap(side * len(colors), side)
             self._stamp.fill(Qt.GlobalColor.transparent)
             painter = QPainter(self._stamp)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             # A rim separates large discs from each other; around small ones it would hide the color.
             strength = round(190 * min(1.0, max(0.0, (diameter / ratio - _SMALLEST) / 3.0)))
             painter.setPen(QPen(QColor(0, 0, 0, strength), 0.9 * ratio) if strength else Qt.PenStyle.NoPen)
-            for index, color in enumerate(self._colors):
+            for index, color in enumerate(colors):
                 painter.setBrush(QColor(color))
                 painter.drawEllipse(QPointF((index + 0.5) * side, side / 2), diameter / 2, diameter / 2)
             painter.end()

@@ -10,11 +10,12 @@ from PySide6.QtGui import QColor, QPen
 from PySide6.QtWidgets import QGraphicsItem
 
 from app.views.canvas.coordinates import image_rectangle
+from app.views.theme.look import Kind, look
 
 
-def line_pen(color: str, width: float) -> QPen:
-    """A pen whose width does not change with the zoom."""
-    pen = QPen(QColor(color), width)
+def line_pen(color: str, width: float, kind: Kind = "fixed") -> QPen:
+    """A pen whose width does not change with the zoom; color and width are as preferred for this kind of line."""
+    pen = QPen(QColor(look().color(color)), width * look().width(kind))
     pen.setCosmetic(True)
     return pen
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Sign = Literal["line", "dashed", "broken", "dot", "check"]
-"""How it is drawn: as a line, a dashed line, a line with gaps in another color, a disc, or not in a way of its own."""
+Sign = Literal["line", "dashed", "dot", "check"]
+"""How it is drawn: as a line, a dashed line, a disc, or not in a way of its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +23,7 @@ class LegendEntry:
         What that means, in one sentence.
     color : str
         Their color.
-    sign : {"line", "dashed", "broken", "dot", "check"}
+    sign : {"line", "dashed", "dot", "check"}
         How they are drawn.
     width : float
         Width of the line, or diameter of the disc [px of the screen].

@@ -11,7 +11,7 @@ from app.session.scene import Scene
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.mirrors.mirror import Mirror
 from app.views.theme import theme
-from app.views.widgets.own_escape import own_escape
+from app.views.widgets.own_escape import keep_escape
 
 _REACH, _GRIP = 9, 15.0
 """Half the width in which the divider can be taken, and radius of its grip [px]."""
@@ -124,7 +124,7 @@ class Divider(QWidget):
         self._above = parent
         self.setCursor(Qt.CursorShape.SplitHCursor)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        own_escape(self)
+        keep_escape(self)
         self.setAccessibleName(tr("Divider between two results"))
         self.setToolTip(
             tr("Drag it, or move it with the arrow keys, with Shift in small steps; Esc ends the comparison.")

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWi
 from app.model.text.language import tr
 from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.theme import theme
+from app.views.theme.look import look
 
 _SAMPLE = QSize(22, 14)
 _EVERY = 150
@@ -174,7 +175,7 @@ class _Sample(QWidget):
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(theme.CANVAS))
         painter.drawRoundedRect(room, 3.0, 3.0)
-        color, middle = QColor(entry.color), room.center()
+        color, middle = QColor(look().color(entry.color)), room.center()
         if entry.sign == "dot":
             painter.setBrush(color)
             painter.drawEllipse(middle, entry.width / 2, entry.width / 2)
@@ -183,8 +184,8 @@ class _Sample(QWidget):
             painter.drawPolyline([middle + QPointF(-4, 0), middle + QPointF(-1, 3), middle + QPointF(5, -4)])
         else:
             pen = QPen(color, entry.width)
-            if entry.sign != "line":
-                pen.setDashPattern((2.5, 1.8) if entry.sign == "dashed" else (2.2, 1.2))
+            if entry.sign == "dashed":
+                pen.setDashPattern((2.5, 1.8))
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)
             painter.setPen(pen)
             painter.drawLine(QPointF(room.left() + 2, middle.y()), QPointF(room.right() - 2, middle.y()))

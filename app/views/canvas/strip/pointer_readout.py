@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QLabel
 
-from app.model.display.lengths import length_text
+from app.model.display.lengths import length_text, shown_in
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.canvas import Canvas
@@ -32,11 +32,11 @@ class PointerReadout(QLabel):
 
     @staticmethod
     def _text(image: Image, row: int, col: int) -> str:
-        value = image.values[row, col]
-        if image.unit is None:
+        value, size = image.values[row, col], shown_in(image.spacing, image.unit)
+        if size.unit is None:
             return tr("row {row}, col {col}:  {value:g}").format(row=row, col=col, value=value)
         down, right = (
-            length_text(place, size, image.unit) for place, size in zip((row, col), image.spacing, strict=True)
+            length_text(place, each, size.unit) for place, each in zip((row, col), size.spacing, strict=True)
         )
         words = tr("row {row}, col {col}  ({down}, {right}):  {value:g}")
         return words.format(row=row, col=col, down=down, right=right, value=value)

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QComboBox, QLineEdit
 
 from app.model.text.language import tr
 from app.views.canvas.image_view import ImageView
-from app.views.widgets.own_escape import own_escape
+from app.views.widgets.own_escape import keep_escape
 
 _STEPS = (25, 50, 100, 200, 400, 800, 1600)
 """Zooms to choose from [%]."""
@@ -34,7 +34,7 @@ class ZoomField(QComboBox):
         self.setCompleter(None)  # type: ignore[arg-type]  # Qt takes none for no completer
         self.activated.connect(self._choose)
         self._line.installEventFilter(self)
-        own_escape(self)
+        keep_escape(self)
         canvas.view.sigRangeChanged.connect(self.refresh)
         self.refresh()
 

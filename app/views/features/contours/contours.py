@@ -9,6 +9,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QMenu
 
 from app.model.document import marking
+from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.views.canvas.naming import NameField
@@ -31,6 +32,7 @@ class ContoursFeature(Feature):
         self._review = context.workspace.review
         self._layer = canvas.layers.contours
         self.panel = ContourPanel(session, self._review, self._fill_colors)
+        context.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(canvas, tr("Name of the contour"))
         self._keys = _CanvasKeys(self)
         canvas.installEventFilter(self._keys)
@@ -85,7 +87,7 @@ class ContoursFeature(Feature):
         """The table."""
         return (
             Panel(name="contours", title=tr("Contours"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  shortcut="F11"),
+                  height=250, shortcut="F11"),
         )  # fmt: skip
 
     def ask_name(self) -> None:

@@ -7,9 +7,10 @@ from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QColorDialog, QInputDialog, QMenu
+from PySide6.QtWidgets import QColorDialog, QMenu
 
 from app.model.document.objects import class_title
+from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.views.canvas.naming import NameField
@@ -17,6 +18,7 @@ from app.views.panels.object_table import ObjectPanel
 from app.views.theme.contour_colors import fill_colors
 from app.views.theme.icons import swatch
 from app.views.widgets.action_spec import ActionSpec, Submenu
+from app.views.window.dialogs import ask_for_text
 from app.views.window.feature import Feature, FeatureContext, Panel
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -30,6 +32,7 @@ class ObjectsFeature(Feature):
         self._list = context.workspace.object_list
         self._selection = context.workspace.object_selection
         self.panel = ObjectPanel(context.session, self._list, self._fill_classes)
+        context.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(context.canvas_area.canvas, tr("Name of the object"))
         self._keys = _CanvasKeys(self)
         context.canvas_area.canvas.installEventFilter(self._keys)
@@ -113,7 +116,7 @@ class ObjectsFeature(Feature):
         """The table."""
         return (
             Panel(name="objects", title=tr("Objects"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  shortcut="F10"),
+                  height=250, shortcut="F10"),
         )  # fmt: skip
 
     def ask_name(self) -> None:
@@ -182,11 +185,10 @@ class ObjectsFeature(Feature):
     def _name_class(self) -> None:
         objects = self._list.objects
         known = objects.classes[objects.category - 1]
-        name, accepted = QInputDialog.getText(
-            self.context.window, tr("Name of the class"), tr("Name of class {number}:").format(number=objects.category),
-            text=known.name,
-        )  # fmt: skip
-        if accepted:
+        label = tr("Name of class {number}:").format(number=objects.category)
+        button = tr("Use this name")
+        name = ask_for_text(self.context.window, tr("Name of the class"), label, button, known.name)
+        if name is not None:
             self._list.name_class(objects.category, name)
 
     def _paint_class(self) -> None:

@@ -6,22 +6,17 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtWidgets import QCheckBox
-
 from app.model.document.samples import sample_at
+from app.model.preferences.table import SAVE_IN_FOLDER
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.session.exchange.messages import NotOpened, Opened
 from app.session.storage.session_file import DocumentFile
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec
-from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.folder_bar import FolderBar
 from cpm_core.formats.sessions.session_file import SUFFIX
-
-SAVES = "files/save_in_folder"
-"""Preference: whether work is saved without a question when another image of the folder is opened."""
 
 
 class FolderFeature(Feature):
@@ -53,13 +48,6 @@ class FolderFeature(Feature):
                        tip=tr("Open the next image of the folder, with the session beside it.")),
         )  # fmt: skip
 
-    def preferences(self) -> Sequence[PreferenceRow]:
-        """Whether work is saved on the way."""
-        return (
-            PreferenceRow(section=tr("Files"), label=tr("Next image of the folder"), make=self._make_box,
-                          note=tr("The session is written beside the image, under its name.")),
-        )  # fmt: skip
-
     def use_theme(self, theme: Theme) -> None:
         """Tint the buttons."""
         self.bar.use_theme(theme)
@@ -76,7 +64,7 @@ class FolderFeature(Feature):
     def _saved(self) -> bool:
         """Save without a question, where the user wants that and nothing is overwritten; False when it fails."""
         file, image = self._document_file, self.context.session.document.image
-        if file is None or image is None or not file.unsaved or not self.context.preferences.get(SAVES, False):
+        if file is None or image is None or not file.unsaved or not self.context.preferences.value(SAVE_IN_FOLDER):
             return True
         beside = Path(image.path).with_suffix(SUFFIX)
         if file.path is None and beside.exists():
@@ -95,9 +83,3 @@ class FolderFeature(Feature):
 
     def _stay(self, _: NotOpened) -> None:
         self._ahead = self._here
-
-    def _make_box(self) -> QCheckBox:
-        box = QCheckBox(tr("Save without asking"))
-        box.setChecked(self.context.preferences.get(SAVES, False))
-        box.toggled.connect(lambda wanted: self.context.preferences.put(SAVES, wanted))
-        return box

@@ -17,6 +17,7 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.features.import_points import PointsRead, read_points
 from app.session.signals import OPENING
+from app.session.storage.output_folder import session_folder
 from app.session.storage.session_file import DocumentFile, Written
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window import dialogs
@@ -162,7 +163,7 @@ class OpenSaveFeature(Feature):
 
     def _ask_where(self) -> Path | None:
         image, path = self.context.session.document.image, self.document_file.path
-        beside = path.parent if path else None
+        beside = path.parent if path else session_folder(self.context.preferences)
         if beside is None and image is not None and sample_at(Path(image.path)) is None:
             beside = Path(image.path).parent
         folder = beside or Path(self.context.preferences.get(_FOLDER, ""))

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from app.model.text.language import tr
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature
-from app.views.window.preferences_dialog import PreferencesDialog
+from app.views.window.preferences.dialog import PreferencesDialog
+from app.views.window.preferences.shortcuts import ShortcutsPage
 
 
 class PreferencesFeature(Feature):
@@ -22,7 +23,9 @@ class PreferencesFeature(Feature):
 
     def show(self) -> PreferencesDialog:
         """Open the dialog; the window stays usable."""
-        dialog = PreferencesDialog(self.context.window, self.context.preference_rows())
+        context = self.context
+        page = ShortcutsPage(context.shortcuts())
+        dialog = PreferencesDialog(context.window, context.preferences, context.preference_rows(), page)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import QDateTime, QLocale
-from PySide6.QtWidgets import QMessageBox
 
 from app.model.text.language import tr
 from app.session.storage.autosave import Journal, folder_of_journals
 from app.session.storage.recovery import Leftover, left_behind
 from app.session.storage.session_file import DocumentFile
+from app.views.window.dialogs import Button, Question
 from app.views.window.feature import Feature, FeatureContext
 
 
@@ -21,13 +21,13 @@ class RecoveryFeature(Feature):
         super().__init__(context)
         self._folder = folder_of_journals()
         self.journal: Journal | None = None
-        self.box: QMessageBox | None = None
+        self.box: Question | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
 
     def keep(self, document_file: DocumentFile) -> None:
         """Keep a journal of the open document."""
-        self.journal = Journal(document_file, self._folder)
+        self.journal = Journal(document_file, self._folder, self.context.preferences)
         document_file.restored.connect(lambda _: self._restored())
 
     def offer(self) -> None:
@@ -52,20 +52,22 @@ class RecoveryFeature(Feature):
         if not self._waiting:
             return
         leftover = self._waiting[0]
-        self.box = box = QMessageBox(self.context.window)
-        box.setIcon(QMessageBox.Icon.Question)
-        box.setWindowTitle(tr("Restore unsaved work"))
-        box.setText(tr("CPM ended unexpectedly. Restore “{name}”?").format(name=leftover.name))
-        box.setInformativeText("\n".join(_details(leftover)))
-        restore = box.addButton(tr("&Restore"), QMessageBox.ButtonRole.AcceptRole)
-        discard = box.addButton(tr("&Discard"), QMessageBox.ButtonRole.DestructiveRole)
-        later = box.addButton(tr("Ask me &later"), QMessageBox.ButtonRole.RejectRole)
-        box.setDefaultButton(restore)
-        box.setEscapeButton(later)
-        box.buttonClicked.connect(
-            lambda button: self._restore() if button is restore else self._discard() if button is discard else None
+        buttons = (
+            Button("restore", tr("&Restore"), "accept"),
+            Button("discard", tr("&Discard this work"), "discard"),
+            Button("later", tr("Ask me &later"), "cancel"),
         )
+        text = tr("CPM ended unexpectedly. Restore “{name}”?").format(name=leftover.name)
+        details = "\n".join(_details(leftover))
+        self.box = box = Question(self.context.window, tr("Restore unsaved work"), text, details, buttons)
+        box.buttonClicked.connect(lambda _: self._act_on(box.given()))
         box.open()
+
+    def _act_on(self, answer: str) -> None:
+        if answer == "restore":
+            self._restore()
+        elif answer == "discard":
+            self._discard()
 
     def _restore(self) -> None:
         self._restoring = self._waiting.pop(0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
+from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton, QWidget
 
 from app.model.document.samples import sample_called
 from app.model.text.language import tr
@@ -15,6 +15,7 @@ from app.views.help.tour import Tour
 from app.views.help.tour_stops import stops
 from app.views.theme.icons import program_icon
 from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
 
 SEEN = "tour/seen"
@@ -45,6 +46,10 @@ class HelpFeature(Feature):
             ActionSpec(name="about", menu="Help", text=tr("&About CPM"), do=lambda: show_about(window),
                        tip=tr("About this program."), gap=True),
         )  # fmt: skip
+
+    def preferences(self) -> Sequence[PreferenceRow]:
+        """The tour, once more."""
+        return (PreferenceRow(page="general", label=tr("Tour"), make=self._tour_button),)
 
     def welcome(self) -> None:
         """Begin the tour at the first start of the program, after all dialogs have been answered."""
@@ -81,6 +86,13 @@ class HelpFeature(Feature):
         if self.guide is not None:
             self.guide.close()
         return True
+
+    def _tour_button(self) -> QPushButton:
+        button = QPushButton(tr("Show it again"))
+        button.setAutoDefault(False)
+        button.clicked.connect(lambda: button.window().close())
+        button.clicked.connect(self.begin_tour)
+        return button
 
     def _show_keys(self) -> None:
         open_ones = [sheet for sheet in self.context.window.findChildren(CheatSheet) if sheet.isVisible()]

@@ -19,8 +19,8 @@ from app.views.window.feature import Feature, FeatureContext, Panel
 _UPDATE_EVERY = 250
 """Time between two updates of the panel during the run [ms]."""
 
-_PLOTS = "run/plots"
-"""Preference: which plots are shown."""
+_PLOTS, _UNFOLDED = "run/plots", "run/unfolded"
+"""Preferences: which plots are shown, and which sections are unfolded."""
 
 
 class RunControlFeature(Feature):
@@ -33,7 +33,9 @@ class RunControlFeature(Feature):
         self._watched = False
         chosen = context.preferences.get(_PLOTS, list(self.panel.plot.shown))
         self.panel.plot.show_plots(chosen)
-        self.panel.plot.chosen.connect(self._choose_plots)
+        self.panel.unfold(context.preferences.get(_UNFOLDED, []))
+        for changed in (self.panel.plot.chosen, self.panel.folded):
+            changed.connect(self._choose_plots)
         self._choose_plots()
         self._timer = QTimer(self.panel)
         self._timer.setInterval(_UPDATE_EVERY)
@@ -61,7 +63,7 @@ class RunControlFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The panel of the run."""
-        return (Panel(name="run", title=tr("Run"), widget=self.panel, shortcut="F5"),)
+        return (Panel(name="run", title=tr("Run"), widget=self.panel, fitted=True, shortcut="F5"),)
 
     def close(self) -> bool:
         """Stop the updates."""
@@ -69,9 +71,10 @@ class RunControlFeature(Feature):
         return True
 
     def _choose_plots(self) -> None:
-        shown = self.panel.plot.shown
+        shown, unfolded = self.panel.plot.shown, self.panel.unfolded
         self.context.preferences.put(_PLOTS, list(shown))
-        watched = "potential" in shown
+        self.context.preferences.put(_UNFOLDED, unfolded)
+        watched = "potential" in shown and "plots" in unfolded
         if watched != self._watched:
             self._watched = watched
             self.context.session.post(RunCall(None, Run.watch_energy, watched))
@@ -88,5 +91,5 @@ class RunControlFeature(Feature):
         resolved, snapshot = session.resolved, session.scene.snapshot
         frames = f"{session.frames_per_second:.0f}" if resolved.running else "–"
         self.panel.status.show_resolved(resolved, frames)
-        self.panel.plot.setVisible(resolved.particles)
-        self.panel.plot.show_metrics(snapshot.metrics if snapshot else None)
+        self.panel.show_particles(resolved.particles)
+        self.panel.show_metrics(snapshot.metrics if snapshot else None)

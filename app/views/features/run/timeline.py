@@ -7,25 +7,20 @@ from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QLabel, QSpinBox
+from PySide6.QtWidgets import QLabel
 
+from app.model.preferences.table import TIMELINE_MEMORY
 from app.model.state.situation import has_particles, is_running
 from app.model.text.language import tr
 from app.session.features.timeline_navigation import TimelineNavigation
 from app.session.worker.commands.run import RunCall
-from app.session.worker.recorded_run import MEGABYTE, MEGABYTES
+from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.panels.timeline.timeline_panel import TimelinePanel
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext, Panel
-
-BUDGET = "timeline/megabytes"
-"""Preference: memory for the states of a run."""
-
-_LEAST, _MOST = 16, 16384
-"""Range of the preference [MB]."""
 
 _MENU = "Run>" + tr("&Timeline")
 
@@ -55,8 +50,7 @@ class TimelineFeature(Feature):
         self._keys = _Keys(self.navigation, context.window)
         context.canvas_area.canvas.installEventFilter(self._keys)
         context.session.document_changed.connect(lambda _: self.panel.show_parameters())
-        context.preferences.changed.connect(lambda key: self._use_budget() if key == BUDGET else None)
-        self._use_budget()
+        context.preferences.follow(TIMELINE_MEMORY, self._use_budget)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Moves along the timeline, and actions on branches."""
@@ -86,29 +80,12 @@ class TimelineFeature(Feature):
         )
 
     def preferences(self) -> Sequence[PreferenceRow]:
-        """Memory for the timeline."""
-        note = tr(
-            "Maximum memory for the steps of a run. When it is full, fewer steps are stored, evenly spaced; the steps "
-            "between them are recomputed exactly."
-        )
-        section = tr("Timeline")
-        return (
-            PreferenceRow(section=section, label=tr("Memory for steps"), make=self._budget_field, note=note),
-            PreferenceRow(section=section, label=tr("In use now"), make=self._memory_label),
-        )
+        """The memory that the timeline uses."""
+        return (PreferenceRow(page="run", label=tr("In use now"), make=self._memory_label),)
 
     def use_theme(self, theme: Theme) -> None:
         """Color the buttons."""
         self.panel.use_theme(theme)
-
-    def _budget_field(self) -> QSpinBox:
-        field = QSpinBox()
-        field.setRange(_LEAST, _MOST)
-        field.setSingleStep(64)
-        field.setSuffix(tr(" MB"))
-        field.setValue(self._preferred())
-        field.valueChanged.connect(lambda value: self.context.preferences.put(BUDGET, value))
-        return field
 
     def _memory_label(self) -> QLabel:
         label = QLabel()
@@ -124,11 +101,9 @@ class TimelineFeature(Feature):
         label.destroyed.connect(lambda: navigation.changed.disconnect(show))
         return label
 
-    def _preferred(self) -> int:
-        return min(max(self.context.preferences.get(BUDGET, MEGABYTES), _LEAST), _MOST)
-
     def _use_budget(self) -> None:
-        self.context.session.post(RunCall(None, Run.set_timeline_budget, self._preferred() * MEGABYTE))
+        megabytes = int(self.context.preferences.value(TIMELINE_MEMORY))
+        self.context.session.post(RunCall(None, Run.set_timeline_budget, megabytes * MEGABYTE))
 
 
 class _Keys(QObject):

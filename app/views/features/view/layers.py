@@ -14,6 +14,7 @@ from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.canvas.selected_places import selected_places
 from app.views.panels.layer_list import LayersPanel
+from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import LAYER, STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 
@@ -83,6 +84,17 @@ class LayersFeature(Feature):
     def panels(self) -> Sequence[Panel]:
         """The layers."""
         return (Panel(name="layers", title=tr("Layers"), widget=self._panel, tab="settings", shortcut="F8"),)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Show the colors of layers; the preferences may have changed them."""
+        self._panel.show_colors()
+        self.context.canvas_area.strip.legend.update()
+
+    def use_keys(self) -> None:
+        """Name the keys of layers in their tooltips."""
+        prefix = LAYER
+        specs = [spec for spec in self.context.action_specs() if spec.name.startswith(prefix)]
+        self._panel.show_keys({spec.name.removeprefix(prefix): spec.shortcuts for spec in specs})
 
     def close(self) -> bool:
         """Keep the settings of layers for the next start; their visibility is not kept."""

@@ -56,7 +56,7 @@ class MosaicFeature(Feature):
         return True
 
     def _crop(self, display: DisplayImage) -> QRectF:
-        whole = image_rectangle(display.shape[:2])
+        whole = image_rectangle(display.shape)
         seen = self.context.canvas_area.canvas.view.viewRect().intersected(whole)
         enough = seen.width() * seen.height() > _LEAST_SEEN * whole.width() * whole.height()
         return seen if enough else whole

@@ -39,6 +39,12 @@ def _contrast(item: Item) -> str:
     return "–" if contrast is None else f"{contrast:.2f}"
 
 
+def _by_hand(item: Item) -> float:
+    """Length drawn by hand, in the unit of the image."""
+    measures = item.measures
+    return measures.by_hand * (measures.length_in_units / measures.length if measures.length else 1.0)
+
+
 COLUMNS: tuple[Column[Item], ...] = (
     Column("number", tr("#"), tr("Number; it stays with the contour through sliders and runs."),
            lambda i: str(i.measures.number), lambda i: i.measures.number, "0000"),
@@ -52,10 +58,11 @@ COLUMNS: tuple[Column[Item], ...] = (
            lambda i: tr("closed") if i.contour.closed else tr("open"), lambda i: float(not i.contour.closed), "closed",
            False),
     Column("length", tr("Length [{unit}]"), tr("Length along the contour."),
-           lambda i: number_text(i.measures.length_in_units), lambda i: i.measures.length_in_units, "000,000"),
+           lambda i: number_text(i.measures.length_in_units), lambda i: i.measures.length_in_units, "000,000",
+           power=1),
     Column("area", tr("Area [{unit}²]"), tr("Enclosed area, including the area of contours inside."),
            lambda i: number_text(i.measures.area_in_units) if i.contour.closed else "–",
-           lambda i: i.measures.area_in_units, "00,000,000"),
+           lambda i: i.measures.area_in_units, "00,000,000", power=2),
     Column("likely", tr("Likely"), tr("Probability that it counts, as learned from kept and rejected contours."),
            _likely, lambda i: -1.0 if i.reviewed.probability is None else i.reviewed.probability, "100%"),
     Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
@@ -66,9 +73,8 @@ COLUMNS: tuple[Column[Item], ...] = (
            lambda i: i.measures.junctions, "0"),
     Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
            _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
-    Column("by_hand", tr("By hand [px]"), tr("Length that was drawn by hand."),
-           lambda i: number_text(i.measures.by_hand) if i.contour.by_hand else "–",
-           lambda i: i.measures.by_hand, "000.0"),
+    Column("by_hand", tr("By hand [{unit}]"), tr("Length that was drawn by hand."),
+           lambda i: number_text(_by_hand(i)) if i.contour.by_hand else "–", _by_hand, "000.0", power=1),
     Column("reached", tr("Reached"), tr("How particles came to it: on free flight from the start, beyond a weak edge, "
            "by creeping over a junction, or by being launched elsewhere."), lambda i: REACHED[i.contour.reached],
            lambda i: float(list(REACHED).index(i.contour.reached)), "beyond a weak edge", False),

@@ -7,6 +7,7 @@ from typing import Any
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QColor, QFont, QGuiApplication, QPalette
 
+from app.model.display.lengths import shown_in
 from app.session.features.contour_review import ContourReview
 from app.session.scene import Item
 from app.views.panels.contour_table.columns import COLUMNS
@@ -27,7 +28,7 @@ class ContourModel(ItemModel[Item]):
         self.update(self._review.items)
         result = self._review.result
         if result is not None:
-            self.use_unit(result.unit, result.spacing)
+            self.use_unit(shown_in(result.spacing, result.unit))
 
     def key_of(self, item: Item) -> int:
         """Key of a contour."""

@@ -17,9 +17,14 @@ from app.session.features.contour_review import ContourReview
 from app.session.session import Session
 from app.views.panels.contour_table.threshold import Threshold
 from app.views.panels.contour_table.view import ContourTable
+from app.views.panels.item_table.view import LEAST
+from app.views.widgets.scrolled import Scrolled
 
 _NARROW = 640
 """Width below which thresholds and buttons are placed above the table instead of beside it [px]."""
+
+_NARROWEST, _LEAST_WIDTH = 460, 260
+"""Width below which each of them has a row of its own, and the least width of the panel [px]."""
 
 _BESIDE = 236
 
@@ -58,9 +63,9 @@ class ContourPanel(QWidget):
         self._colors.aboutToShow.connect(self._colors.clear)
         self._colors.aboutToShow.connect(lambda: fill_colors(self._colors))
         self._boxes = (QBoxLayout(QBoxLayout.Direction.TopToBottom), QBoxLayout(QBoxLayout.Direction.TopToBottom))
-        self._beside = self._make_beside()
+        self._beside = Scrolled(self._make_beside(), LEAST)
         self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
-        self._layout.setContentsMargins(12, 8, 12, 8)
+        self._layout.setContentsMargins(12, 6, 12, 6)
         self._layout.setSpacing(12)
         self._layout.addWidget(self._beside)
         self._layout.addWidget(self.table, 1)
@@ -76,13 +81,17 @@ class ContourPanel(QWidget):
         """Wide and low."""
         return QSize(900, 230)
 
+    def minimumSizeHint(self) -> QSize:
+        """The least width of any arrangement."""
+        return QSize(_LEAST_WIDTH, super().minimumSizeHint().height())
+
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Arrange the parts vertically in a narrow panel."""
         narrow = event.size().width() < _NARROW
         along, across = QBoxLayout.Direction.LeftToRight, QBoxLayout.Direction.TopToBottom
         self._layout.setDirection(across if narrow else along)
         for box in self._boxes:
-            box.setDirection(along if narrow else across)
+            box.setDirection(along if _NARROWEST < event.size().width() < _NARROW else across)
         self._beside.setMaximumWidth(16_777_215 if narrow else _BESIDE)
         super().resizeEvent(event)
 

@@ -8,12 +8,16 @@ from typing import Any, Generic, TypeVar
 
 Row = TypeVar("Row")
 
+NONE = "–"
+"""Text of a cell without a number."""
+
 
 @dataclass(frozen=True)
 class Column(Generic[Row]):
     """One column: heading (with ``{unit}`` for the unit of lengths), tooltip, text and sort key of a row.
 
-    `sample` is the widest usual text; `numeric` columns are aligned to the right.
+    `sample` is the widest usual text; `numeric` columns are aligned to the right; `power` is 1 for
+    lengths, 2 for areas.
     """
 
     name: str
@@ -23,6 +27,14 @@ class Column(Generic[Row]):
     value: Callable[[Row], float | str]
     sample: str
     numeric: bool = True
+    power: int = 0
+
+    def shown(self, row: Row, factor: float) -> str:
+        """Its text for a row; lengths and areas are multiplied by a factor of lengths."""
+        text = self.text(row)
+        if self.power == 0 or factor == 1.0 or text == NONE:
+            return text
+        return number_text(float(self.value(row)) * factor**self.power)
 
 
 def place(columns: Sequence[Column[Any]], name: str) -> int:

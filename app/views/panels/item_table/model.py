@@ -8,6 +8,8 @@ from typing import Any, Generic
 
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, QSortFilterProxyModel, Qt
 
+from app.model.display.lengths import PixelSize
+from app.model.text.language import tr
 from app.views.panels.item_table.columns import Column, Row, place
 
 Index = QModelIndex | QPersistentModelIndex
@@ -33,6 +35,7 @@ class ItemModel(QAbstractTableModel, Generic[Row]):
         self._items: list[Row] = []
         self._rows: dict[int, int] = {}
         self._unit = _PX
+        self._factor = 1.0
 
     @abstractmethod
     def refresh(self) -> None:
@@ -81,9 +84,12 @@ class ItemModel(QAbstractTableModel, Generic[Row]):
             self._number()
             self.endInsertRows()
 
-    def use_unit(self, unit: str | None, spacing: Sequence[float]) -> None:
-        """Name the unit of lengths in the headings."""
-        name = unit or (_PX if set(spacing) == {1.0} else "units")
+    def use_unit(self, size: PixelSize) -> None:
+        """Show lengths in the unit of the size of a pixel, which the headings name."""
+        name = size.unit or (_PX if set(size.spacing) == {1.0} else tr("units"))
+        if size.factor != self._factor:
+            self._factor = size.factor
+            self.dataChanged.emit(self.index(0, 0), self.index(len(self._items) - 1, len(self.columns) - 1))
         if name != self._unit:
             self._unit = name
             self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(self.columns) - 1)
@@ -117,7 +123,7 @@ class ItemModel(QAbstractTableModel, Generic[Row]):
         item, column = self._items[index.row()], self.columns[index.column()]
         match role:
             case Role.DisplayRole:
-                return column.text(item)
+                return column.shown(item, self._factor)
             case Role.EditRole:
                 return self.name_of(item)
             case Role.UserRole:

@@ -17,6 +17,8 @@ _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 _PAD = 18
+LEAST = 48
+"""Minimum height of a table, and of what stands beside it [px]."""
 
 
 class NameDelegate(QStyledItemDelegate):
@@ -62,7 +64,7 @@ class ItemTable(QTableView):
         self.setWordWrap(False)
         self.setMouseTracking(True)
         self.setTabKeyNavigation(False)
-        self.setMinimumHeight(96)
+        self.setMinimumHeight(LEAST)
         self._lay_out()
         self.entered.connect(lambda index: self.hover(self._key(index)))
         self.doubleClicked.connect(self._take_double_click)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 
+from app.model.display.lengths import shown_in
 from app.session.features.objects.object_list import ObjectList
 from app.session.session import Session
 from app.views.panels.item_table.model import ItemModel, Role
@@ -25,9 +27,9 @@ class ObjectModel(ItemModel[Row]):
     def refresh(self) -> None:
         """Show the present objects."""
         image, objects = self._session.image, self._list.objects
-        spacing = image.spacing if image is not None else (1.0, 1.0)
-        self.update([Row(item, objects, spacing, self._list.gray(item)) for item in objects.items])
-        self.use_unit(None if image is None else image.unit, spacing)
+        size = shown_in(*((image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)))
+        self.update([Row(item, objects, size.spacing, self._list.gray(item)) for item in objects.items])
+        self.use_unit(replace(size, factor=1.0))  # the rows hold lengths in this unit
 
     def key_of(self, item: Row) -> int:
         """Number of an object."""

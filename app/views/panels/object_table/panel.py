@@ -11,7 +11,9 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QMenu, QToolButt
 from app.model.text.language import tr
 from app.session.features.objects.object_list import ObjectList
 from app.session.session import Session
+from app.views.panels.item_table.view import LEAST
 from app.views.panels.object_table.view import ObjectTable
+from app.views.widgets.scrolled import Scrolled
 
 _BESIDE = 236
 
@@ -31,9 +33,9 @@ class ObjectPanel(QWidget):
         self._classes = QMenu(self)
         self._classes.aboutToShow.connect(partial(self._fill, fill_classes))
         layout = QHBoxLayout(self)
-        layout.setContentsMargins(12, 8, 12, 8)
+        layout.setContentsMargins(12, 6, 12, 6)
         layout.setSpacing(12)
-        layout.addWidget(self._make_beside())
+        layout.addWidget(Scrolled(self._make_beside(), LEAST))
         layout.addWidget(self.table, 1)
         object_list.changed.connect(self._show)
         object_list.selection_changed.connect(self._show)

@@ -2,21 +2,36 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from app.model.parameters.controls import Control
-from app.model.text.language import tr
 from app.model.text.wording import FIRST_WORDING, Wording
 from app.views.panels.parameters.illustration import Illustration
 
 _FULL_CONTRAST = 255.0
 
+Form = Literal["full", "brief", "hidden"]
+"""How much of an explanation is shown."""
+
+_FROM: tuple[tuple[int, Form], ...] = ((800, "full"), (600, "brief"))
+"""Height of the window from which the explanation has a form [px]; it is hidden in lower ones."""
+
+
+def form_in(height: int) -> Form:
+    """The form of the explanation in a window of this height.
+
+    It does not depend on what is folded beside it, so that it stays the same while one works.
+    """
+    return next((form for least, form in _FROM if height >= least), "hidden")
+
 
 class Explanation(QWidget):
     """The illustration with symbol, name and range beside it, and below the meaning and effect of the parameter.
 
-    In a low panel only its name and effect are shown; the rest is in the tooltip of its row.
+    In a low window only its name and effect are shown, or nothing; the rest is in the tooltip of its row.
     """
 
     def __init__(self) -> None:
@@ -26,7 +41,7 @@ class Explanation(QWidget):
         self.illustration = Illustration()
         self._control: Control | None = None
         self._wording: Wording = FIRST_WORDING
-        self._brief = False
+        self._form: Form = "full"
         self.head, self.body = QLabel(), QLabel()
         for label in (self.head, self.body):
             label.setTextFormat(Qt.TextFormat.RichText)
@@ -43,7 +58,7 @@ class Explanation(QWidget):
         layout.setSpacing(4)
         layout.addLayout(above)
         layout.addWidget(self.body, 1)
-        self._fix_height()
+        self.setFixedHeight(self.height_of(self._form))
 
     @property
     def control(self) -> Control | None:
@@ -60,35 +75,36 @@ class Explanation(QWidget):
         self.illustration.show_control(control.name, value)
 
     def use_wording(self, wording: Wording) -> None:
-        """Put plain words first, or the symbol."""
+        """Put the name first, or the symbol."""
         self._wording = wording
         self._write()
 
-    def set_brief(self, brief: bool) -> None:
-        """Show only name and effect where there is little room, or everything."""
-        if brief != self._brief:
-            self._brief = brief
+    def set_form(self, form: Form) -> None:
+        """Show everything, only name and effect, or nothing."""
+        if form != self._form:
+            self._form = form
             self._fix_height()
             self._write()
 
-    def _fix_height(self) -> None:
-        """Fix the height to that of the longest explanation, so that the layout stays the same for all of them."""
+    def height_of(self, form: Form) -> int:
+        """Height of a form: that of the longest explanation, so that the layout stays the same for all of them."""
         line = self.fontMetrics().lineSpacing()
-        self.body.setVisible(not self._brief)
-        self.setFixedHeight(7 * line + 10 if self._brief else self.illustration.height() + 8 * line + 18)
+        return {"full": self.illustration.height() + 9 * line + 14, "brief": 7 * line + 10, "hidden": 0}[form]
+
+    def _fix_height(self) -> None:
+        self.setVisible(self._form != "hidden")
+        self.body.setVisible(self._form == "full")
+        self.setFixedHeight(self.height_of(self._form))
 
     def _write(self) -> None:
         control = self._control
         if control is None:
             return
-        names = (f"<b>{control.intuitive}</b>", f"{control.rich_symbol} – {control.title}")
-        if self._wording == "formula":
-            names = (f"<b>{control.rich_symbol} – {control.title}</b>", control.intuitive)
-        if self._brief:
-            name = control.intuitive if self._wording == "intuitive" else control.title
-            self.head.setText(f"<b>{name}</b> {control.rich_symbol}<br><small>{control.more}</small>")
+        name = f"<b>{control.label(self._wording)}</b>"
+        if self._form == "brief":
+            self.head.setText(f"{name}<br><small>{control.more}</small>")
             return
-        self.head.setText("<br>".join((*names, f"<small>{control.span}</small>")))
+        self.head.setText(f"{name}<br><small>{control.span}</small>")
         place = f" &nbsp;<small>({control.equation})</small>" if control.equation else ""
         formula = f"<p style='margin: 4px 0'>{control.formula}{place}</p>"
         self.body.setText(f"{control.meaning}{formula}{control.more} {control.acts}")
@@ -101,9 +117,8 @@ class Explanation(QWidget):
 def tip(control: Control) -> str:
     """The full explanation of a control, as the tooltip of its row."""
     place = f" ({control.equation})" if control.equation else ""
-    names = tr("{plain}: {title}").format(plain=control.intuitive, title=control.title)
     lines = (
-        f"<b>{names}</b> {control.facts}",
+        f"<b>{control.title}</b> {control.facts}",
         control.meaning,
         f"{control.formula}{place}",
         control.more,

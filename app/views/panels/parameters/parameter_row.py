@@ -113,11 +113,8 @@ class ParameterRow(QWidget):
         self.effect.setVisible(bool(words))
 
     def use_wording(self, wording: Wording) -> None:
-        """Label it in plain words, or by symbol and name."""
+        """Label it by name or by symbol first."""
         self._label.setText(self.control.label(wording))
-        named = self.control.intuitive if wording == "intuitive" else self.control.title
-        for field in (self.number, self.slider):
-            field.setAccessibleName(named)
 
     def use_theme(self, theme: Theme) -> None:
         """Color the button."""
@@ -147,7 +144,7 @@ class ParameterRow(QWidget):
         self.number.setKeyboardTracking(False)
         self.number.setSuffix(f" {control.unit}" if control.unit else "")
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
-        self.number.setFixedWidth(112)
+        self.number.setFixedWidth(106)
         self.effect.setObjectName("dim")
         self.effect.hide()
         self._restore.setObjectName("restore")
@@ -162,6 +159,7 @@ class ParameterRow(QWidget):
             widget.setToolTip(tip(control))
         self.use_wording(FIRST_WORDING)
         for field in (self.number, self.slider):
+            field.setAccessibleName(control.title)
             field.setAccessibleDescription(f"{control.facts}. {control.meaning} {control.more}")
             field.installEventFilter(self)
         if self._automatic is not None:

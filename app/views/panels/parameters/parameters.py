@@ -19,14 +19,20 @@ from app.model.text.wording import Wording
 from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.session import Session
 from app.views.panels.parameters.choice_row import ChoiceRow
-from app.views.panels.parameters.explanation import Explanation
+from app.views.panels.parameters.explanation import Explanation, Form, form_in
 from app.views.panels.parameters.parameter_row import ParameterRow
 from app.views.presets.preset_gallery import PresetGallery
 from app.views.theme.theme import Theme
 from app.views.widgets.section import Section
 
-_ROOMY = 470
-"""Height from which the explanation is shown in full [px]."""
+_LOWEST = 120
+"""Minimum height of the panel [px]."""
+
+_BESIDE = 28
+"""Width of the margins and of the scroll bar [px]."""
+
+_ROWS = 96
+"""Height that is left to the sliders before the explanation becomes shorter [px]."""
 
 
 class ParametersPanel(QWidget):
@@ -74,7 +80,7 @@ class ParametersPanel(QWidget):
             self._explain(self.explanation.control)
 
     def use_wording(self, wording: Wording) -> None:
-        """Label everything in plain words, or by symbol and name."""
+        """Label everything by name or by symbol first."""
         for row in self.rows.values():
             row.use_wording(wording)
         self.explanation.use_wording(wording)
@@ -85,13 +91,17 @@ class ParametersPanel(QWidget):
             row.use_theme(theme)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Show the explanation in full where there is room."""
+        """Show as much of the explanation as the window has room for."""
         super().resizeEvent(event)
-        self.explanation.set_brief(self.height() < _ROOMY)
+        left = self.height() - self.gallery.sizeHint().height() - _ROWS
+        forms: tuple[Form, ...] = ("full", "brief", "hidden")
+        wanted = form_in(self.window().height())
+        fitting = (form for form in forms[forms.index(wanted) :] if self.explanation.height_of(form) <= left)
+        self.explanation.set_form(next(fitting, "hidden"))
 
     def minimumSizeHint(self) -> QSize:
-        """Room for the presets, one row and the explanation; the rest scrolls."""
-        return QSize(super().minimumSizeHint().width(), 190)
+        """Room for the presets and two rows; the rest scrolls."""
+        return QSize(self._rows.minimumSizeHint().width() + _BESIDE, _LOWEST)
 
     def _lay_out(self) -> Section:
         advanced = QWidget()
@@ -99,11 +109,11 @@ class ParametersPanel(QWidget):
         rows.setContentsMargins(0, 0, 0, 0)
         for choice in self.choices.values():
             rows.addWidget(choice)
-        scrolled = QWidget()
+        self._rows = scrolled = QWidget()
         scrolled.setObjectName("scrolled")
         column = QVBoxLayout(scrolled)
         column.setContentsMargins(0, 0, 8, 0)
-        column.setSpacing(2)
+        column.setSpacing(0)
         for row in self.rows.values():
             (rows if row.control.advanced else column).addWidget(row)
         section = Section(tr("Advanced"), advanced, unfolded=False)

@@ -47,6 +47,7 @@ class BranchForm(QWidget):
         column.addWidget(self._difference, 2, 0, 1, 3)
         column.setColumnStretch(1, 1)
         column.setRowStretch(2, 1)
+        self._difference.hide()
         navigation.comparison.found_changed.connect(self._show_difference)
 
     @property
@@ -82,6 +83,7 @@ class BranchForm(QWidget):
         compared = self._navigation.comparison.found
         if compared is None or compared.state is None:
             self._difference.setText("")
+            self._difference.hide()
             return
         ended = compared.state.step < self._navigation.place[1]
         counts = (
@@ -96,6 +98,7 @@ class BranchForm(QWidget):
             mean, largest = f"{apart.mean_boundary_distance:.2f}", f"{apart.hausdorff:.2f}"
             sentence = template.format(particles=sentence, mean=mean, largest=largest)
         self._difference.setText(sentence)
+        self._difference.show()
         self._difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
 
     def _rename(self) -> None:

@@ -4,29 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QSignalBlocker, Qt, QTimer
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QMenu,
     QScrollArea,
     QSpinBox,
     QToolButton,
     QWidget,
+    QWidgetAction,
 )
 
 from app.model.text.language import tr
 from app.session.features.timeline_navigation import TimelineNavigation
 from app.session.worker.recorded_run import MEGABYTE
 from app.views.panels.timeline.branch_form import BranchForm, timeline_button
-from app.views.panels.timeline.timeline_places import ROW
+from app.views.panels.timeline.timeline_places import FOOT, HEAD, ROW
 from app.views.panels.timeline.timeline_view import TimelineView
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 
 _SLOWLY = 100
 """Time between two updates during the run [ms]."""
+
+_WIDE = 600
+"""Width from which the form of the branch stands beside the track; it is behind a button in narrower panels [px]."""
+
+_ROWS = 3
+"""Number of branches that are always seen; the track scrolls to further ones."""
+
+_NARROW, _TRACK = 316, 120
+"""Least width of the panel and of its track [px]."""
 
 
 class TimelinePanel(QWidget):
@@ -56,15 +68,17 @@ class TimelinePanel(QWidget):
         self.step.setToolTip(tr("Shown step; type a number to go there."))
         self.step.valueChanged.connect(lambda step: navigation.go(navigation.place[0], step))
         self._of = QLabel()
-        self._memory = QLabel()
         self.parameters = QToolButton()
+        self.parameters.setObjectName("timeline_parameters")
         self.parameters.setText(tr("Use these parameters"))
+        self.parameters.setAccessibleName(self.parameters.text())
         self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
         self.parameters.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.parameters.clicked.connect(lambda _=False: navigation.use_its_parameters())
-        for label in (self._of, self._memory):
-            label.setObjectName("dim")
+        self._of.setObjectName("dim")
         self.branch = BranchForm(navigation)
+        self._behind = BranchForm(navigation)
+        self.more = QToolButton()
         self._lay_out()
         self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
         self._later.timeout.connect(self._show)
@@ -74,7 +88,8 @@ class TimelinePanel(QWidget):
     def use_theme(self, theme: Theme) -> None:
         """Color the icons."""
         self._theme = theme
-        for name, button in (*self.buttons.items(), ("bin", self.branch.delete)):
+        bins = [("bin", form.delete) for form in (self.branch, self._behind)]
+        for name, button in (*self.buttons.items(), *bins, ("branch", self.more), ("restore", self.parameters)):
             button.setIcon(icon(self._icon_name(name), theme.text, faded=theme.line))
 
     def _lay_out(self) -> None:
@@ -82,12 +97,13 @@ class TimelinePanel(QWidget):
         transport.setSpacing(2)
         for button in self.buttons.values():
             transport.addWidget(button)
+        transport.addWidget(self._make_more())
         transport.addStretch(1)
         step = QHBoxLayout()
         step.setSpacing(6)
         label = QLabel(tr("Step"))
         label.setBuddy(self.step)
-        for widget in (label, self.step, self._of):
+        for widget in (label, self.step, self._of, self.parameters):
             step.addWidget(widget)
         step.addStretch(1)
         scroll = self._scroll = QScrollArea()
@@ -96,19 +112,49 @@ class TimelinePanel(QWidget):
         scroll.setFrameShape(QFrame.Shape.NoFrame)
         scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        scroll.setMinimumWidth(_TRACK)
         scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
         grid = QGridLayout(self)
-        grid.setContentsMargins(8, 4, 8, 4)
+        grid.setContentsMargins(8, 3, 8, 3)
         grid.setHorizontalSpacing(10)
-        grid.setVerticalSpacing(3)
+        grid.setVerticalSpacing(2)
         grid.addLayout(transport, 0, 0)
         grid.addLayout(step, 1, 0)
-        grid.addWidget(self._memory, 2, 0)
-        grid.addWidget(self.parameters, 2, 0, Qt.AlignmentFlag.AlignLeft)
         grid.addWidget(scroll, 0, 1, 3, 1)
         grid.addWidget(self.branch, 0, 2, 3, 1)
         grid.setColumnStretch(1, 1)
-        self.setMinimumHeight(92)
+        grid.setRowStretch(2, 1)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Put the form of the branch behind a button where there is no room for it."""
+        super().resizeEvent(event)
+        wide = self.width() >= _WIDE
+        self.branch.setVisible(wide)
+        self.more.setVisible(not wide)
+        style = Qt.ToolButtonStyle
+        self.parameters.setToolButtonStyle(style.ToolButtonTextOnly if wide else style.ToolButtonIconOnly)
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for the buttons and a short track."""
+        hint = super().minimumSizeHint()
+        return QSize(min(hint.width(), _NARROW), hint.height())
+
+    def _make_more(self) -> QToolButton:
+        """The button that opens the form of the branch."""
+        menu = QMenu(self.more)
+        shown = QWidgetAction(menu)
+        shown.setDefaultWidget(self._behind)
+        self._behind.setContentsMargins(8, 8, 8, 8)
+        menu.addAction(shown)
+        self.more.setObjectName("timeline_branch")
+        self.more.setAutoRaise(True)
+        self.more.setMenu(menu)
+        self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.more.setToolTip(tr("Name, delete and compare the branch."))
+        self.more.setAccessibleName(tr("Branch"))
+        self.more.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.more.hide()
+        return self.more
 
     def _icon_name(self, name: str) -> str:
         return "pause" if name == "play" and self._navigation.playing else name
@@ -138,7 +184,8 @@ class TimelinePanel(QWidget):
         for name, button in self.buttons.items():
             button.setEnabled(enabled.get(name, True) if there else navigation.recorded and name in ("back", "last"))
         self.step.setEnabled(there)
-        self.branch.show_branch(known)
+        for form in (self.branch, self._behind):
+            form.show_branch(known)
         self._show_memory()
         self.show_parameters()
         if self._theme is not None:
@@ -147,19 +194,22 @@ class TimelinePanel(QWidget):
                 play.setProperty("icon_name", self._icon_name("play"))
                 play.setIcon(icon(self._icon_name("play"), self._theme.text, faded=self._theme.line))
         self.view.refresh()
+        rows = min(max(len(navigation.outline.branches), 1), _ROWS)
+        self._scroll.setMinimumHeight(HEAD + rows * ROW + FOOT)
         if there:
             self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, ROW)
 
     def show_parameters(self) -> None:
-        """Offer the parameters of the step if they differ from the present ones, instead of the memory in use."""
+        """Offer the parameters of the step if they differ from the present ones."""
         differ = self._navigation.other_parameters is not None and not self._running()
         self.parameters.setVisible(differ)
-        self._memory.setVisible(not differ)
 
     def _show_memory(self) -> None:
         outline = self._navigation.outline
-        words = tr("{used} of {budget} MB used")
         used = f"{outline.used / MEGABYTE:.{0 if outline.used > 10 * MEGABYTE else 1}f}"
-        self._memory.setText(words.format(used=used, budget=outline.budget // MEGABYTE) if outline.budget else "")
-        tip = tr("{count} steps are stored, the others are recomputed. The preferences set the memory.")
-        self._memory.setToolTip(tip.format(count=outline.kept))
+        words = tr(
+            "{used} of {budget} MB used: {count} steps are stored, the others are computed again when they are needed. "
+            "The preferences set the memory."
+        )
+        tip = words.format(used=used, budget=outline.budget // MEGABYTE, count=outline.kept)
+        self._of.setToolTip(tip if outline.budget else "")

@@ -34,13 +34,14 @@ class TimelinePlaces:
 
     def height(self) -> int:
         """Height that all branches need [px]."""
-        return HEAD + ROW * max(len(self._navigation.outline.branches), 2) + FOOT
+        return HEAD + ROW * max(len(self._navigation.outline.branches), 1) + FOOT
 
     def left(self) -> float:
         """Left end of the axis, right of the names [px]."""
         metrics = self._widget.fontMetrics()
         names = [metrics.horizontalAdvance(branch.name) for branch in self._navigation.outline.branches]
-        return SIDE + min(max(names, default=0), _LONGEST_NAME) + 14.0
+        longest = min(_LONGEST_NAME, self._widget.width() / 3)
+        return SIDE + min(max(names, default=0), longest) + 14.0
 
     def span(self) -> tuple[float, float]:
         """Left end and width of the axis [px]."""

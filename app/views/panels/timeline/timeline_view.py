@@ -43,7 +43,7 @@ class TimelineView(QWidget):
         self.setMouseTracking(True)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.MinimumExpanding)
         self.setAccessibleName(tr("Timeline"))
-        self.setMinimumWidth(180)
+        self.setMinimumWidth(120)
 
     def sizeHint(self) -> QSize:
         """High enough for all branches."""

@@ -19,6 +19,7 @@ class PanelAction(QAction):
 
     def __init__(self, dock: QDockWidget, key: str, enter: Callable[[], None], leave: Callable[[], None]) -> None:
         super().__init__(dock.windowTitle(), dock)
+        self.setObjectName(f"panel_{dock.objectName()}")
         self._dock = dock
         self._enter = enter
         self._leave = leave

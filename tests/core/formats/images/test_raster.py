@@ -177,3 +177,20 @@ def test_the_resolution_of_a_screen_says_nothing_about_the_specimen(tmp_path):
 def test_a_file_is_known_by_its_content_and_not_by_its_suffix(tmp_path):
     png(tmp_path / "a.jpg", RAMP.astype(np.uint8), colour=0, depth=8)
     assert np.array_equal(load_image(tmp_path / "a.jpg").values, RAMP)
+
+
+def test_colors_are_kept_beside_the_luminance(tmp_path):
+    colors = np.stack([RAMP, 255 - RAMP, RAMP // 2], axis=2).astype(np.uint8)
+    PIL.Image.fromarray(colors).save(tmp_path / "a.png")
+    image = load_image(tmp_path / "a.png")
+    assert image.colors.samples.dtype == np.uint8
+    assert np.array_equal(image.colors.samples, colors)
+    assert image.colors.white == 255.0
+
+
+def test_colors_are_turned_upright_with_the_image(tmp_path):
+    colors = np.stack([RAMP, 255 - RAMP, RAMP // 2], axis=2).astype(np.uint8)
+    exif = PIL.Image.Exif()
+    exif[274] = 6
+    PIL.Image.fromarray(colors).save(tmp_path / "a.png", exif=exif)
+    assert np.array_equal(load_image(tmp_path / "a.png").colors.samples, np.rot90(colors, -1))

@@ -44,6 +44,8 @@ def test_sixteen_bit_colour_becomes_luminance_in_full_depth(tmp_path, planar):
     tifffile.imwrite(tmp_path / "a.tif", stored, photometric="rgb", planarconfig=planar)
     image = load_image(tmp_path / "a.tif")
     assert np.allclose(image.values, 0.2125 * channels[0] + 0.7154 * channels[1] + 0.0721 * channels[2])
+    assert np.abs(image.colors.samples * 257.0 - np.moveaxis(channels, 0, -1)).max() <= 129.0
+    assert image.colors.white == 65535.0
 
 
 def test_alpha_is_laid_on_white(tmp_path):

@@ -30,7 +30,7 @@ _SHORT_OPACITY = 0.6
 _KINDS: tuple[tuple[str, str, str, Sign, float], ...] = (
     (tr("closed"), tr("Contours that bound a region."), theme.CLOSED, "line", 2.2),
     (tr("open"), tr("Contours with two ends; short ones are thin and pale."), theme.OPEN, "line", 1.5),
-    (tr("bridged"), tr("Gaps in edges that contours bridge; there the lines are broken."), "#ffffff", "broken", 2.2),
+    (tr("bridged"), tr("Gaps in edges that contours bridge."), theme.BRIDGE, "dashed", 1.4),
     (tr("by hand"), tr("Stretches that were drawn by hand."), theme.BY_HAND, "dashed", 2.0),
     (tr("kept"), tr("Contours that stay through all sliders and runs."), theme.CLOSED, "check", 2.0),
     (tr("rejected"), tr("Contours that are left out of files."), theme.REJECTED, "dashed", 1.2),
@@ -42,7 +42,7 @@ class ContourLayer(Layer):
     """Shows contours as reviewed; closed ones lead, long open ones follow, short open ones recede.
 
     Rejected contours are faint and dashed or hidden, selected ones have a bright rim. Where a contour bridges a gap,
-    its line is broken.
+    its line is dashed.
     """
 
     name = "contours"
@@ -67,7 +67,7 @@ class ContourLayer(Layer):
         self._curves = {True: Curves(theme.CLOSED, 4.1, width=2.2), False: Curves(theme.OPEN, 4.0, width=1.5, halo=2.6)}
         self._edited = {True: Curves(theme.CLOSED, 4.12), False: Curves(theme.OPEN, 4.11)}
         self._own: dict[str, Curves] = {}
-        self._bridges = Curves(theme.HALO, 4.2, width=2.4, halo=0.0, dashed=True)
+        self._bridges = Curves(theme.BRIDGE, 4.2, width=1.3, halo=0.0, dashed=True)
         self._by_hand = Curves(theme.BY_HAND, 4.25, halo=0.0, dashed=True)
         self._names = Names(5.7)
         self._junctions = Markers(size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))

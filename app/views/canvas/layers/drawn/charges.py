@@ -29,8 +29,11 @@ class Charges:
     """
 
     def __init__(self, view: pg.ViewBox) -> None:
-        self._rings = (Curves(theme.ATTRACTING, _Z - 0.2, width=1.8), Curves(theme.REPELLING, _Z - 0.2, width=1.8))
-        self._reach = Curves(theme.CHOSEN, _Z - 0.1, width=1.2, halo=2.6, dashed=True)
+        self._rings = (
+            Curves(theme.ATTRACTING, _Z - 0.2, width=1.8, kind="shapes"),
+            Curves(theme.REPELLING, _Z - 0.2, width=1.8, kind="shapes"),
+        )
+        self._reach = Curves(theme.CHOSEN, _Z - 0.1, width=1.2, halo=2.6, dashed=True, kind="shapes")
         self._discs = Markers(size=_DISC, pxMode=True)
         self._signs = Markers(size=_SIGN, pxMode=True, pen=None, brush=pg.mkBrush("w"))
         self._marks = (self._discs, self._signs)

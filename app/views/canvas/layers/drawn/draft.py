@@ -19,12 +19,12 @@ class Draft:
     """A path with its corners, the closing segment of a closed path, and the ring of a tool."""
 
     def __init__(self, view: pg.ViewBox) -> None:
-        self._halo = pg.PlotCurveItem(pen=line_pen(theme.HALO, 4.0), antialias=True)
+        self._halo = pg.PlotCurveItem(antialias=True)
         self._path = pg.PlotCurveItem(antialias=True)
         self._closing = pg.PlotCurveItem(antialias=True)
         self._corners = Markers(size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
         self._ring = pg.PlotCurveItem(antialias=True)
-        self._rim = pg.PlotCurveItem(pen=line_pen(theme.HALO, 3.4), antialias=True)
+        self._rim = pg.PlotCurveItem(antialias=True)
         for index, item in enumerate((self._halo, self._path, self._closing, self._corners, self._rim, self._ring)):
             item.setZValue(_Z + 0.1 * index)
             view.addItem(item, ignoreBounds=True)
@@ -32,8 +32,9 @@ class Draft:
     def show(self, corners: tuple[Position, ...], path: tuple[Position, ...], color: str, closed: bool) -> None:
         """Show a path with corners, all (row, col)."""
         line = np.array(path, dtype=float).reshape(-1, 2)
-        self._path.setPen(line_pen(color, 2.0))
-        dashed = line_pen(color, 1.4)
+        self._halo.setPen(line_pen(theme.HALO, 4.0, "shapes"))
+        self._path.setPen(line_pen(color, 2.0, "shapes"))
+        dashed = line_pen(color, 1.4, "shapes")
         dashed.setStyle(Qt.PenStyle.DashLine)
         self._closing.setPen(dashed)
         self._halo.setData(*to_xy(line))
@@ -45,6 +46,7 @@ class Draft:
     def show_ring(self, center: Position | None, radius: float, color: str) -> None:
         """Show the ring of a tool; None hides it."""
         rim = Circle(center, radius).outline if center is not None else np.empty((0, 2))
-        self._ring.setPen(line_pen(color, 1.6))
+        self._rim.setPen(line_pen(theme.HALO, 3.4, "shapes"))
+        self._ring.setPen(line_pen(color, 1.6, "shapes"))
         for item in (self._rim, self._ring):
             item.setData(*to_xy(rim))

@@ -65,9 +65,9 @@ class DrawingLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._lines = Curves(theme.DRAWING, _Z, width=1.4)
-        self._chosen = Curves(theme.CHOSEN, _Z + 0.1, width=2.2)
-        self._areas = Curves(theme.DRAWING, _Z, width=1.2, dashed=True)
+        self._lines = Curves(theme.DRAWING, _Z, width=1.4, kind="shapes")
+        self._chosen = Curves(theme.CHOSEN, _Z + 0.1, width=2.2, kind="shapes")
+        self._areas = Curves(theme.DRAWING, _Z, width=1.2, dashed=True, kind="shapes")
         self._everywhere = {kind: Discs(theme.MOVING, diameter, 0.0) for kind, diameter in _DIAMETERS.items()}
         self._seeds = Discs(theme.MOVING, 6.0, 0.0)
         self._points = Discs(theme.MOVING, 7.0, 0.0)

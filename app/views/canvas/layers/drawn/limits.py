@@ -23,9 +23,9 @@ class Limits:
 
     def __init__(self, view: pg.ViewBox) -> None:
         self._dim = Dim()
-        self._regions = Curves(theme.REGION, _LINE_Z, width=1.8)
-        self._barriers = Curves(theme.BARRIER, _LINE_Z + 0.1, width=3.6, halo=5.6)
-        self._chosen = Curves(theme.CHOSEN, _LINE_Z + 0.2, width=1.8, halo=0.0)
+        self._regions = Curves(theme.REGION, _LINE_Z, width=1.8, kind="shapes")
+        self._barriers = Curves(theme.BARRIER, _LINE_Z + 0.1, width=3.6, halo=5.6, kind="shapes")
+        self._chosen = Curves(theme.CHOSEN, _LINE_Z + 0.2, width=1.8, halo=0.0, kind="shapes")
         self._lines = (self._regions, self._barriers, self._chosen)
         for item in (self._dim, *self._lines):
             view.addItem(item, ignoreBounds=True)

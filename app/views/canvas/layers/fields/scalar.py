@@ -9,10 +9,12 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtGui import QColor
 
+from app.model.display.display_image import DisplayImage, Shades
 from app.model.text.language import tr
 from app.session.scene import Scene
-from app.views.canvas.coordinates import image_rectangle, to_xy
+from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.item import cached, line_pen
+from app.views.canvas.items.tiled_image import TiledImage
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Choice, Switch
 from app.views.theme import color_maps
@@ -39,17 +41,16 @@ class ScalarOverlay(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._item = pg.ImageItem()
-        self._item.setZValue(self.z)
+        self._item = TiledImage(self.z)
         self._item.setVisible(False)
         cached(self._item)
         self.add(self._item)
         self.follow_choice("map")
 
     @property
-    def shades(self) -> np.ndarray | None:
+    def shades(self) -> Shades | None:
         """Shades shown, before the color map is applied; None while nothing is shown."""
-        return self._item.image if self._item.isVisible() else None
+        return self._item.display.shades if self._item.display is not None and self._item.isVisible() else None
 
     def show_or_hide(self) -> None:
         """Request the overlay only while it is shown."""
@@ -64,13 +65,13 @@ class ScalarOverlay(Layer):
     def _show(self) -> None:
         shades = self.scene.overlays.get(self.name) if self.shown else None
         # hidden, not cleared: the cached image of an item would stay on screen when its extent vanishes
-        self._item.setVisible(shades is not None)
-        if shades is not None and shades is not self._item.image:
-            self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))
+        self._item.setVisible(isinstance(shades, DisplayImage))
+        if isinstance(shades, DisplayImage):
+            self._item.show_image(shades)
 
     def follow_choice(self, name: str) -> None:
         """Change the colors."""
-        self._item.setLookupTable(self.table())
+        self._item.use_table(self.table())
 
     def table(self) -> np.ndarray:
         """Colors of the 256 shades."""

@@ -6,12 +6,12 @@ import math
 
 import pyqtgraph as pg
 
-from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
+from app.model.display.display_image import DisplayImage, IntensityWindow, Shades, apply_window, color_curve
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.session.worker.commands.intensity_window import FindWindow, Shade, WindowFound
-from app.views.canvas.coordinates import image_rectangle
 from app.views.canvas.items.item import cached
+from app.views.canvas.items.tiled_image import TiledImage
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Amount, Choice
 from app.views.theme import color_maps
@@ -50,18 +50,16 @@ class ImageLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._item = pg.ImageItem()
-        self._item.setZValue(0)
+        self._item = TiledImage(0.0)
         cached(self._item)
         self.add(self._item)
         self.ends = self.window = (0.0, 1.0)
         """Least and largest gray value of the image; gray values shown black and white."""
 
     @property
-    def shades(self) -> DisplayImage | None:
+    def shades(self) -> Shades | None:
         """Shades shown, before the color map is applied."""
-        shown: DisplayImage | None = self._item.image
-        return shown
+        return self._item.display.shades if self._item.display is not None else None
 
     def choose_window(self, low: float, high: float) -> None:
         """Show gray values from `low`, black, to `high`, white."""
@@ -72,7 +70,7 @@ class ImageLayer(Layer):
     def follow_choice(self, name: str) -> None:
         """Change colors or window."""
         if name == "map":
-            self._item.setLookupTable(None if self.word("map") == color_maps.GRAY else self._table())
+            self._item.use_table(None if self.word("map") == color_maps.GRAY else color_maps.table(self.word("map")))
         elif name == "range":
             self._find_window()
         else:
@@ -90,9 +88,6 @@ class ImageLayer(Layer):
         if self.word("range") == _HAND and isinstance(low, int | float) and isinstance(high, int | float):
             self.choose_window(float(low), float(high))
 
-    def _table(self) -> color_maps.Table:
-        return color_maps.table(self.word("map"))
-
     def follow(self, before: Scene) -> None:
         """Show another image, or the window or shades that were requested."""
         scene = self.scene
@@ -104,7 +99,7 @@ class ImageLayer(Layer):
         # of two pending requests, the older one may not win
         new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
         if shaded is not None and new and shaded.window == self._chosen_window():
-            self._draw(shaded.display)
+            self._item.show_image(shaded.display)
 
     def _take_window(self, found: WindowFound) -> None:
         if self.word("range") == f"{found.percent:g}":
@@ -115,7 +110,8 @@ class ImageLayer(Layer):
         if self.word("range") == _HAND:
             # a window chosen for another image does not apply to this one
             self.chosen["range"] = _WHOLE
-        self._draw(shades)
+        self._item.use_curve(None)
+        self._item.show_image(shades)
         if self.word("range") != _WHOLE or self.number("gamma") != 1.0:
             self._find_window()
         self.changed.emit()
@@ -139,16 +135,16 @@ class ImageLayer(Layer):
         image, whole = self.scene.image, self.scene.display
         if image is None or whole is None:
             return
-        window = self._chosen_window()
-        if window == IntensityWindow(*self.ends):
-            self._draw(whole)
+        window, colors = self._chosen_window(), image.colors
+        if colors is not None:
+            self._item.use_curve(None if window == IntensityWindow(*self.ends) else color_curve(window, colors.white))
+            self._item.show_image(whole)
+        elif window == IntensityWindow(*self.ends):
+            self._item.show_image(whole)
         elif image.values.size <= _AT_ONCE:
-            self._draw(apply_window(image.values, window))
+            self._item.show_image(DisplayImage.of(apply_window(image.values, window)))
         else:
             self.requests.post(Shade(image, window))
 
     def _chosen_window(self) -> IntensityWindow:
         return IntensityWindow(*self.window, self.number("gamma"))
-
-    def _draw(self, shades: DisplayImage) -> None:
-        self._item.setImage(shades, levels=(0, 255), rect=image_rectangle(shades.shape))

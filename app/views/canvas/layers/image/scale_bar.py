@@ -6,7 +6,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
-from app.model.display.lengths import Bar, bar
+from app.model.display.lengths import Bar, bar, shown_in
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.pinned import INK, MARGIN, Pinned
@@ -56,7 +56,8 @@ class ScaleBarLayer(Layer):
         self.item.setVisible(shown)
         if shown and image is not None:
             pixel = float(self.view.viewPixelSize()[0])
-            scaled = bar(LONGEST * pixel, image.spacing[1], image.unit)
+            size = shown_in(image.spacing, image.unit)
+            scaled = bar(LONGEST * pixel, size.spacing[1], size.unit)
             self.item.show_bar(scaled, scaled.pixels / pixel)
             room = self.view.boundingRect()
             self.item.put(room.bottomLeft() + QPointF(MARGIN, -MARGIN - self.item.size.height()))

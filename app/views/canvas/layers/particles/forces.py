@@ -19,11 +19,11 @@ from app.views.theme import theme
 from cpm_core.numerics.types import Array, Position
 
 KINDS = {
-    "coulomb": (tr("Coulomb"), theme.OPEN),
-    "lorentz": (tr("Lorentz"), theme.CLOSED),
+    "coulomb": (tr("Coulomb"), theme.COULOMB),
+    "lorentz": (tr("Lorentz"), theme.LORENTZ),
     "placed": (tr("Placed charges"), theme.REGION),
     "friction": (tr("Friction"), theme.JUNCTION),
-    "damping": (tr("Damping"), theme.RESTING),
+    "damping": (tr("Damping"), theme.DAMPING),
     "total": (tr("Total"), theme.CHOSEN),
 }
 """Names and colors of the forces, in the order of the legend."""
@@ -54,7 +54,7 @@ class ForceLayer(Layer):
     tip = tr("Coulomb, Lorentz and damping force on the particle nearest to the pointer.")
     shortcut = "Alt+3"
     initially = False
-    colors = (theme.OPEN, theme.CLOSED, theme.RESTING)
+    colors = (theme.COULOMB, theme.LORENTZ, theme.DAMPING)
     options = (Amount("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:

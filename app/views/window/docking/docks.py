@@ -1,4 +1,4 @@
-"""Panels in docks around the canvas, and their headings."""
+"""Panels in docks around the canvas."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
-from PySide6.QtWidgets import QDockWidget, QHBoxLayout, QLabel, QMainWindow, QTabBar, QTabWidget, QToolButton, QWidget
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
 
-from app.model.text.language import tr
-from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
+from app.views.window.docking.heights import DockHeights
+from app.views.window.docking.panel_title import PanelTitle
 from app.views.window.feature import Area, Panel
 from app.views.window.keys.areas import Areas
 from app.views.window.keys.panel_action import PanelAction
@@ -21,23 +21,25 @@ _AREAS: dict[Area, Qt.DockWidgetArea] = {
     "right": Qt.DockWidgetArea.RightDockWidgetArea,
     "bottom": Qt.DockWidgetArea.BottomDockWidgetArea,
 }
-_WIDTH = 352
-"""Initial width of the panels beside the canvas [px]."""
+_LOW_AREAS = (Qt.DockWidgetArea.BottomDockWidgetArea, Qt.DockWidgetArea.TopDockWidgetArea)
+_UPRIGHT = QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
+_FEATURES = (
+    QDockWidget.DockWidgetFeature.DockWidgetClosable
+    | QDockWidget.DockWidgetFeature.DockWidgetMovable
+    | QDockWidget.DockWidgetFeature.DockWidgetFloatable
+)
 
-_LEAST = 1
-"""Requested height of the panels below the canvas; Qt enlarges it to their minimum [px]."""
+_WIDTH = 344
+"""Initial width of the panels beside the canvas [px]."""
 
 _NEXT = 4
 """Largest distance of a panel from the tabs above it [px]."""
-
-_UPPER_SHARE = 0.36
-"""Share of the height for the uppermost panel beside the canvas."""
 
 
 class Docks(QObject):
     """One dock for each panel, which the user can move, close and open again.
 
-    Tabbed panels are named by their tabs and have no heading.
+    Tabbed panels are named by their tabs and have no heading; that of a panel below the canvas stands beside it.
     """
 
     def __init__(self, window: QMainWindow, panels: Iterable[Panel], areas: Areas) -> None:
@@ -47,8 +49,10 @@ class Docks(QObject):
         self.actions: list[PanelAction] = []
         self._panels = list(panels)
         self._docks: dict[str, QDockWidget] = {}
-        self._titles: dict[str, PanelTitle] = {}
+        self._titles: dict[str, tuple[PanelTitle, PanelTitle]] = {}
+        """The heading above each panel and the one beside it."""
         self._untitled: dict[str, QWidget] = {}
+        self.heights = DockHeights(window)
         self._tidying = QTimer(self)
         self._tidying.setSingleShot(True)
         self._tidying.timeout.connect(self._tidy)
@@ -101,9 +105,7 @@ class Docks(QObject):
             dock.raise_()
         beside = [dock for (area, _), dock in first.items() if area == "right"]
         window.resizeDocks(beside, [_WIDTH] * len(beside), Qt.Orientation.Horizontal)
-        below = [dock for (area, _), dock in first.items() if area == "bottom"]
-        window.resizeDocks(below, [_LEAST] * len(below), Qt.Orientation.Vertical)
-        self._share_height(beside)
+        self.heights.restore()
         self._tidying.start()
 
     def leave(self) -> None:
@@ -114,8 +116,9 @@ class Docks(QObject):
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the headings."""
-        for title in self._titles.values():
-            title.use_theme(theme)
+        for titles in self._titles.values():
+            for title in titles:
+                title.use_theme(theme)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Tidy when a tab bar may have been added: Qt emits no signal when panels become tabbed."""
@@ -131,20 +134,13 @@ class Docks(QObject):
             PanelAction(dock, panel.shortcut, partial(self._areas.enter, panel.name), self._areas.leave)
         )
         self._docks[panel.name] = dock
-        self._titles[panel.name] = PanelTitle(dock)
+        self._titles[panel.name] = PanelTitle(dock), PanelTitle(dock, upright=True)
+        self._titles[panel.name][1].hide()
         self._untitled[panel.name] = QWidget(dock)
-        dock.setTitleBarWidget(self._titles[panel.name])
+        dock.setTitleBarWidget(self._titles[panel.name][0])
+        self.heights.add(dock, panel)
         for changed in (dock.topLevelChanged, dock.dockLocationChanged, dock.visibilityChanged):
             changed.connect(lambda *_: self._tidying.start())
-
-    def _share_height(self, beside: Sequence[QDockWidget]) -> None:
-        """Give the uppermost panel its share, but at least its minimum, and the rest in equal parts to the others."""
-        if len(beside) > 1:
-            least = beside[0].minimumSizeHint().height()
-            first = max(least, round(_UPPER_SHARE * self._window.height()))
-            rest = max(1, self._window.height() - first) // (len(beside) - 1)
-            heights = [first, *(rest for _ in beside[1:])]
-            self._window.resizeDocks(beside, heights, Qt.Orientation.Vertical)
 
     def _has_panel(self, bar: QTabBar) -> bool:
         """Whether a panel lies directly below a tab bar."""
@@ -158,8 +154,10 @@ class Docks(QObject):
         for name, dock in self._docks.items():
             beside: Sequence[QDockWidget] = self._window.tabifiedDockWidgets(dock)
             tabbed = not dock.isFloating() and any(not other.isHidden() for other in beside)
-            wanted = self._untitled[name] if tabbed else self._titles[name]
+            upright = not dock.isFloating() and self._window.dockWidgetArea(dock) in _LOW_AREAS
+            wanted = self._untitled[name] if tabbed else self._titles[name][upright]
             if dock.titleBarWidget() is not wanted:
+                dock.setFeatures(_FEATURES | _UPRIGHT if upright and not tabbed else _FEATURES)
                 before = dock.titleBarWidget()
                 dock.setTitleBarWidget(wanted)
                 before.hide()
@@ -175,43 +173,3 @@ class Docks(QObject):
                 bar.setUsesScrollButtons(True)
                 bar.setExpanding(False)
                 bar.setDrawBase(False)
-
-
-class PanelTitle(QWidget):
-    """Replaces the title bar of a dock: its name, and buttons to detach and to close it."""
-
-    def __init__(self, dock: QDockWidget) -> None:
-        super().__init__(dock)
-        self.setObjectName("title")
-        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        name = QLabel(dock.windowTitle())
-        name.setObjectName("heading")
-        self._detach = self._button(tr("Detach the panel {title}, or put it back.").format(title=dock.windowTitle()))
-        self._close = self._button(
-            tr("Close the panel {title}; the menu View opens it again.").format(title=dock.windowTitle())
-        )
-        self._detach.clicked.connect(lambda: dock.setFloating(not dock.isFloating()))
-        self._close.clicked.connect(dock.close)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(12, 3, 4, 3)
-        row.setSpacing(0)
-        row.addWidget(name)
-        row.addStretch(1)
-        row.addWidget(self._detach)
-        row.addWidget(self._close)
-
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the buttons."""
-        self._detach.setIcon(icon("loosen", theme.dim))
-        self._close.setIcon(icon("close", theme.dim))
-
-    @staticmethod
-    def _button(tip: str) -> QToolButton:
-        button = QToolButton()
-        button.setObjectName("quiet")
-        button.setIconSize(QSize(14, 14))
-        button.setAutoRaise(True)
-        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        button.setToolTip(tip)
-        button.setAccessibleName(tip)
-        return button

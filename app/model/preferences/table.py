@@ -1,0 +1,132 @@
+"""All preferences, by the pages of their dialog.
+
+An entry here is all that a new preference needs: the dialog makes its field, the file keeps its value, and a value that
+is unknown or broken becomes the default. What it acts on reads it with `Preferences.value` and follows
+`Preferences.changed`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from app.model.display.lengths import UNITS
+from app.model.preferences.preference import Choice, Color, Flag, Folder, Number, Preference
+from app.model.text import language
+from app.model.text.language import tr
+from app.model.text.wording import FIRST_WORDING
+
+PAGES = {
+    "general": tr("General"),
+    "appearance": tr("Lines and colors"),
+    "files": tr("Files"),
+    "run": tr("Run"),
+    "shortcuts": tr("Shortcuts"),
+}
+"""Titles of the pages by their names, in their order."""
+
+LANGUAGE = Choice(
+    name=language.KEY, page="general", label=tr("Language"), default=language.OF_THE_DESKTOP,
+    ways={language.OF_THE_DESKTOP: tr("As on the desktop"), **language.languages()},
+    note=tr("The window changes its language when the program is started again."),
+)  # fmt: skip
+THEME = Choice(
+    name="theme", page="general", label=tr("Colors of the window"), default="system",
+    ways={"system": tr("As on the desktop"), "light": tr("Light"), "dark": tr("Dark")},
+)  # fmt: skip
+UNIT = Choice(
+    name="units", page="general", label=tr("Lengths and areas"), default="image", ways=UNITS,
+    note=tr("In tables, in the status bar and on the scale bar. An image that does not say how large a pixel is has "
+            "lengths in px."),
+)  # fmt: skip
+WORDING = Choice(
+    name="parameters/wording", page="general", label=tr("Labels"), default=FIRST_WORDING,
+    ways={"name": tr("Names of parameters first"), "symbol": tr("Symbols of parameters first")},
+)  # fmt: skip
+MOTION = Flag(
+    name="motion", page="general", label=tr("Illustrations"), default=True, text=tr("Animate the illustrations")
+)
+
+CONTOUR_WIDTH = Number(
+    name="canvas/contour_width", page="appearance", label=tr("Width of contours"), default=2.0, low=0.5, high=5.0,
+    step=0.25, decimals=2, suffix=" px",
+)  # fmt: skip
+SHAPE_WIDTH = Number(
+    name="canvas/shape_width", page="appearance", label=tr("Width of drawn shapes"), default=1.4, low=0.5, high=5.0,
+    step=0.1, decimals=1, suffix=" px",
+)  # fmt: skip
+POINT_SIZE = Number(
+    name="canvas/point_size", page="appearance", label=tr("Size of particles"), default=7.0, low=3.0, high=20.0,
+    step=0.5, decimals=1, suffix=" px", note=tr("Particles are smaller where the image is shown small."),
+)  # fmt: skip
+
+INKS = {
+    "closed": Color(name="colors/closed", page="appearance", label=tr("Closed contours"), default="#56b4e9"),
+    "open": Color(name="colors/open", page="appearance", label=tr("Open contours"), default="#ff9d1e"),
+    "by_hand": Color(name="colors/by_hand", page="appearance", label=tr("Drawn by hand"), default="#c4f042"),
+    "bridge": Color(name="colors/bridge", page="appearance", label=tr("Bridged gaps"), default="#ffffff"),
+    "rejected": Color(name="colors/rejected", page="appearance", label=tr("Rejected contours"), default="#c3c9d1"),
+    "moving": Color(name="colors/moving", page="appearance", label=tr("Moving particles"), default="#f0e442"),
+    "resting": Color(name="colors/resting", page="appearance", label=tr("Particles at rest"), default="#2bd4a4"),
+}
+"""Colors on the canvas; people who do not tell red from green can distinguish the defaults."""
+
+AUTOSAVE = Flag(
+    name="autosave/on", page="files", label=tr("Autosave"), default=True, text=tr("Keep unsaved work for recovery"),
+    note=tr("After a crash, the next start offers to restore it."),
+)  # fmt: skip
+AUTOSAVE_EVERY = Number(
+    name="autosave/seconds", page="files", label=tr("Save after changes, every"), default=2.0, low=1.0, high=600.0,
+    step=1.0, suffix=tr(" s"), needs=(AUTOSAVE, True),
+)  # fmt: skip
+
+_BESIDE, FIXED = "beside", "fixed"
+_PLACES = {_BESIDE: tr("Beside the image"), FIXED: tr("In one folder")}
+EXPORT_PLACE = Choice(
+    name="files/exports_go", page="files", label=tr("Exports"), default=_BESIDE, ways=_PLACES,
+    note=tr("Where the dialog starts. Another folder can be chosen there each time."),
+)  # fmt: skip
+EXPORT_FOLDER = Folder(
+    name="files/exports_folder", page="files", label=tr("Folder of exports"), default="", needs=(EXPORT_PLACE, FIXED)
+)
+SESSION_PLACE = Choice(name="files/sessions_go", page="files", label=tr("Sessions"), default=_BESIDE, ways=_PLACES)
+SESSION_FOLDER = Folder(
+    name="files/sessions_folder", page="files", label=tr("Folder of sessions"), default="",
+    needs=(SESSION_PLACE, FIXED),
+)  # fmt: skip
+
+SAVE_IN_FOLDER = Flag(
+    name="files/save_in_folder", page="files", label=tr("Next image of the folder"), default=False,
+    text=tr("Save without asking"), note=tr("The session is written beside the image, under its name."),
+)  # fmt: skip
+KEEP_PARAMETERS = Flag(
+    name="parameters/keep", page="run", label=tr("Next image"), default=False,
+    text=tr("Keep parameters for the next image"),
+)  # fmt: skip
+TIMELINE_MEMORY = Number(
+    name="timeline/megabytes", page="run", label=tr("Memory for steps"), default=256.0, low=16, high=16384, step=64,
+    suffix=tr(" MB"),
+    note=tr("Maximum memory for the steps of a run. When it is full, fewer steps are stored, evenly spaced; the steps "
+            "between them are recomputed exactly."),
+)  # fmt: skip
+
+PREFERENCES: tuple[Preference[Any], ...] = (
+    LANGUAGE,
+    THEME,
+    UNIT,
+    WORDING,
+    MOTION,
+    CONTOUR_WIDTH,
+    SHAPE_WIDTH,
+    POINT_SIZE,
+    *INKS.values(),
+    AUTOSAVE,
+    AUTOSAVE_EVERY,
+    EXPORT_PLACE,
+    EXPORT_FOLDER,
+    SESSION_PLACE,
+    SESSION_FOLDER,
+    SAVE_IN_FOLDER,
+    KEEP_PARAMETERS,
+    TIMELINE_MEMORY,
+)
+"""All of them, in the order of the dialog."""

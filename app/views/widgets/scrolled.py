@@ -1,0 +1,44 @@
+"""A column of widgets that scrolls where there is too little height for it."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
+
+
+class Scrolled(QScrollArea):
+    """Scrolls its content up and down, and is as wide as it; `least` is its minimum height [px]."""
+
+    def __init__(self, content: QWidget, least: int) -> None:
+        super().__init__()
+        self._content = content
+        self._least = least
+        content.setObjectName("scrolled")
+        self.setWidget(content)
+        content.setAutoFillBackground(False)
+        self.viewport().setAutoFillBackground(False)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+
+    def sizeHint(self) -> QSize:
+        """The size of the content, with a scroll bar where it is needed."""
+        content = self._content.sizeHint()
+        return QSize(content.width() + self._bar(), content.height())
+
+    def minimumSizeHint(self) -> QSize:
+        """The least width of the content, and the given height."""
+        return QSize(self._content.minimumSizeHint().width() + self._bar(), self._least)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Make room for the scroll bar, or take it back."""
+        super().resizeEvent(event)
+        if event.oldSize().height() != event.size().height():
+            self.updateGeometry()
+
+    def _bar(self) -> int:
+        """Width of the scroll bar, 0 where there is none."""
+        needed = self._content.minimumSizeHint().height() > self.height()
+        return self.verticalScrollBar().sizeHint().width() if needed else 0

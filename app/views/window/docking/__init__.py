@@ -1,0 +1,1 @@
+"""Panels in docks: their places, heights and headings."""

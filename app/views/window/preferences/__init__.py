@@ -1,0 +1,1 @@
+"""The dialog of the preferences, its fields and the page of the shortcuts."""

@@ -1,0 +1,93 @@
+"""Brings the translations up to date with the sentences of the window, and lists what they lack.
+
+Run ``python assets/languages/update.py``; it needs ``msgmerge`` and ``msgfmt`` of gettext. ``--check`` only lists, from
+the catalogs as they are, and needs nothing.
+"""
+
+from __future__ import annotations
+
+import gettext
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from make_template import sentences, template
+
+HERE = Path(__file__).parent
+
+_PLACEHOLDER = re.compile(r"\{[^{}]*\}")
+
+
+class _Lacking(gettext.NullTranslations):
+    """Answers for a catalog where it has no translation."""
+
+    def gettext(self, message: str) -> str:
+        return ""
+
+
+def translation(catalog: Path) -> gettext.GNUTranslations:
+    """A catalog that gives an empty text for what it lacks."""
+    with catalog.open("rb") as stream:
+        made = gettext.GNUTranslations(stream)
+    made.add_fallback(_Lacking())
+    return made
+
+
+def lacking(catalog: Path) -> list[str]:
+    """Sentences that a catalog does not translate."""
+    known = translation(catalog)
+    return [said for said in sentences() if not known.gettext(said)]
+
+
+def wrong(catalog: Path) -> Iterator[str]:
+    """What is wrong in a catalog: other placeholders or keys of menus than in the sentence."""
+    known = translation(catalog)
+    for said in sentences():
+        other = known.gettext(said)
+        if other and sorted(_PLACEHOLDER.findall(said)) != sorted(_PLACEHOLDER.findall(other)):
+            yield f"{said!r}: {other!r} has other placeholders"
+        if other and (said.count("\n"), said.endswith("…")) != (other.count("\n"), other.endswith("…")):
+            yield f"{said!r}: {other!r} has other lines or dots at its end"
+
+
+def catalogs() -> list[Path]:
+    """All catalogs."""
+    return sorted(HERE.glob("*/LC_MESSAGES/cpm.mo"))
+
+
+def update() -> None:
+    """Merge the sentences of the window into each translation, and make its catalog again."""
+    with tempfile.TemporaryDirectory() as folder:
+        pot = Path(folder) / "cpm.pot"
+        pot.write_text(template(), encoding="utf-8")
+        for po in sorted(HERE.glob("*/LC_MESSAGES/cpm.po")):
+            merge = ["msgmerge", "--quiet", "--update", "--backup=none", "--no-location", "--no-fuzzy-matching"]
+            subprocess.run([*merge, str(po), str(pot)], check=True)
+            subprocess.run(["msgattrib", "--no-obsolete", "-o", str(po), str(po)], check=True)
+            subprocess.run(["msgfmt", "--check-format", "-o", str(po.with_suffix(".mo")), str(po)], check=True)
+
+
+def main() -> int:
+    """Update unless told only to check; the exit status says whether something is missing."""
+    if "--check" not in sys.argv[1:]:
+        if shutil.which("msgmerge") is None:
+            sys.exit("msgmerge was not found: install gettext, or only check with --check.")
+        update()
+    count = 0
+    for catalog in catalogs():
+        name = catalog.parents[1].name
+        for said in lacking(catalog):
+            count += 1
+            print(f"{name}: not translated: {said}")
+        for problem in wrong(catalog):
+            count += 1
+            print(f"{name}: {problem}")
+    return min(count, 1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

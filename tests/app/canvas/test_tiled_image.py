@@ -1,0 +1,89 @@
+"""Only the visible part of an image is drawn, in about as many pixels as the screen has, and colors stay colors."""
+
+from __future__ import annotations
+
+import numpy as np
+import PIL.Image
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PySide6.QtCore import QRectF
+from PySide6.QtGui import QColor
+
+from app.model.display.display_image import DisplayImage
+from app.views.canvas.items.tiled_image import part_of
+
+SIDES = st.integers(1, 700)
+MOST_BESIDE = 2 * 256
+"""Pixels along each axis that a part may have beside those that are seen."""
+
+
+@settings(deadline=None, max_examples=30)
+@given(SIDES, SIDES, st.integers(0, 2**31))
+def test_a_pixel_of_a_level_is_the_mean_of_those_that_it_covers(rows, cols, seed):
+    display = DisplayImage.of(np.random.default_rng(seed).integers(0, 256, (rows, cols), np.uint8))
+    assert max(display.levels[-1].shape) <= 256
+    for number, level in enumerate(display.levels):
+        size = 2**number
+        whole = display.shades[: rows // size * size, : cols // size * size].astype(float)
+        means = whole.reshape(rows // size, size, cols // size, size).mean(axis=(1, 3))
+        assert level.shape == (-(-rows // size), -(-cols // size))
+        assert np.abs(level[: rows // size, : cols // size] - means).max(initial=0.0) <= 0.5 * number
+
+
+@settings(deadline=None, max_examples=50)
+@given(SIDES, SIDES, st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.001, 1.0), st.floats(0.001, 60.0))
+def test_a_part_covers_what_is_seen_with_no_more_pixels_than_the_screen_needs(rows, cols, down, right, share, zoom):
+    display = DisplayImage.of(np.zeros((rows, cols), np.uint8))
+    seen = QRectF(right * cols - 0.5, down * rows - 0.5, share * cols, share * rows)
+    seen = seen.intersected(QRectF(-0.5, -0.5, cols, rows))
+    level, top, left, bottom, end = part_of(display, seen, zoom)
+    size = 2.0**level
+    assert level == 0 or size * zoom <= 1.0 + 1e-5
+    assert left * size - 0.5 <= seen.left() + 1e-6
+    assert top * size - 0.5 <= seen.top() + 1e-6
+    assert end * size - 0.5 >= seen.right() - 1e-6
+    assert bottom * size - 0.5 >= seen.bottom() - 1e-6
+    if level < len(display.levels) - 1:
+        assert end - left <= 2.0 * max(zoom, 0.5) * seen.width() + MOST_BESIDE
+        assert bottom - top <= 2.0 * max(zoom, 0.5) * seen.height() + MOST_BESIDE
+
+
+@pytest.fixture
+def colored(window, hand, tmp_path):
+    """The window on a color image: its left half red, its right half blue, with a bright dot."""
+    pixels = np.zeros((60, 80, 3), np.uint8)
+    pixels[:, :40], pixels[:, 40:] = (200, 40, 40), (40, 60, 200)
+    pixels[28:33, 10:15] = 255
+    PIL.Image.fromarray(pixels).save(tmp_path / "colored.png")
+    window.session.open(tmp_path / "colored.png")
+    hand.wait(lambda: window.session.document.image.name == "colored.png" and window.session.idle)
+    return window
+
+
+def color_at(hand, row: float, col: float) -> tuple[int, int, int]:
+    """Color of the canvas over a position of the image."""
+    color = QColor(hand.canvas.grab().toImage().pixel(hand.at(row, col)))
+    return color.red(), color.green(), color.blue()
+
+
+def test_a_color_image_is_shown_in_its_colors(colored, hand):
+    assert color_at(hand, 10.0, 20.0) == (200, 40, 40)
+    assert color_at(hand, 10.0, 60.0) == (40, 60, 200)
+
+
+def test_levels_brighten_the_colors_and_keep_them_apart(colored, hand):
+    layer = hand.canvas.layers["image"]
+    layer.choose_window(0.0, 204.0)
+    assert color_at(hand, 10.0, 20.0) == (250, 50, 50)
+    assert color_at(hand, 10.0, 60.0) == (50, 75, 250)
+    layer.choose("range", "0")
+    assert color_at(hand, 10.0, 60.0) == (40, 60, 200)
+
+
+def test_a_gray_image_after_a_colored_one_has_no_colors(colored, hand, image_file):
+    hand.canvas.layers["image"].choose_window(0.0, 204.0)
+    colored.session.open(image_file)
+    hand.wait(lambda: colored.session.document.image.name == image_file.name and colored.session.idle)
+    red, green, blue = color_at(hand, 32.0, 32.0)
+    assert red == green == blue > 250

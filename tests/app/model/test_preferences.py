@@ -1,0 +1,128 @@
+"""Each preference keeps to its kind and limits; keys of actions belong to one action each."""
+
+from __future__ import annotations
+
+import json
+import logging
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PySide6.QtCore import QSettings
+
+from app.model.display import lengths
+from app.model.display.lengths import PixelSize, shown_in
+from app.model.preferences import shortcuts
+from app.model.preferences.preference import Choice, Number
+from app.model.preferences.shortcuts import Keyed
+from app.model.preferences.table import CONTOUR_WIDTH, PAGES, PREFERENCES, THEME
+from app.session.storage.preferences import Preferences
+
+STORED = st.one_of(
+    st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8),
+    st.lists(st.text(max_size=3), max_size=3),
+    st.sampled_from(["true", "#00ff00", "#GG0000", "nan", "1e999", "light"]),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("preference", PREFERENCES, ids=lambda preference: preference.name)
+def test_a_preference_has_words_a_page_and_a_default_that_it_accepts(preference) -> None:
+    assert preference.label
+    assert preference.page in PAGES
+    assert preference.taken(preference.default) == preference.default
+    assert preference.taken(str(preference.default).lower()) == preference.default
+
+
+def test_names_and_labels_of_preferences_are_different() -> None:
+    assert len({preference.name for preference in PREFERENCES}) == len(PREFERENCES)
+    assert len({preference.label for preference in PREFERENCES}) == len(PREFERENCES)
+
+
+@given(stored=STORED)
+def test_any_stored_value_is_taken_within_the_limits_or_not_at_all(stored) -> None:
+    for preference in PREFERENCES:
+        taken = preference.taken(stored)
+        assert taken is None or type(taken) is type(preference.default)
+        if isinstance(preference, Number) and taken is not None:
+            assert preference.low <= taken <= preference.high
+        if isinstance(preference, Choice) and taken is not None:
+            assert taken in preference.ways
+
+
+def test_a_broken_value_becomes_the_default_and_is_logged_once(caplog) -> None:
+    preferences = Preferences()
+    preferences.put(CONTOUR_WIDTH.name, "wide")
+    preferences.put(THEME.name, "sepia")
+    with caplog.at_level(logging.WARNING):
+        assert preferences.value(CONTOUR_WIDTH) == preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
+        assert preferences.value(THEME) == "system"
+    assert [record.getMessage() for record in caplog.records] == [
+        "preference canvas/contour_width cannot be 'wide'; 2.0 is used",
+        "preference theme cannot be 'sepia'; 'system' is used",
+    ]
+
+
+def test_a_value_comes_back_from_the_file_and_the_default_is_not_stored() -> None:
+    preferences, seen = Preferences(), []
+    preferences.changed.connect(seen.append)
+    preferences.choose(CONTOUR_WIDTH, 3.5)
+    preferences.choose(CONTOUR_WIDTH, 3.5)
+    preferences.flush()
+    assert Preferences().value(CONTOUR_WIDTH) == 3.5
+    preferences.choose(CONTOUR_WIDTH, CONTOUR_WIDTH.default)
+    assert seen == [CONTOUR_WIDTH.name] * 2
+    preferences.flush()
+    kept = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
+    assert CONTOUR_WIDTH.name not in kept.allKeys()
+
+
+@pytest.fixture
+def in_unit():
+    yield lengths.prefer_unit
+    lengths.prefer_unit("image")
+
+
+@pytest.mark.parametrize(
+    ("unit", "spacing", "wanted", "shown"),
+    [
+        ("µm", (0.5, 0.5), "image", PixelSize((0.5, 0.5), "µm")),
+        ("µm", (0.5, 0.5), "px", PixelSize((1.0, 1.0), None, 2.0)),
+        ("µm", (0.5, 0.5), "nm", PixelSize((500.0, 500.0), "nm", 1000.0)),
+        ("mm", (0.5, 2.0), "cm", PixelSize((0.05, 0.2), "cm", 0.1)),
+        ("mm", (0.5, 2.0), "px", PixelSize((0.5, 2.0), "mm")),
+        ("furlong", (3.0, 3.0), "mm", PixelSize((3.0, 3.0), "furlong")),
+        (None, (1.0, 1.0), "mm", PixelSize((1.0, 1.0), None)),
+    ],
+)
+def test_lengths_are_shown_in_the_preferred_unit_where_that_is_possible(in_unit, unit, spacing, wanted, shown) -> None:
+    in_unit(wanted)
+    found = shown_in(spacing, unit)
+    assert found.unit == shown.unit
+    assert found.spacing == pytest.approx(shown.spacing)
+    assert found.factor == pytest.approx(shown.factor)
+
+
+ACTIONS = (Keyed("run", "Run", "Run", ("Space",)), Keyed("open", "Open", "File", ("Ctrl+O",)),
+           Keyed("redo", "Redo", "Edit", ("Ctrl+Y", "Ctrl+Shift+Z")), Keyed("about", "About", "Help", ()))  # fmt: skip
+
+
+@given(st.lists(st.tuples(st.sampled_from(ACTIONS), st.sampled_from(["", "Space", "Ctrl+O", "Ctrl+Y", "F5"]))))
+def test_no_key_ever_belongs_to_two_actions(changes) -> None:
+    chosen = {}
+    for action, key in changes:
+        chosen = shortcuts.with_key(key, action, ACTIONS, chosen)
+        assert shortcuts.keys_of(action, chosen) == ((key,) if key else ())
+        held = [key for one in ACTIONS for key in shortcuts.keys_of(one, chosen)]
+        assert len(held) == len(set(held))
+        assert shortcuts.read(shortcuts.written(chosen)) == chosen
+
+
+def test_an_action_with_its_default_keys_is_not_stored() -> None:
+    chosen = shortcuts.with_key("F5", ACTIONS[0], ACTIONS, {})
+    assert shortcuts.with_key("Space", ACTIONS[0], ACTIONS, chosen) == {}
+
+
+@pytest.mark.parametrize("stored", ["", "[]", "nonsense", "{", json.dumps({"run": "F5"}), json.dumps({"run": [5]})])
+def test_broken_shortcuts_are_left_out_and_logged(stored, caplog) -> None:
+    assert shortcuts.read(stored) == {}
+    assert "default ones are used" in caplog.text

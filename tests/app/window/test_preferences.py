@@ -1,0 +1,244 @@
+"""What is changed in the preferences acts at once, and is there again at the next start."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor, QKeySequence
+from PySide6.QtWidgets import QDialogButtonBox, QPushButton
+
+from app.model.document import edits
+from app.model.preferences.table import (
+    AUTOSAVE,
+    AUTOSAVE_EVERY,
+    CONTOUR_WIDTH,
+    EXPORT_FOLDER,
+    EXPORT_PLACE,
+    INKS,
+    PAGES,
+    POINT_SIZE,
+    PREFERENCES,
+    SHAPE_WIDTH,
+    UNIT,
+)
+from app.session.storage.output_folder import output_folder
+from app.session.storage.preferences import Preferences
+from app.views.features.file.preferences import PreferencesFeature
+from app.views.features.file.recovery import RecoveryFeature
+from app.views.help.cheat_sheet import groups
+from app.views.theme import theme
+from app.views.theme.look import look
+from app.views.window.keys.panel_action import PanelAction
+from cpm_core.shapes import Barrier
+
+KEY = Qt.Key
+CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+
+
+@pytest.fixture
+def dialog(window, hand):
+    made = window.feature(PreferencesFeature).show()
+    yield made
+    made.reject()
+
+
+def type_into(hand, field, text: str) -> None:
+    field.setFocus()
+    field.selectAll()
+    hand.qtbot.keyClicks(field, text)
+    hand.qtbot.keyClick(field, KEY.Key_Return)
+
+
+def colors_seen(window, hand) -> set[str]:
+    hand.canvas.viewport().repaint()
+    picture = hand.canvas.grab().toImage()
+    return {
+        picture.pixelColor(x, y).name() for x in range(0, picture.width(), 2) for y in range(0, picture.height(), 2)
+    }
+
+
+def across(window, color: str) -> int:
+    """Number of pixels of a color in the row through the middle of the canvas."""
+    canvas = window.canvas_area.canvas
+    picture = canvas.grab().toImage()
+    y = canvas.point((32.0, 32.0)).toPoint().y()
+    near = QColor(color)
+    return sum(
+        abs(picture.pixelColor(x, y).red() - near.red()) < 40
+        and abs(picture.pixelColor(x, y).blue() - near.blue()) < 40
+        for x in range(picture.width())
+    )
+
+
+def test_the_dialog_fits_a_small_screen_and_every_page_opens(dialog) -> None:
+    assert dialog.width() <= 1280 - 80
+    assert dialog.height() <= 720 - 80
+    for name in PAGES:
+        dialog.turn_to(name)
+        shown = [row for row in dialog.rows.values() if row.isVisible()]
+        assert bool(shown) != dialog.shortcuts.isVisible()
+
+
+def test_lines_of_shapes_get_wider_at_once(window, dialog, hand) -> None:
+    barrier = Barrier(((5.0, 50.0), (60.0, 50.0)))
+    window.session.edit("draw barrier", lambda document: edits.add_shape(document, barrier))
+    before = across(window, theme.BARRIER)
+    dialog.turn_to("appearance")
+    type_into(hand, dialog.rows[SHAPE_WIDTH.label], "4.2")
+    assert window.preferences.value(SHAPE_WIDTH) == 4.2
+    assert across(window, theme.BARRIER) > 2 * before > 0
+
+
+def test_particles_get_larger_and_take_another_color_at_once(ready, hand) -> None:
+    dialog = ready.feature(PreferencesFeature).show()
+    before = across(ready, INKS["moving"].default)
+    dialog.turn_to("appearance")
+    type_into(hand, dialog.rows[POINT_SIZE.label], "20")
+    assert across(ready, INKS["moving"].default) > before > 0
+    ready.preferences.choose(INKS["moving"], "#ff00ff")
+    assert dialog.rows[INKS["moving"].label].text() == "#ff00ff"
+    assert across(ready, "#ff00ff") > before
+    assert across(ready, INKS["moving"].default) == 0
+    dialog.reject()
+
+
+def test_reset_of_a_page_restores_its_defaults_and_no_others(window, dialog, hand) -> None:
+    preferences = window.preferences
+    preferences.choose(CONTOUR_WIDTH, 4.0)
+    preferences.choose(INKS["open"], "#123456")
+    preferences.choose(AUTOSAVE_EVERY, 30.0)
+    assert look().color(theme.OPEN) == "#123456"
+    dialog.turn_to("appearance")
+    button = next(b for b in dialog.findChildren(QPushButton) if b.text() == "Reset this page")
+    hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    assert preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
+    assert look().color(theme.OPEN) == INKS["open"].default
+    assert look().contours == 1.0
+    assert preferences.value(AUTOSAVE_EVERY) == 30.0
+
+
+def test_colors_that_can_be_chosen_are_those_of_the_canvas() -> None:
+    for name, color in INKS.items():
+        assert getattr(theme, name.upper()) == color.default
+
+
+def test_without_autosave_there_is_no_journal(ready, hand) -> None:
+    journal = ready.feature(RecoveryFeature).journal
+    journal.write()
+    journal.flush()
+    assert journal.path.exists()
+    dialog = ready.feature(PreferencesFeature).show()
+    dialog.turn_to("files")
+    interval = dialog.rows[AUTOSAVE_EVERY.label]
+    assert interval.isEnabled()
+    hand.qtbot.mouseClick(
+        dialog.rows[AUTOSAVE.label], Qt.MouseButton.LeftButton, pos=dialog.rows[AUTOSAVE.label].rect().topLeft()
+    )
+    dialog.rows[AUTOSAVE.label].setChecked(False)
+    assert not interval.isEnabled()
+    journal.write()
+    journal.flush()
+    assert not journal.path.exists()
+    dialog.reject()
+
+
+def test_exports_begin_in_the_preferred_folder(window, tmp_path) -> None:
+    folder = tmp_path / "results"
+    folder.mkdir()
+    assert output_folder(window.preferences, window.session.document) == tmp_path
+    window.preferences.choose(EXPORT_FOLDER, str(folder))
+    assert output_folder(window.preferences, window.session.document) == tmp_path
+    window.preferences.choose(EXPORT_PLACE, "fixed")
+    assert output_folder(window.preferences, window.session.document) == folder
+    window.preferences.choose(EXPORT_FOLDER, str(tmp_path / "gone"))
+    assert output_folder(window.preferences, window.session.document) == tmp_path
+
+
+def press_as_new_key(hand, dialog, action: str, key: Qt.Key, modifier=Qt.KeyboardModifier.NoModifier) -> None:
+    dialog.turn_to("shortcuts")
+    dialog.shortcuts.choose(action)
+    dialog.shortcuts.keys.setFocus()
+    hand.qtbot.keyClick(dialog.shortcuts.keys, key, modifier)
+
+
+def test_a_new_key_acts_and_is_shown_everywhere(ready, hand) -> None:
+    dialog = ready.feature(PreferencesFeature).show()
+    press_as_new_key(hand, dialog, "run", KEY.Key_F4)
+    dialog.reject()
+    action = ready.actions_by_name["run"]
+    assert action.shortcut() == QKeySequence("F4")
+    assert "(F4)" in action.toolTip()
+    rows = [row for _, rows in groups(ready, ready.actions_by_name.specs) for row in rows]
+    assert (("F4",), "Run") in rows
+    ready.canvas_area.canvas.setFocus()
+    hand.key(KEY.Key_F4)
+    assert ready.session.status.phase != "ready"
+    assert "F4" in Preferences().get("shortcuts", "")
+
+
+def test_a_key_of_another_action_is_told_and_can_be_taken_over(window, dialog, hand) -> None:
+    page = dialog.shortcuts
+    press_as_new_key(hand, dialog, "run", KEY.Key_O, CTRL)
+    assert "Open" in page.message.text()
+    assert window.actions_by_name["run"].shortcut() == QKeySequence("Space")
+    assert page.take_over.isVisible()
+    hand.qtbot.mouseClick(page.take_over, Qt.MouseButton.LeftButton)
+    assert window.actions_by_name["run"].shortcut() == QKeySequence("Ctrl+O")
+    assert window.actions_by_name["open"].shortcuts() == []
+    dialog.reset()
+    assert window.actions_by_name["run"].shortcut() == QKeySequence("Space")
+    assert window.actions_by_name["open"].shortcut() == QKeySequence("Ctrl+O")
+
+
+def test_keys_that_the_image_takes_are_refused(window, dialog, hand) -> None:
+    press_as_new_key(hand, dialog, "run", KEY.Key_Home)
+    assert "Home" in dialog.shortcuts.message.text()
+    assert window.actions_by_name["run"].shortcut() == QKeySequence("Space")
+
+
+def test_panels_have_keys_too_and_actions_are_found_by_typing(window, dialog, hand) -> None:
+    page = dialog.shortcuts
+    press_as_new_key(hand, dialog, "panel_timeline", KEY.Key_F9, CTRL | SHIFT)
+    assert window.findChild(PanelAction, "panel_timeline").shortcut() == QKeySequence("Ctrl+Shift+F9")
+    page.search.setFocus()
+    hand.qtbot.keyClicks(page.search, "timeline")
+    seen = [name for name, item in page._items.items() if not item.isHidden()]
+    assert "panel_timeline" in seen
+    assert "open" not in seen
+
+
+def test_no_two_actions_share_a_key_by_default(window) -> None:
+    held = [key for action in window.shortcuts.actions for key in action.default]
+    assert len(held) == len(set(held))
+
+
+def test_tooltips_of_layers_follow_their_keys(window) -> None:
+    box = window.panels["layers"].boxes["contours"]
+    assert box.toolTip().endswith("(Ctrl+2)")
+    window.shortcuts.choose("layer_contours", "Ctrl+Shift+F9")
+    assert box.toolTip().endswith("(Ctrl+Shift+F9)")
+
+
+def test_all_preferences_have_a_row(window, dialog) -> None:
+    assert {preference.label for preference in PREFERENCES} <= set(dialog.rows)
+
+
+def test_another_unit_is_shown_at_once(window, hand, monkeypatch) -> None:
+    session = window.session
+    image = replace(session.image, spacing=(0.5, 0.5), unit="µm")
+    monkeypatch.setattr(type(session), "image", property(lambda self: image))
+    window.pointer_readout._show((10.0, 20.0))
+    assert "5 µm" in window.pointer_readout.text()
+    window.preferences.choose(UNIT, "nm")
+    window.pointer_readout._show((10.0, 20.0))
+    assert "5000 nm" in window.pointer_readout.text()
+    window.preferences.choose(UNIT, "px")
+    window.pointer_readout._show((10.0, 20.0))
+    assert "µm" not in window.pointer_readout.text()
+
+
+def test_buttons_of_dialogs_have_no_icons_of_another_style(dialog) -> None:
+    for box in dialog.findChildren(QDialogButtonBox):
+        assert all(button.icon().isNull() for button in box.buttons())
