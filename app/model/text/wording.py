@@ -26,8 +26,8 @@ _FORCES = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>
 FORMULAS: Mapping[str, str] = MappingProxyType(
     {
         "reach": tr("at most {law} beyond a junction").format(law="<i>r</i>"),
-        "weakest_edge": tr("reached where {law}").format(
-            law="<i>f</i> ≥ <i>f</i><sub>first</sub> · median <i>f</i> around the start"),
+        "weakest_edge": tr("reached where {law} around the start").format(
+            law="<i>f</i> ≥ <i>f</i><sub>first</sub> · median <i>f</i>"),
         "beta": _FORCES,
         "ratio": "<i>F</i> = <i>w</i>₂ [(<i>w</i>₁/<i>w</i>₂) <i>F</i><sub>c</sub> + <i>F</i><sub>l</sub>] − <i>β</i> "
                  "<i>v</i>",

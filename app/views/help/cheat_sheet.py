@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QKeyEvent, QKeySequence
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QDialog,
     QFrame,
@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 
 from app.model.text.language import tr
 from app.views.widgets.action_spec import LAYER, ActionSpec
+from app.views.widgets.key_text import native
 from app.views.window.keys.panel_action import PanelAction
 from app.views.window.menus import MENUS
 
@@ -122,12 +123,12 @@ def groups(window: QMainWindow, specs: Iterable[ActionSpec]) -> list[tuple[str, 
     found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in titles}
     for spec in specs:
         if spec.shortcuts:
-            keys = tuple(_shown(key) for key in spec.shortcuts[:2])
+            keys = tuple(native(key) for key in spec.shortcuts[:2])
             group = spec.menu.partition(">")[0]
             group = _TOOLS if spec.group == "tool" else _LAYERS if spec.name.startswith(LAYER) else group
             found[group].append((keys, _plain(spec.text)))
     keyed = [action for action in window.findChildren(PanelAction) if not action.shortcut().isEmpty()]
-    panels = [((_shown(action.shortcut().toString()),), action.text()) for action in keyed]
+    panels = [((native(action.shortcut().toString()),), action.text()) for action in keyed]
     for rows in (panels, found[_LAYERS]):
         rows.sort(key=lambda row: _order(row[0][0]))
     sections = (
@@ -186,11 +187,6 @@ def _block(title: str, lines: KeyTable) -> QWidget:
     grid.setColumnMinimumWidth(0, _KEYS)
     grid.setColumnStretch(1, 1)
     return block
-
-
-def _shown(key: str) -> str:
-    """A key in the notation of the operating system."""
-    return QKeySequence(key).toString(QKeySequence.SequenceFormat.NativeText)
 
 
 def _plain(text: str) -> str:

@@ -14,6 +14,7 @@ from app.model.text.assets import asset
 from app.model.text.language import tr
 from app.views.help.guide_pages import PAGES, Page
 from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.key_text import native
 
 _SIZE = QSize(780, 640)
 _PICTURE = 300
@@ -94,14 +95,14 @@ class Guide(QDialog):
     def _action(self, name: str) -> str:
         spec = self._specs[name]
         words = html.escape(spec.text.replace("&", "").rstrip("…"))
-        keys = f" ({html.escape(spec.shortcuts[0])})" if spec.shortcuts else ""
+        keys = f" ({html.escape(native(spec.shortcuts[0]))})" if spec.shortcuts else ""
         return f"<b>{words}</b>{keys}"
 
     def _keys(self) -> str:
         cell = "<td style='padding: 2px 14px 2px 0'>"
         rows = [
-            f"<tr>{cell}<b>{html.escape(tr(' or ').join(spec.shortcuts[:2]))}</b></td>{cell}{html.escape(spec.tip)}"
-            "</td></tr>"
+            f"<tr>{cell}<b>{html.escape(tr(' or ').join(map(native, spec.shortcuts[:2])))}</b></td>"
+            f"{cell}{html.escape(spec.tip)}</td></tr>"
             for spec in self._specs.values()
             if spec.shortcuts
         ]

@@ -11,6 +11,7 @@ from app.model.text.language import tr
 from app.views.canvas.layers import Layers, form_of
 from app.views.canvas.layers.layer import Layer
 from app.views.theme.icons import swatch
+from app.views.widgets.key_text import native
 from app.views.widgets.marked_slider import MarkedSlider
 
 _FOLD, _OPACITY = 18, 84
@@ -103,7 +104,7 @@ class LayerRow(QWidget):
 
     def show_key(self, key: str) -> None:
         """Name the key in the tooltip."""
-        self.box.setToolTip(f"{self.layer.tip} ({key})" if key else self.layer.tip)
+        self.box.setToolTip(f"{self.layer.tip} ({native(key)})" if key else self.layer.tip)
 
     def _make_box(self) -> QCheckBox:
         layer = self.layer

@@ -124,8 +124,11 @@ def _palette(theme: Theme) -> QPalette:
     }
     for key, color in colors.items():
         palette.setColor(key, QColor(color))
+    disabled = QPalette.ColorGroup.Disabled
     for key in (role.WindowText, role.Text, role.ButtonText):
-        palette.setColor(QPalette.ColorGroup.Disabled, key, QColor(theme.faded))
+        palette.setColor(disabled, key, QColor(theme.faded))
+    for key in (role.Base, role.Button):
+        palette.setColor(disabled, key, QColor(theme.window))
     return palette
 
 
@@ -240,8 +243,8 @@ def _controls(theme: Theme) -> str:
     QDockWidget QToolButton#preset:hover, QFrame#popup QToolButton:hover,
     QDockWidget QToolButton#preset:focus, QFrame#popup QToolButton:focus {{ border-color: {theme.accent}; }}
     QFrame#popup QToolButton:disabled {{ color: {theme.faded}; }}
-    QComboBox:disabled, QAbstractSpinBox:disabled, QLineEdit:disabled, QPushButton:disabled,
-    QDockWidget QToolButton:disabled {{ background: {theme.window}; color: {theme.faded}; }}
+    QPushButton:disabled, QDockWidget QToolButton#preset:disabled, QFrame#popup QToolButton:disabled {{
+        background: {theme.window}; color: {theme.faded}; }}
     QDialogButtonBox, QMessageBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
     QMessageBox QLabel#qt_msgbox_label {{ font-weight: 600; min-width: 320px; }}
     QMessageBox QLabel#qt_msgbox_informativelabel {{ min-width: 320px; }}

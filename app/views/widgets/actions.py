@@ -12,6 +12,7 @@ from app.model.state.situation import Situation
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import STATE, TOGGLE, ActionSpec
+from app.views.widgets.key_text import native
 
 PRIMARY = "run"
 """The action whose button has the accent color."""
@@ -102,5 +103,5 @@ class Actions:
 
 def tooltip(text: str, spec: ActionSpec) -> str:
     """Name, key and tip of an action in one line."""
-    keys = f" ({spec.shortcuts[0]})" if spec.shortcuts else ""
+    keys = f" ({native(spec.shortcuts[0])})" if spec.shortcuts else ""
     return f"{text.replace('&', '').rstrip('…')}{keys}: {spec.tip}"

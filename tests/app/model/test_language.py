@@ -15,6 +15,11 @@ from pathlib import Path
 
 import pytest
 
+from app.__main__ import CANNOT_OPEN, main
+from app.model.text import language
+from app.session.storage.preferences import Preferences
+from app.views.window import display
+
 ROOT = Path(__file__).parents[3]
 SOURCES = sorted((ROOT / "app").rglob("*.py"))
 
@@ -116,6 +121,71 @@ def test_the_tools_of_gettext_read_the_template(template, tmp_path) -> None:
     assert done.returncode == 0, done.stderr
     with (tmp_path / "cpm.mo").open("rb") as stream:
         assert gettext.GNUTranslations(stream).gettext("Damping") == "Damping"
+
+
+LANGUAGES = ROOT / "assets" / "languages"
+CATALOGS = sorted(LANGUAGES.glob("*/LC_MESSAGES/cpm.mo"))
+
+MISSING = 0.05
+"""Largest part of the sentences that may wait for their translation; ``update.py`` lists them."""
+
+
+@pytest.fixture
+def update(monkeypatch):
+    """The command that brings translations up to date."""
+    monkeypatch.syspath_prepend(str(LANGUAGES))
+    return importlib.import_module("update")
+
+
+def test_there_is_a_second_language() -> None:
+    assert "de" in {catalog.parents[1].name for catalog in CATALOGS}
+    assert language.languages()["de"] == "Deutsch"
+
+
+@pytest.mark.parametrize("catalog", CATALOGS, ids=lambda catalog: catalog.parents[1].name)
+def test_a_translation_is_nearly_complete_and_keeps_all_placeholders(update, catalog) -> None:
+    assert list(update.wrong(catalog)) == []
+    assert len(update.lacking(catalog)) <= MISSING * len(update.sentences())
+
+
+@pytest.mark.skipif(shutil.which("msgfmt") is None, reason="gettext is not there")
+@pytest.mark.parametrize("catalog", CATALOGS, ids=lambda catalog: catalog.parents[1].name)
+def test_a_catalog_is_made_from_its_translation(update, catalog, tmp_path) -> None:
+    again = tmp_path / "cpm.mo"
+    subprocess.run(["msgfmt", "-o", str(again), str(catalog.with_suffix(".po"))], check=True)
+    made, kept = update.translation(again), update.translation(catalog)
+    assert all(made.gettext(said) == kept.gettext(said) for said in update.sentences())
+
+
+def test_what_lacks_a_translation_stays_english_and_is_listed(update, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(update, "sentences", lambda: {"Force": [], "No such sentence {count}": []})
+    monkeypatch.setattr("sys.argv", ["update.py", "--check"])
+    assert update.main() == 1
+    assert "de: not translated: No such sentence {count}" in capsys.readouterr().out
+    language.use_language("de")
+    assert language.language() == "de"
+    assert language.tr("Force") == "Kraft"
+    assert language.tr("No such sentence {count}") == "No such sentence {count}"
+    language.use_language("en")
+    assert language.tr("Force") == "Force"
+
+
+@pytest.mark.parametrize("other", ["Stopp", "Halt {amount}", "Halt {count}…"])
+def test_a_translation_with_other_placeholders_or_dots_is_told(update, monkeypatch, other) -> None:
+    monkeypatch.setattr(update, "sentences", lambda: {"Stop {count}": []})
+    catalog = gettext.NullTranslations()
+    monkeypatch.setattr(catalog, "gettext", lambda said: other)
+    monkeypatch.setattr(update, "translation", lambda path: catalog)
+    assert len(list(update.wrong(Path("cpm.mo")))) == 1
+
+
+def test_the_preferred_language_is_in_use_before_the_window_is_loaded(qapp, monkeypatch) -> None:
+    Preferences().put(language.KEY, "de")
+    seen = []
+    monkeypatch.setattr(display, "why_no_window", lambda: seen.append(language.language()) or "no window")
+    assert main([]) == CANNOT_OPEN
+    assert seen == ["de"]
+    language.use_language("en")
 
 
 IN_BRACKETS = """

@@ -10,6 +10,7 @@ from PySide6.QtGui import QAction, QKeySequence
 from app.model.preferences import shortcuts
 from app.model.preferences.shortcuts import Keyed
 from app.session.storage.preferences import Preferences
+from app.views.widgets.key_text import portable
 
 Apply = Callable[[tuple[str, ...]], None]
 """Gives an action its keys."""
@@ -84,13 +85,3 @@ class Shortcuts(QObject):
 def use_keys(action: QAction, keys: Sequence[str]) -> None:
     """Give an action of Qt its keys."""
     action.setShortcuts([QKeySequence(key) for key in keys])
-
-
-def portable(key: str) -> str:
-    """A key in the notation that is the same on all systems."""
-    return QKeySequence(key).toString(QKeySequence.SequenceFormat.PortableText)
-
-
-def native(keys: Sequence[str]) -> str:
-    """Keys in the notation of the operating system."""
-    return ", ".join(QKeySequence(key).toString(QKeySequence.SequenceFormat.NativeText) for key in keys)

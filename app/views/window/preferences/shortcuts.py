@@ -19,7 +19,8 @@ from PySide6.QtWidgets import (
 
 from app.model.preferences.shortcuts import refusal
 from app.model.text.language import tr
-from app.views.window.keys.shortcuts import Shortcuts, native
+from app.views.widgets.key_text import native, natives
+from app.views.window.keys.shortcuts import Shortcuts
 
 _NAME = Qt.ItemDataRole.UserRole
 
@@ -111,7 +112,7 @@ class ShortcutsPage(QWidget):
 
     def _show_keys(self) -> None:
         for name, item in self._items.items():
-            item.setText(1, native(self._shortcuts.keys(name)))
+            item.setText(1, natives(self._shortcuts.keys(name)))
         self._filter()
         self._show_current()
 
@@ -139,7 +140,7 @@ class ShortcutsPage(QWidget):
         if refused:
             self._say(refused)
         elif other is not None:
-            self._say(tr("{key} belongs to “{action}”.").format(key=native([key]), action=other.title), key)
+            self._say(tr("{key} belongs to “{action}”.").format(key=native(key), action=other.title), key)
         else:
             self._choose(key)
 
