@@ -109,7 +109,7 @@ class OtherResult(QObject):
         kept = next(other for other in self.choices if other.kind == "kept")
         if self._chosen is not None and self._chosen.kind == "kept":
             self._chosen = kept
-        self._session.say(tr("{name} can be compared with later results (Ctrl+D).").format(name=kept.title))
+        self._session.say(tr("{name} can be compared with later results.").format(name=kept.title))
         self.changed.emit()
 
     def near(self, scene: Scene) -> Scene:

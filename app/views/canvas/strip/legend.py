@@ -45,7 +45,7 @@ class Legend(QWidget):
         self.button.setText(tr("Legend"))
         self.button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.button.setToolTip(tr("Show or hide what the lines and dots mean (Alt+L)."))
+        self.button.setToolTip(tr("Show or hide what the lines and dots mean."))
         self.button.clicked.connect(lambda: self.fold(not self.folded))
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(6, 0, 6, 0)
