@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 CANNOT_OPEN = 2
+INTERRUPTED = 130
 
 _COMMANDS = frozenset({"run", "info", "batch", "skeleton", "bench", "figures"})
 
@@ -23,7 +24,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status; 2 when the window cannot be opened or the arguments are invalid.
     """
-    arguments = list(sys.argv[1:] if argv is None else argv)
+    try:
+        return _run(list(sys.argv[1:] if argv is None else argv))
+    except KeyboardInterrupt:  # while the libraries were loaded
+        print("cpm: interrupted; nothing was written.", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _run(arguments: Sequence[str]) -> int:
     if arguments and (arguments[0] in _COMMANDS or arguments[0].startswith("-")):
         from cpm_core import cli
 

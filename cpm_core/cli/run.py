@@ -26,12 +26,13 @@ from cpm_core.cli.arguments import (
 )
 from cpm_core.cli.batch.jobs import facts_of
 from cpm_core.cli.objects import add_objects, check_objects, choose, facts_of_object, sentence
-from cpm_core.cli.terminal import Progress, counted
+from cpm_core.cli.terminal import Progress, counted, written
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import export, left_out, load_image, load_points, suffix_of
+from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
@@ -118,17 +119,18 @@ def _run(arguments: argparse.Namespace) -> None:
         edges = edge_map(image.values, parameters.smoothing) if arguments.close == "edges" else None
         result = close_contours(result, edges)
     chosen = None
-    written = result
+    shown = result
     if arguments.object:
-        chosen, written = choose(result, image, arguments)
+        chosen, shown = choose(result, image, arguments)
     seconds = time.perf_counter() - started
-    export(written, *arguments.export, image=path, tell=_tell_omission)
-    missing = {file: left_out(written, suffix_of(file)) for file in arguments.export}
-    _report(result, chosen, seconds, missing, as_json=arguments.json)
+    export(shown, *arguments.export, image=path, tell=_tell_omission)
+    missing = {file: left_out(shown, suffix_of(file)) for file in arguments.export}
+    with written("the files were written before" if arguments.export else ""):
+        _report(result, chosen, seconds, missing, as_json=arguments.json)
 
 
 def _tell_omission(sentence: str) -> None:
-    print(f"cpm: {sentence} {_CURE}", file=sys.stderr, flush=True)
+    print(printable(f"cpm: {sentence} {_CURE}"), file=sys.stderr, flush=True)
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, tuple[str, ...]]:
@@ -230,4 +232,4 @@ def _report(
     print(f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s")
     print(f"Stopped: {result.stop_reason}")
     for path in written:
-        print(f"Wrote {path}")
+        print(printable(f"Wrote {path}"))

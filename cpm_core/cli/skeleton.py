@@ -16,8 +16,9 @@ from cpm_core.cli.arguments import (
     check_exports,
     parameters_of,
 )
-from cpm_core.cli.terminal import counted
+from cpm_core.cli.terminal import counted, written
 from cpm_core.formats import export, load_image
+from cpm_core.formats.printable import printable
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.parameters import PRESETS
@@ -74,10 +75,11 @@ def _skeleton(arguments: argparse.Namespace) -> None:
     found = skeleton(image, parameters, of=arguments.of, within=mask, outside=arguments.outside)
     seconds = time.perf_counter() - started
     export(found, *arguments.export)
-    _report(found, seconds, arguments.export, as_json=arguments.json)
+    with written("the files were written before" if arguments.export else ""):
+        _report(found, seconds, arguments.export, as_json=arguments.json)
 
 
-def _report(found: Skeleton, seconds: float, written: Sequence[str], *, as_json: bool) -> None:
+def _report(found: Skeleton, seconds: float, files: Sequence[str], *, as_json: bool) -> None:
     closed = sum(contour.closed for contour in found.contours)
     largest = max((float(radii.max()) for radii in found.radii), default=0.0)
     of = {-1: "dark", 0: "all", 1: "light"}[found.polarity]
@@ -102,5 +104,5 @@ def _report(found: Skeleton, seconds: float, written: Sequence[str], *, as_json:
         print(f"  {number}. length {contour.length:.1f} px, radius {radii.min():.1f} to {radii.max():.1f} px")
     if len(found.contours) > 10:
         print(f"  ... and {len(found.contours) - 10} shorter ones")
-    for path in written:
-        print(f"Wrote {path}")
+    for path in files:
+        print(printable(f"Wrote {path}"))

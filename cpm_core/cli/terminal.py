@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import io
+import os
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from types import TracebackType
 
+from cpm_core.formats.printable import printable
 from cpm_core.particles.state import State
 
 _REDRAW = 0.1  # [s] between two lines of progress
@@ -14,6 +19,36 @@ _REDRAW = 0.1  # [s] between two lines of progress
 def counted(number: int, noun: str) -> str:
     """Number and noun, as in "1 contour" and "2 contours"."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+@contextmanager
+def written(what: str) -> Iterator[None]:
+    """Let an interrupt within the block say that the work had been done; `what` says it in words."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(what) from None
+
+
+def say(sentence: str) -> None:
+    """Print a sentence to standard error, if anybody reads it."""
+    with suppress(OSError, ValueError):
+        print(printable(sentence), file=sys.stderr, flush=True)
+
+
+def take_any_character() -> None:
+    """Let characters that the terminal cannot show be written as numbers: they are no reason to fail."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def drop_output() -> None:
+    """Send what is left of the output nowhere, so that Python does not fail with it when it ends."""
+    with suppress(OSError, ValueError, AttributeError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
 
 
 class Progress:

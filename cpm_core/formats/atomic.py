@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
+import secrets
+import signal
+import stat
+import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+
+_ABANDONED = 600.0
+"""Age of a draft that nobody writes any more [s]: its writer was killed."""
 
 
 def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
@@ -14,27 +22,33 @@ def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
     Parameters
     ----------
     contents : sequence of (Path, bytes)
-        Where to, and what. Files that exist are replaced; through a link, the file that it points to.
+        Where to, and what. Files that exist are replaced and keep their rights; through a link, the file that it points
+        to. An interrupt (Ctrl+C) that comes while files are renamed waits until all of them are.
 
     Raises
     ------
     ValueError
-        When one cannot be written; then none of them is changed, unless the very last move fails.
+        When one cannot be written, is read-only or not an ordinary file; then none of them is changed, unless the move
+        of a later one fails, which the message tells.
     """
     moves: list[tuple[Path, Path]] = []
+    moved = 0
     try:
         for path, content in contents:
             target = path.resolve()
-            draft = target.with_name(f".{target.name}.{os.getpid()}.{len(moves)}.part")
+            draft = _draft_beside(target)
             moves.append((draft, target))
             with draft.open("xb") as stream:
                 stream.write(content)
-                stream.flush()
-                os.fsync(stream.fileno())
-        for draft, target in moves:
-            draft.replace(target)
+                _finish(stream.fileno(), target)
+        with _interrupts_put_off(len(moves)):
+            for draft, target in moves:
+                draft.replace(target)
+                moved += 1
     except OSError as error:
-        raise ValueError(f"{moves[-1][1]} cannot be written: {error.strerror or error}.") from error
+        target = moves[moved if moved else -1][1]
+        before = f" {moved} of {len(moves)} files were written before." if moved else ""
+        raise ValueError(f"{target} cannot be written: {error.strerror or error}.{before}") from error
     finally:
         for draft, _ in moves:
             with contextlib.suppress(OSError):
@@ -48,7 +62,7 @@ def draft_of(path: Path) -> Iterator[Path]:
     Parameters
     ----------
     path : Path
-        Where to. A file that exists is replaced; through a link, the file that it points to.
+        Where to. A file that exists is replaced and keeps its rights; through a link, the file that it points to.
 
     Yields
     ------
@@ -58,14 +72,14 @@ def draft_of(path: Path) -> Iterator[Path]:
     Raises
     ------
     ValueError
-        When it cannot be written.
+        When it cannot be written, is read-only or not an ordinary file.
     """
     target = path.resolve()
-    draft = target.with_name(f".{target.name}.{os.getpid()}.part")
+    draft = _draft_beside(target)
     try:
         yield draft
         with draft.open("rb+") as stream:
-            os.fsync(stream.fileno())
+            _finish(stream.fileno(), target)
         draft.replace(target)
     except OSError as error:
         raise ValueError(f"{target} cannot be written: {error.strerror or error}.") from error
@@ -80,7 +94,7 @@ def check_place(file: Path) -> None:
     Raises
     ------
     ValueError
-        When the path is a folder, or its folder does not exist or is not writable.
+        When the path is a folder, a device or a read-only file, or its folder does not exist or is not writable.
     """
     if file.is_dir():
         raise ValueError(f"{file} is a folder: name a file in it.")
@@ -88,3 +102,59 @@ def check_place(file: Path) -> None:
         raise ValueError(f"{file} cannot be written: there is no folder {file.parent}.")
     if not os.access(file.parent, os.W_OK):
         raise ValueError(f"{file} cannot be written: you have no permission to write into {file.parent}.")
+    _check_target(file.resolve())
+
+
+def _check_target(target: Path) -> os.stat_result | None:
+    """What is known of a target that exists; ValueError when it must not be replaced."""
+    try:
+        known = target.stat()
+    except OSError:
+        return None
+    if not stat.S_ISREG(known.st_mode):
+        raise ValueError(f"{target} is not an ordinary file and is not replaced: name another one.")
+    # the superuser may write everything, but a file that nobody may write is meant to stay
+    if not known.st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH) or not os.access(target, os.W_OK):
+        raise ValueError(f"{target} is read-only and is not replaced: make it writable, or name another one.")
+    return known
+
+
+def _draft_beside(target: Path) -> Path:
+    """A new name of fixed length for a draft of a target; drafts of it that have been left behind are removed."""
+    _check_target(target)
+    stem = f".cpm-{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
+    oldest = time.time() - _ABANDONED
+    with contextlib.suppress(OSError):
+        for left in target.parent.glob(f"{stem}-*.part"):
+            if left.stat().st_mtime < oldest:
+                left.unlink()
+    return target.with_name(f"{stem}-{secrets.token_hex(6)}.part")
+
+
+def _finish(descriptor: int, target: Path) -> None:
+    """Give a draft the rights of its target, and bring it to the disk."""
+    known = _check_target(target)
+    if known is not None and hasattr(os, "fchmod"):
+        os.fchmod(descriptor, stat.S_IMODE(known.st_mode))
+    os.fsync(descriptor)
+
+
+@contextlib.contextmanager
+def _interrupts_put_off(count: int) -> Iterator[None]:
+    """Let Ctrl+C wait until the end of the block, which moves `count` files; the interrupt then says so."""
+    before = signal.getsignal(signal.SIGINT)
+    came: list[int] = []
+    try:
+        if not callable(before):  # ignored, or not of Python
+            raise ValueError
+        signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    except ValueError:  # only the main thread is interrupted, and only it may change how
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if came:
+        files = "the file was" if count == 1 else f"all {count} files were"
+        raise KeyboardInterrupt(f"{files} written before")

@@ -14,6 +14,7 @@ from typing import Protocol
 
 from cpm_core.formats.images import foreign, numpy_array, raster, tiff
 from cpm_core.formats.images.decoded import Decoded, UnreadableError
+from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
 
 
@@ -76,7 +77,8 @@ def load_image(path: str | os.PathLike[str]) -> Image:
             f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
             "or save it again as PNG or TIFF."
         ) from error
-    return Image(decoded.values, decoded.spacing, decoded.unit, file.name, decoded.notes, decoded.colors)
+    name = printable(file.name)
+    return Image(decoded.values, decoded.spacing, decoded.unit, name, decoded.notes, decoded.colors)
 
 
 def _head(file: Path) -> bytes:

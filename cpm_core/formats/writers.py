@@ -8,6 +8,7 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -16,6 +17,7 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, svg
 from cpm_core.formats.masks import label_tiff, labels, nifti
+from cpm_core.formats.printable import printable
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _LOG = logging.getLogger(__name__)
@@ -170,7 +172,16 @@ def encoded(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -
     if suffix not in _WRITERS:
         raise ValueError(f'"{suffix}" names no format that can be written: choose one of {_known()}.')
     encode = _OUTLINES[suffix] if outlines and suffix in _OUTLINES else _WRITERS[suffix][1]
-    return encode(result)
+    return encode(_named(result))
+
+
+def _named(result: Result | Skeleton) -> Result | Skeleton:
+    """The result with names that every format can hold."""
+    contours = tuple(
+        contour if printable(contour.name) == contour.name else replace(contour, name=printable(contour.name))
+        for contour in result.contours
+    )
+    return replace(result, contours=contours, source=printable(result.source))
 
 
 def suffix_of(path: str | os.PathLike[str]) -> str:

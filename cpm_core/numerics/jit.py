@@ -11,17 +11,18 @@ not fit, which takes three seconds. Assign the elements one by one.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, TypeVar, cast
 
 import numba
 
 from cpm_core.numerics.jit_cache import cached_by_version
+from cpm_core.numerics.kept_loops import KeptLoop
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 _OPTIONS: dict[str, Any] = {
-    "cache": True,
     "nogil": True,
     "error_model": "numpy",
     "fastmath": {"reassoc", "contract", "arcp", "nsz"},
@@ -30,8 +31,7 @@ _OPTIONS: dict[str, Any] = {
 
 def compiled(function: _Function) -> _Function:
     """Compile a loop over arrays on its first call."""
-    with cached_by_version():
-        return cast(_Function, numba.njit(**_OPTIONS)(function))
+    return cast(_Function, _kept(numba.njit(**_OPTIONS)(function), function))
 
 
 def inlined(function: _Function) -> _Function:
@@ -40,5 +40,12 @@ def inlined(function: _Function) -> _Function:
     A call passes every array and counts its references, which takes tens of nanoseconds: inlining pays where the
     function itself takes no longer. It is compiled again at every place that calls it, so call it in one loop.
     """
-    with cached_by_version():
-        return cast(_Function, numba.njit(inline="always", **_OPTIONS)(function))
+    return cast(_Function, _kept(numba.njit(inline="always", **_OPTIONS)(function), function))
+
+
+def _kept(loop: Any, function: Callable[..., Any]) -> Any:
+    """A loop that is cached on disk, where that is possible; the function itself where nothing is compiled."""
+    if hasattr(loop, "py_func"):
+        with cached_by_version(), suppress(RuntimeError, OSError):  # no folder can be written to
+            loop._cache = KeptLoop(function)
+    return loop

@@ -15,7 +15,7 @@ import re
 import shutil
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -28,6 +28,12 @@ _IMPORT = re.compile(r"^(?:from ([\w.]+) )?import (\([^)]*\)|.*)", re.MULTILINE)
 _SETTINGS: Any = numba.config  # its names are made when it is loaded, so that type checkers do not know them
 
 _PREFIX = "loops-"
+ASIDE = "aside-"
+"""Beginning of the name of a folder in which another process compiles."""
+
+_ABANDONED_HOURS = 1.0
+"""Hours after which the folder of another process is removed: that process was killed."""
+
 _UNUSED_DAYS = 30.0
 """Days after which the folder of another version is removed if no program has used it."""
 
@@ -51,6 +57,11 @@ def cached_by_version() -> Iterator[None]:
 def folder_of_this_package() -> Path | None:
     """Cache folder of this program's loops; None where Numba chooses."""
     return folder(Path(__file__).parents[1], _SETTINGS.CACHE_DIR)
+
+
+def has_loops(kept: Path) -> bool:
+    """Whether a folder holds compiled loops; those that other processes make aside do not count."""
+    return any(not index.relative_to(kept).parts[0].startswith(ASIDE) for index in kept.rglob("*.nbi"))
 
 
 def take_over(aside: Path, kept: Path) -> None:
@@ -136,15 +147,16 @@ def folder(package: Path, chosen: str) -> Path | None:
         os.utime(made)  # in use
     except (OSError, RuntimeError):  # no home, or one that cannot be written to: Numba has folders of its own
         return None
+    _remove_old(made.glob(f"{ASIDE}*"), _ABANDONED_HOURS / 24.0)
     if is_new:
-        _remove_unused(made)
+        _remove_old((other for other in made.parent.glob(f"{_PREFIX}*") if other != made), _UNUSED_DAYS)
     return made
 
 
-def _remove_unused(kept: Path) -> None:
-    """Remove the folders of other versions that have not been used for long."""
-    oldest = time.time() - _UNUSED_DAYS * 86400.0
-    for other in kept.parent.glob(f"{_PREFIX}*"):
+def _remove_old(folders: Iterable[Path], days: float) -> None:
+    """Remove folders that have not been used for so long."""
+    oldest = time.time() - days * 86400.0
+    for other in folders:
         with suppress(OSError):  # another program may be removing it as well
-            if other != kept and other.stat().st_mtime < oldest:
+            if other.stat().st_mtime < oldest:
                 shutil.rmtree(other)

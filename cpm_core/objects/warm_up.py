@@ -49,7 +49,7 @@ def warm_up(canceled: Callable[[], bool] = lambda: False) -> None:
     cache; later it loads them. When `canceled()` becomes true the other processes are ended and nothing else is done.
     """
     folder = jit_cache.folder_of_this_package()
-    if folder is not None and cores() > 1 and not any(folder.rglob("*.nbi")):
+    if folder is not None and cores() > 1 and not jit_cache.has_loops(folder):
         _compile_aside(folder, canceled)
     if canceled():
         return
@@ -98,7 +98,7 @@ def end_with_the_caller() -> None:
 
 def _compile_aside(folder: Path, canceled: Callable[[], bool]) -> None:
     """Compile in other processes and copy their caches; what they cannot compile is compiled by the caller."""
-    asides = [folder / f"aside-{os.getpid()}-{part.__name__}" for part in (step_once, reconstruct_once)]
+    asides = [folder / f"{jit_cache.ASIDE}{os.getpid()}-{part.__name__}" for part in (step_once, reconstruct_once)]
     processes = []
     try:
         for part, aside in zip((step_once, reconstruct_once), asides, strict=True):

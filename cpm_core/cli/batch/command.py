@@ -15,15 +15,19 @@ from cpm_core.cli.arguments import add_json, add_parameters, add_session, as_num
 from cpm_core.cli.batch.jobs import Done, Job
 from cpm_core.cli.batch.summary import NAME, Row, Summary, now
 from cpm_core.cli.batch.workers import elsewhere, here
-from cpm_core.cli.terminal import Count, counted
+from cpm_core.cli.terminal import Count, counted, written
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.atomic import write_together
+from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import fingerprint, load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes.document_shapes import starts_of
 
 FAILED = 1
 """Exit status when some images failed."""
+
+_LONGEST = 200
+"""Longest part of an image's name that is taken into those of its files [bytes]."""
 
 _STANDARD = (".svg", ".csv", ".png")
 
@@ -95,13 +99,14 @@ def _batch(arguments: argparse.Namespace) -> int:
                 summary.add(done.number, row)
                 progress.advance()
                 for sentence in filter(None, (row.trouble, *row.notes)):
-                    progress.message(f"cpm: {image}: {sentence}")
+                    progress.message(printable(f"cpm: {image}: {sentence}"))
     except KeyboardInterrupt:
         summary.write()
         finished = f"{len(summary.rows)} of {counted(len(paths), 'image')} were done, and their files are complete"
         raise KeyboardInterrupt(f"{finished}; the same command does the others") from None
     summary.write()
-    _report(list(summary.rows.values()), output, time.perf_counter() - began, as_json=arguments.json)
+    with written(f"all {counted(len(paths), 'image')} were done"):
+        _report(list(summary.rows.values()), output, time.perf_counter() - began, as_json=arguments.json)
     return FAILED if any(row.trouble for row in summary.rows.values()) else 0
 
 
@@ -156,7 +161,7 @@ def _stems(images: Sequence[str], known: Mapping[int, Row], taken: set[str], suf
     for number, image in enumerate(images):
         if number in known:
             continue
-        stem = first = f"{Path(image).stem}_contours"
+        stem = first = f"{_short(Path(image).stem)}_contours"
         count = 1
         while any(f"{stem}{suffix}".lower() in taken for suffix in suffixes):
             count += 1
@@ -164,6 +169,11 @@ def _stems(images: Sequence[str], known: Mapping[int, Row], taken: set[str], suf
         taken |= {f"{stem}{suffix}".lower() for suffix in suffixes}
         stems[number] = stem
     return stems
+
+
+def _short(stem: str) -> str:
+    """The beginning of a name that leaves room for what is added to it; file systems allow 255 bytes."""
+    return printable(stem).encode()[:_LONGEST].decode(errors="ignore")
 
 
 def _report(every: Sequence[Row], output: Path, seconds: float, *, as_json: bool) -> None:
@@ -184,6 +194,6 @@ def _report(every: Sequence[Row], output: Path, seconds: float, *, as_json: bool
         return
     for row in every:
         if not row.trouble:
-            print(f"{row.image}: {counted(int(str(row.facts['contours'])), 'contour')}")
+            print(f"{printable(row.image)}: {counted(int(str(row.facts['contours'])), 'contour')}")
     failures = f", {failed} failed" if failed else ""
-    print(f"{counted(len(every), 'image')} in {seconds:.1f} s{failures}; wrote {output / NAME}")
+    print(printable(f"{counted(len(every), 'image')} in {seconds:.1f} s{failures}; wrote {output / NAME}"))

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cpm_core.formats.atomic import write_together
+from cpm_core.formats.printable import cell, printable, text_of_cell
 from cpm_core.formats.provenance import VERSION
 from cpm_core.formats.sessions.session_file import fingerprint
 
@@ -113,12 +114,13 @@ class Summary:
         """
         names = {Path(row.image).name for row in self._earlier}
         for number, image in enumerate(self._images):
-            if Path(image).name not in names:
+            name = printable(Path(image).name)
+            if name not in names:
                 continue
             wanted = (fingerprint(Path(image)), session_sha256, settings, VERSION)
             for row in self._earlier:
                 known = (row.image_sha256, row.session_sha256, row.settings, row.version)
-                if not row.trouble and wanted == known and Path(row.image).name == Path(image).name and self._has(row):
+                if not row.trouble and wanted == known and Path(row.image).name == name and self._has(row):
                     self._earlier.remove(row)
                     self._rows[number] = row
                     break
@@ -126,7 +128,7 @@ class Summary:
 
     def taken(self) -> set[str]:
         """Names of files, in lower case, that belong to other images than those of this batch, or are done."""
-        own = {Path(image).absolute() for image in self._images}
+        own = {Path(printable(image)).absolute() for image in self._images}
         others = [row for row in self._earlier if Path(row.image).absolute() not in own]
         return {name.lower() for row in (*others, *self._rows.values()) for name in row.files}
 
@@ -138,7 +140,7 @@ class Summary:
 
     def write(self) -> None:
         """Write the table: the rows of this batch, and earlier ones of other images."""
-        own = {self._images[number] for number in self._rows}
+        own = {printable(self._images[number]) for number in self._rows}
         rows = [row for row in self._earlier if row.image not in own]
         write_together([(self._path, _table([*rows, *(self._rows[number] for number in sorted(self._rows))]))])
         self._due = time.monotonic() + _EVERY
@@ -155,16 +157,21 @@ class Summary:
 def _rows(path: Path) -> list[Row]:
     """Rows of a table; none where there is no table yet."""
     try:
-        text = path.read_text("utf-8", "surrogateescape")
+        text = path.read_text("utf-8")
     except FileNotFoundError:
         return []
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from error
+    except UnicodeDecodeError:
+        raise ValueError(f"{path} is damaged: remove it, or choose another folder.") from None
     lines = list(csv.DictReader(io.StringIO(text, newline="")))
     if lines and "image" not in lines[0]:
         raise ValueError(f"{path} is not the table of a batch, and would be replaced: choose another folder.")
     try:
-        return [_row({name: value or "" for name, value in line.items() if name in _COLUMNS}) for line in lines]
+        return [
+            _row({name: text_of_cell(value or "") for name, value in line.items() if name in _COLUMNS})
+            for line in lines
+        ]
     except ValueError:
         raise ValueError(f"{path} is damaged: remove it, or choose another folder.") from None
 
@@ -183,5 +190,6 @@ def _table(rows: Sequence[Row]) -> bytes:
     for row in rows:
         lists = {"files": _SEPARATOR.join(row.files), "notes": _SEPARATOR.join(row.notes)}
         plain = {name: getattr(row, name) for name in _COLUMNS if name not in (*_FACTS, *lists)}
-        table.writerow({**plain, **lists, **row.facts})
-    return text.getvalue().encode("utf-8", "surrogateescape")
+        line = {**plain, **lists, **row.facts}
+        table.writerow({name: cell(value) if isinstance(value, str) else value for name, value in line.items()})
+    return text.getvalue().encode()

@@ -113,7 +113,7 @@ def _result(future: Any, number: int) -> Done:
 def _compile_once() -> None:
     """Compile the loops once if they are not in the cache of this computer, before every process does it."""
     folder = jit_cache.folder_of_this_package()
-    if folder is not None and not any(folder.rglob("*.nbi")):
+    if folder is not None and not jit_cache.has_loops(folder):
         warm_up()
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from cpm_core.contours.contour import numbers_of
 from cpm_core.contours.measurements import contour_labels, measure
 from cpm_core.contours.result import Result
+from cpm_core.formats.printable import cell
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _ASCII_UNIT = {"µm": "um"}  # spreadsheets often take a header with other letters for a wrong encoding
@@ -52,7 +53,7 @@ def encode(result: Result | Skeleton) -> bytes:
             if not branched:
                 line.append(contrast)
             if named:
-                line += [contour.name, contour.color]
+                line += [cell(contour.name), contour.color]
             if edited:
                 line.append(f"{contour.length_by_hand:.4f}")
             if isinstance(result, Skeleton):
@@ -88,7 +89,7 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     lines: list[list[object]] = []
     for contour, row in zip(result.contours, measure(result.contours, result.spacing), strict=True):
         contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
-        line = [row.number, row.label, row.name, row.color, str(row.closed).upper(), row.junctions, row.inside]
+        line = [row.number, row.label, cell(row.name), row.color, str(row.closed).upper(), row.junctions, row.inside]
         line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}", f"{row.area:.4f}", f"{row.net_area:.4f}"]
         if result.unit:
             line += [f"{row.length_in_units:.7g}", f"{row.area_in_units:.7g}", f"{row.net_area_in_units:.7g}"]

@@ -17,6 +17,7 @@ from cpm_core.contours.contour import Contour, present_names
 from cpm_core.formats.contours import contour_json
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.json_text import PIXEL
+from cpm_core.formats.printable import text_of_cell
 from cpm_core.numerics.types import Array
 
 CONTOURS_READABLE: dict[str, str] = {
@@ -120,7 +121,7 @@ def _table(name: str, text: str) -> ContourFile:
                 [(float(row["row"]), float(row["col"])) for row in vertices],
                 first["closed"].strip().upper() == "TRUE",
                 strength=float(first.get("strength") or 0.0),
-                name=first.get("name") or "",
+                name=text_of_cell(first.get("name") or ""),
                 color=first.get("color") or "",
             )
         )

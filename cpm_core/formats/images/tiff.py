@@ -56,25 +56,25 @@ def read(path: Path) -> Decoded:
             raise UnreadableError(f"{path.name} is a volume: save one plane of it as an image of its own.")
         spacing, unit = _spacing(file, page)
         turn = _number(page, "Orientation", 1)
-        if page.photometric in _KNOWN_LEVELS and page.compression not in _BY_PILLOW:
-            decoded = _pixels(page, path.name)
-            notes = (*decoded.notes, *_page_notes(file))
-            return upright(replace(decoded, spacing=spacing, unit=unit, notes=notes), turn)
-        decoded = _by_pillow(page, path)
+        direct = page.photometric in _KNOWN_LEVELS and page.compression not in _BY_PILLOW
+        shown = None if direct else _by_pillow(page, path)
+        decoded = _pixels(page, path.name) if shown is None else shown
         notes = (*decoded.notes, *_page_notes(file))
+        if shown is None:
+            return upright(replace(decoded, spacing=spacing, unit=unit, notes=notes), turn)
         # Pillow has turned the pixels; the size of a pixel turns with them
         turned = upright(Decoded(np.empty((0, 0)), spacing, unit, notes), turn)
         return replace(turned, values=decoded.values, channels=decoded.channels, white=decoded.white)
 
 
-def _by_pillow(page: tifffile.TiffPage, path: Path) -> Decoded:
-    """Gray levels of a page of a kind that Pillow knows, upright; else tifffile tries it."""
+def _by_pillow(page: tifffile.TiffPage, path: Path) -> Decoded | None:
+    """Gray levels of a page, upright; None for a kind that Pillow does not know and tifffile may."""
     try:
         with _native_silence(), PIL.Image.open(path, formats=("TIFF",)) as picture:
             return raster.pixels(picture)
     except PIL.UnidentifiedImageError:
         if page.photometric in _KNOWN_LEVELS:
-            return _pixels(page, path.name)
+            return None
         raise UnreadableError(
             f"{path.name} is damaged or a TIFF of an uncommon kind: save it again as an uncompressed TIFF or as PNG."
         ) from None

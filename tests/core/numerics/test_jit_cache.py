@@ -29,7 +29,7 @@ def package(tmp_path):
     made = tmp_path / "cpm_core"
     (made / "numerics").mkdir(parents=True)
     (made / "__init__.py").touch()
-    for name in ("__init__.py", "jit.py", "jit_cache.py"):
+    for name in ("__init__.py", "jit.py", "jit_cache.py", "kept_loops.py"):
         shutil.copy(Path(cpm_core.__file__).parent / "numerics" / name, made / "numerics")
     (made / "inner.py").write_text(INNER.format(1.0))
     (made / "constants.py").write_text("FACTOR = 2.0\n")
@@ -184,3 +184,52 @@ def test_the_setting_of_numba_is_restored(monkeypatch):
         assert numba.config.CACHE_DIR == "elsewhere"
         raise ZeroDivisionError
     assert numba.config.CACHE_DIR == "as it was"
+
+
+def cut(content):
+    return content[: len(content) // 2]
+
+
+def spoiled(content):
+    """One byte in the middle, where the code is, is another one."""
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+@pytest.mark.parametrize(("suffix", "damage"), [(".nbi", cut), (".nbc", cut), (".nbc", spoiled)])
+def test_a_damaged_file_is_dropped_and_its_loop_compiled_and_kept_again(package, tmp_path, suffix, damage):
+    chosen = {"NUMBA_CACHE_DIR": str(tmp_path / "chosen")}
+    _, ours, *_ = run(package, **chosen)
+    files = list(ours.glob(f"*{suffix}"))
+    assert files
+    for file in files:
+        file.write_bytes(damage(file.read_bytes()))
+    assert run(package, **chosen)[0] == 22.0
+    value, *_, hits = run(package, **chosen)
+    assert (value, hits) == (22.0, 1)
+
+
+def test_loops_are_compiled_where_nothing_can_be_kept(package, tmp_path, monkeypatch):
+    (package / "outer.py").write_text(
+        "import numba.core.caching as caching\n\n"
+        "def full(*_):\n    raise OSError(28, 'No space left on device')\n\n"
+        f"caching.IndexDataCacheFile._save_data = full\n{OUTER}"
+    )
+    value, *_, hits = run(package, NUMBA_CACHE_DIR=str(tmp_path / "chosen"))
+    assert (value, hits) == (22.0, 0)
+
+
+def test_what_a_killed_process_has_left_is_no_kept_loop_and_is_removed(package, tmp_path):
+    kept = tmp_path / "chosen" / f"loops-{jit_cache.digest(package)}"
+    index = kept / "aside-77-step_once" / "loops-x" / "a.nbi"
+    fresh = kept / "aside-78-step_once"
+    index.parent.mkdir(parents=True)
+    fresh.mkdir()
+    index.touch()
+    assert not jit_cache.has_loops(kept)
+    os.utime(kept / "aside-77-step_once", (1.0, 1.0))
+    assert jit_cache.folder(package, str(tmp_path / "chosen")) == kept
+    assert list(kept.iterdir()) == [fresh]
+    (kept / "sub").mkdir()
+    (kept / "sub" / "b.nbi").touch()
+    assert jit_cache.has_loops(kept)

@@ -1,0 +1,29 @@
+"""Printable text: names of files and contours without what a terminal, a drawing or a spreadsheet would obey."""
+
+from __future__ import annotations
+
+import re
+
+_UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+"""Control characters, bytes of a name that are no UTF-8, and what XML does not allow."""
+
+_FORMULA = ("=", "+", "-", "@")
+"""Beginnings of a cell that spreadsheets compute."""
+
+_QUOTE = "'"
+
+
+def printable(text: str) -> str:
+    """Text in which each character that cannot be shown is a replacement character (U+FFFD)."""
+    return _UNPRINTABLE.sub("\ufffd", text)
+
+
+def cell(text: str) -> str:
+    """Text for a cell of a table, quoted where a spreadsheet would take it for a formula; see `text_of_cell`."""
+    shown = printable(text)
+    return _QUOTE + shown if shown.lstrip(_QUOTE).startswith(_FORMULA) else shown
+
+
+def text_of_cell(content: str) -> str:
+    """The text that `cell` has made a cell of."""
+    return content[1:] if content.startswith(_QUOTE) and content.lstrip(_QUOTE).startswith(_FORMULA) else content

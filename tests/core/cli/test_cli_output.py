@@ -1,0 +1,119 @@
+"""What the command line says: no terminal, pipe or full disk makes work that is done a failure."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+
+import cpm_core
+import cpm_core.cli
+from cpm_core.formats.sessions.session_file import SessionFile, save_session
+from cpm_core.shapes import Circle
+
+ROOT = Path(__file__).parents[3]
+posix = pytest.mark.skipif(sys.platform == "win32", reason="pipes, devices and signals are those of POSIX")
+
+
+@pytest.fixture
+def disk(tmp_path):
+    row, col = np.mgrid[:40, :40]
+    PIL.Image.fromarray((220 * (np.hypot(row - 20, col - 20) < 12)).astype(np.uint8)).save(tmp_path / "disk.png")
+    return tmp_path / "disk.png"
+
+
+def cpm(*arguments, **settings):
+    """The real command."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **settings.pop("environment", {})}
+    settings = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **settings}
+    command = [sys.executable, "-m", "app", *map(str, arguments)]
+    return subprocess.run(command, env=environment, check=False, **settings)
+
+
+@pytest.mark.parametrize("encoding", ["cp932", "gbk", "cp1251", "ascii"])
+def test_a_terminal_that_lacks_a_character_is_no_failure(disk, encoding, tmp_path):
+    image = disk.rename(tmp_path / "größe µm² 輪 é.png")
+    done = cpm("info", image, environment={"PYTHONIOENCODING": encoding})
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"40 rows" in done.stdout
+    done = cpm("info", tmp_path / "größe µm² 輪 é.txt", environment={"PYTHONIOENCODING": encoding})
+    assert done.returncode == 2
+    assert b"does not exist" in done.stderr and done.stderr.count(b"\n") == 1
+
+
+@posix
+def test_a_closed_pipe_ends_the_command_without_a_word(disk):
+    reading, writing = os.pipe()
+    os.close(reading)
+    for line, statuses in ((("info", disk), (141,)), (("--version",), (0, 141)), (("run", "--help"), (0, 141))):
+        done = cpm(*line, stdout=writing)
+        assert done.returncode in statuses  # argparse itself goes on
+        assert done.stderr == b""
+    os.close(writing)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is always full")
+def test_an_output_on_a_full_disk_is_told_in_one_line(disk):
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        done = cpm("info", disk, stdout=full)
+        assert (done.returncode, done.stderr) == (2, b"cpm: the output cannot be written: No space left on device.\n")
+        assert cpm("info", "none.png", stderr=full).returncode == 2
+
+
+@posix
+def test_an_interrupt_during_the_start_is_one_line(disk):
+    """Whenever it comes after Python itself has started, there is no traceback."""
+    program = (
+        "import os, signal, sys, threading\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "class Interrupt:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'cpm_core.cli.run':\n"
+        "            os.kill(os.getpid(), signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Interrupt())\n"
+        "from app.__main__ import main\n"
+        "sys.exit(main(['info', sys.argv[1]]))\n"
+    )
+    command = [sys.executable, "-c", program, str(disk)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "cpm: interrupted; nothing was written.\n")
+
+
+def test_an_interrupt_after_the_files_are_written_says_so(disk, command, tmp_path, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("cpm_core.cli.run._report", interrupted)
+    status, _, err = command("run", disk, "--circle", "20,20,8", "--max-steps", 5, "--export", tmp_path / "a.csv")
+    assert (status, err) == (130, "cpm: interrupted; the files were written before.\n")
+
+
+def test_the_version_is_told(capsys):
+    with pytest.raises(SystemExit) as stop:
+        cpm_core.cli.main(["--version"])
+    assert stop.value.code == 0
+    assert capsys.readouterr().out == f"cpm {cpm_core.__version__}\n"
+
+
+@posix
+@pytest.mark.parametrize("name", [os.fsdecode(b"caf\xe9.png"), "a\x1b[31m\nb.png", "=1+1.png", "n" * 251 + ".png"])
+def test_an_image_of_any_name_goes_through_a_run_and_a_batch(disk, command, tmp_path, name):
+    image = disk.rename(tmp_path / name)
+    save_session(SessionFile(shapes=(Circle((20.0, 20.0), 8.0),)), tmp_path / "a.cpm")
+    files = [tmp_path / f"out{suffix}" for suffix in (".svg", ".csv", ".json", ".labelme.json", ".geojson")]
+    status, out, err = command("run", image, "--circle", "20,20,8", "--max-steps", 40, "--export", *files)
+    assert status == 0
+    batch = ("batch", image, "--session", tmp_path / "a.cpm", "--output", tmp_path / "o", "--workers", 1)
+    status, batch_out, batch_err = command(*batch, "--max-steps", 40, "--export", "svg")
+    assert status == 0
+    said = out + err + batch_out + batch_err
+    assert "\x1b" not in said and not any("\ud800" <= letter <= "\udfff" for letter in said)
+    table = (tmp_path / "o" / "summary.csv").read_text("utf-8")
+    assert "\x1b" not in table and not any(line.startswith("=") for line in table.splitlines())
+    status, out, _ = command(*batch, "--max-steps", 40, "--export", "svg", "--json")
+    assert (status, json.loads(out)["done"]) == (0, 1)
+    assert len(list((tmp_path / "o").glob("*.svg"))) == 1
