@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
@@ -26,7 +27,7 @@ from app.views.features.run.parameters import ParametersFeature
 from app.views.features.run.run_control import RunControlFeature
 from app.views.features.view.appearance import AppearanceFeature
 from app.views.theme import theme
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
 from app.views.window.docking.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
@@ -34,7 +35,8 @@ from app.views.window.garbage import GarbageCollector
 from app.views.window.keys.areas import Areas
 from app.views.window.keys.keyboard import Keyboard
 from app.views.window.keys.shortcuts import Shortcuts, use_keys
-from app.views.window.menus import MENUS, Menus
+from app.views.window.menus.context_menus import ContextMenus
+from app.views.window.menus.menu_bar import MENUS, Menus
 from app.views.window.tool_bar import ToolBar
 from app.views.window.tool_palette import ToolPalette
 
@@ -84,7 +86,7 @@ class MainWindow(QMainWindow):
         self.areas = Areas(self.canvas_area.canvas, self.panels, self._reveal)
         self.docks = Docks(self, panels, self.areas)
         self.shortcuts = self._make_shortcuts()
-        self.menus.add_section("View", (*self.docks.actions, self._restore_action()))
+        self.context_menus = self._add_menus(specs)
         self._palette_of_tools = self._add_bars()
         self.pointer_readout = PointerReadout(session, self.canvas_area.canvas)
         self.zoom_field = ZoomField(self.canvas_area.canvas)
@@ -151,6 +153,20 @@ class MainWindow(QMainWindow):
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features
 
+    def _open_menu(self) -> None:
+        self.context_menus.open_by_key()  # and so are the menus
+
+    def _add_menus(self, specs: Sequence[ActionSpec | Submenu]) -> ContextMenus:
+        restore = QAction(tr("Restore pane&ls"), self)
+        restore.setStatusTip(tr("Move every panel to its initial place."))
+        restore.triggered.connect(self.docks.restore)
+        general = (*self.docks.actions, restore)
+        self.menus.add_section("View", general)
+        menus = ContextMenus(self, specs, self.actions_by_name, general)
+        menus.watch(self, *self.docks)
+        self.canvas_area.canvas.menu_wanted.connect(partial(menus.open_at, self.canvas_area))
+        return menus
+
     def _make_context(self) -> FeatureContext:
         return FeatureContext(
             window=self,
@@ -165,7 +181,7 @@ class MainWindow(QMainWindow):
             use_theme=self.use_theme,
             refresh=self.refresh,
             open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
-            show_menu=lambda name, at: self.menus[name].popup(at),  # the menus are made after the features
+            open_menu=self._open_menu,
         )
 
     def _make_shortcuts(self) -> Shortcuts:
@@ -194,12 +210,6 @@ class MainWindow(QMainWindow):
 
     def _show(self) -> None:
         self.actions_by_name.show(self.session.situation)
-
-    def _restore_action(self) -> QAction:
-        action = QAction(tr("Restore pane&ls"), self)
-        action.setStatusTip(tr("Move every panel to its initial place."))
-        action.triggered.connect(self.docks.restore)
-        return action
 
     def _restore_geometry(self) -> None:
         geometry = self.preferences.get(_GEOMETRY, QByteArray())

@@ -258,7 +258,7 @@ SAMPLES = (
         "Nuclei",
         nuclei,
         "automatic",
-        "Stained nuclei, some of which touch; particles start at their centers and nothing need be drawn.",
+        "Stained nuclei, some of which touch; particles start at their centers and nothing has to be drawn.",
     ),
     (
         "hand.png",

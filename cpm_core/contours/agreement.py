@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, sampled
 from cpm_core.contours.ground_truth import Truth
@@ -45,6 +46,32 @@ class Match:
     label: int
     contour: int | None
     dice: float
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectCounts:
+    """Counts of objects; one is found by a closed contour if their Jaccard index is above 1/2.
+
+    Attributes
+    ----------
+    found, missed : int
+        True objects with such a contour, and without.
+    extra : int
+        Closed contours that find no object.
+    merged : int
+        Those among them that contain more than half of each of two or more objects.
+    """
+
+    found: int
+    missed: int
+    extra: int
+    merged: int
+
+    @property
+    def average_precision(self) -> float:
+        """Found objects as a fraction of all that are found, missed or extra (AP at 0.5); 1 if there are none."""
+        count = self.found + self.missed + self.extra
+        return self.found / count if count else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +133,8 @@ class Comparison(Agreement):
         A without B, and B without A.
     matches : tuple of Match
         One for each object.
+    objects : ObjectCounts
+        How many objects have been found, missed and merged.
     """
 
     dice: float
@@ -115,6 +144,7 @@ class Comparison(Agreement):
     extra_area: Mask
     missing_area: Mask
     matches: tuple[Match, ...]
+    objects: ObjectCounts
 
 
 def agreement(contours: Sequence[Contour], others: Sequence[Contour], tolerance: float = TOLERANCE) -> Agreement:
@@ -173,6 +203,7 @@ def compare(
     found, true = inside(contours, truth.shape, holes=holes), truth.labels > 0
     common, either = int((found & true).sum()), int((found | true).sum())
     starts = np.cumsum([len(contour.points) for contour in contours])[:-1]
+    overlaps = _overlaps(contours, truth)
     return Comparison(
         **_boundaries(a, b, tolerance),
         dice=2.0 * common / (common + either) if either else 1.0,
@@ -181,7 +212,8 @@ def compare(
         missing=b.samples[a.tree.distances(b.samples) > tolerance],
         extra_area=found & ~true,
         missing_area=true & ~found,
-        matches=_matches(contours, truth),
+        matches=_matches(contours, overlaps),
+        objects=_counts(overlaps),
     )
 
 
@@ -244,13 +276,25 @@ def _share(distances: Array, tolerance: float) -> float:
     return float((distances <= tolerance).mean()) if len(distances) else 1.0
 
 
-def _matches(contours: Sequence[Contour], truth: Truth) -> tuple[Match, ...]:
-    """The best matching contour of each object."""
+def _overlaps(contours: Sequence[Contour], truth: Truth) -> NDArray[np.int64]:
+    """Number of pixels of each true object (rows) in each closed contour (columns); the first of both is background."""
     objects = truth.objects.astype(np.int64)
     found = paint(contours, truth.shape).astype(np.int64)
+    height, width = int(objects.max(initial=0)) + 1, sum(contour.closed for contour in contours) + 1
+    return np.bincount((objects * width + found).ravel(), minlength=height * width).reshape(height, width)
+
+
+def _counts(table: NDArray[np.int64]) -> ObjectCounts:
+    sizes, areas, common = table.sum(axis=1)[1:], table.sum(axis=0)[1:], table[1:, 1:]
+    either = sizes[:, None] + areas[None, :] - common
+    found = int((2 * common > either).sum())  # above 1/2 there is at most one contour for an object, and one for it
+    merged = int(((2 * common > sizes[:, None]).sum(axis=0) > 1).sum())
+    return ObjectCounts(found, int((sizes > 0).sum()) - found, int((areas > 0).sum()) - found, merged)
+
+
+def _matches(contours: Sequence[Contour], table: NDArray[np.int64]) -> tuple[Match, ...]:
+    """The best matching contour of each object."""
     closed = [index for index, contour in enumerate(contours) if contour.closed]
-    height, width = int(objects.max(initial=0)) + 1, len(closed) + 1
-    table = np.bincount((objects * width + found).ravel(), minlength=height * width).reshape(height, width)
     sizes, areas = table.sum(axis=1), table.sum(axis=0)
     matches = []
     for label in np.flatnonzero(sizes[1:]) + 1:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from app.model.display.round_numbers import short_text
 from app.model.document.document import Document
 from app.model.parameters.controls import Control, slider_range, value_of, with_value
 from app.model.text.language import tr
@@ -53,7 +54,7 @@ class Plan:
     def caption(self, tile: Tile) -> str:
         """The values of a tile as text."""
         down, across = self.down.control.symbol, self.across.control.symbol
-        return f"{down} = {tile.down:.3g}, {across} = {tile.across:.3g}"
+        return f"{down} = {short_text(tile.down)}, {across} = {short_text(tile.across)}"
 
 
 def plan(parameters: Parameters, down: Axis, across: Axis) -> Plan:
@@ -121,7 +122,7 @@ def read_values(control: Control, text: str) -> tuple[float, ...]:
 
 def in_text(values: tuple[float, ...]) -> str:
     """Values as text that `read_values` reads, with three digits."""
-    return ", ".join(f"{value:.3g}" for value in values)
+    return ", ".join(map(short_text, values))
 
 
 def _with(parameters: Parameters, first: Control, one: float, second: Control, other: float) -> Parameters:

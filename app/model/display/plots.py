@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from app.model.display.round_numbers import round_up
+from app.model.display.round_numbers import power_text, round_up, scientific_text
 from app.model.text.language import tr
 from cpm_core.dynamics.equilibrium import EPSILON
 from cpm_core.numerics.types import Array
@@ -69,7 +69,7 @@ class Axis:
     def labels(self) -> tuple[str, str]:
         """Its ends as text."""
         if self.logarithmic:
-            return tuple("1" if end == 0 else f"1e{end:.0f}" for end in (self.low, self.high))  # type: ignore[return-value]
+            return power_text(round(self.low)), power_text(round(self.high))
         return _figure(self.low), _figure(self.high)
 
 
@@ -129,7 +129,7 @@ PLOTS: tuple[Plot, ...] = (
     Plot(
         "epsilon",
         tr("ε"),
-        tr("ε of eq. (23), with the line under which a run may come to rest."),
+        tr("How much the particles still move (ε of eq. (23)); below the dashed line the run may come to rest."),
         (Series(tr("ε"), lambda metrics: metrics.epsilon, _ORANGE),),
         "logarithmic",
         EPSILON,
@@ -147,7 +147,7 @@ PLOTS: tuple[Plot, ...] = (
         tr("Potential"),
         tr(
             "Potential energy of all particles: in the field of the edges and of placed charges, and of near pairs. "
-            "Worked out every 8 steps, on large images only while this is shown."
+            "Computed every 8 steps, on large images only while this is shown."
         ),
         (Series(tr("potential energy"), lambda metrics: metrics.potential, _PURPLE),),
         "free",
@@ -161,7 +161,7 @@ PLOTS: tuple[Plot, ...] = (
     ),
     Plot(
         "changes",
-        tr("In and out"),
+        tr("Changes"),
         tr("Particles inserted and deleted in each step."),
         (
             Series(tr("inserted"), lambda metrics: metrics.born, _BLUE),
@@ -178,8 +178,10 @@ def figure(value: float) -> str:
         return "–"
     if value == round(value) and abs(value) < 1e6:
         return f"{value:.0f}"
-    return f"{value:.2e}" if abs(value) < 1e-3 or abs(value) >= 1e6 else f"{value:.4g}"
+    return scientific_text(value) if abs(value) < 1e-3 or abs(value) >= 1e6 else f"{value:.4g}"
 
 
 def _figure(value: float) -> str:
-    return f"{value:.0e}".replace("e+0", "e").replace("e+", "e") if abs(value) >= 1e5 else f"{value:.4g}"
+    if abs(value) >= 1e6:
+        return scientific_text(value)
+    return f"{value / 1000:g}k" if abs(value) >= 1e4 else f"{value:.4g}"

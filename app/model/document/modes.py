@@ -54,7 +54,7 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
         "automatic": ModeInfo(
             tr("&Automatic segmentation"),
             tr("Automatic"),
-            tr("Start everywhere and find all objects; nothing need be drawn."),
+            tr("Start everywhere and find all objects; nothing has to be drawn."),
             "automatic",
             "cpm",
             tr("Press Space to let the particles go from everywhere."),
@@ -62,7 +62,7 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
         "skeleton": ModeInfo(
             tr("S&keleton"),
             tr("Skeleton"),
-            tr("Find the middle lines of objects and how thick they are; nothing need be drawn."),
+            tr("Find the middle lines of objects and how thick they are; nothing has to be drawn."),
             "noisy",
             "skeleton",
             tr("Press Space to find the skeleton of what is in the image."),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -75,6 +76,11 @@ class Control:
     whole: bool = False
     moves: bool = False
     words: tuple[tuple[float, str], ...] = ()
+
+    @property
+    def decimals(self) -> int:
+        """Number of decimals of its values, two or as many as its increment has."""
+        return 0 if self.whole else max(2, -math.floor(math.log10(self.step)))
 
     @property
     def by_itself(self) -> str:

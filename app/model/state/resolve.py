@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from app.model.display.round_numbers import scientific_text
 from app.model.document.document import Document
 from app.model.document.modes import MODES, needs_start
 from app.model.document.naming import describe
@@ -172,7 +173,7 @@ def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
     epsilon = (
         "–"
         if math.isnan(status.epsilon)
-        else f"{status.epsilon:.2e}"
+        else scientific_text(status.epsilon)
         if status.epsilon < 1e-3
         else f"{status.epsilon:.4f}"
     )
@@ -181,11 +182,15 @@ def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
     return (
         (tr("Step"), shown(f"{status.step:,}"), tr("Steps taken over all scales.")),
         (tr("Particles"), shown(f"{status.count:,}"), tr("Free particles there are now.")),
-        (tr("Scale"), shown(scale), tr("Level of the image pyramid; 0 is the image itself.")),
+        (
+            tr("Scale"),
+            shown(scale),
+            tr("Level of the image pyramid; at 1:4 a pixel stands for 4 by 4."),
+        ),
         (
             "ε",
             shown(epsilon),
-            tr("Eq. (23): how far the particles' distances from the corner change over four steps; small at rest."),
+            tr("How much the particles still move, eq. (23); small at rest."),
         ),
         (
             tr("Contours"),
@@ -196,7 +201,7 @@ def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
         (
             tr("Bridged"),
             shown(_bridged(status)),
-            tr("Gaps in contours that were closed where the edge shows through faintly."),
+            tr("Gaps that were closed along a faint edge; see the parameter Maximum gap."),
         ),
     )
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from PySide6.QtCore import QObject
 
 from app.model.document import edits
+from app.model.document.changes import ChangeInWords
 from app.model.document.document import Document
 from app.model.document.naming import describe
 from app.model.text.language import tr
@@ -44,9 +45,9 @@ class Editing(SessionSignals):
         return self._history.redo_name
 
     @property
-    def changes(self) -> tuple[tuple[str, ...], int]:
-        """Names of all changes to the document, and how many of them are done; the others are undone."""
-        return self._history.names, self._history.done
+    def changes(self) -> tuple[tuple[ChangeInWords, ...], int]:
+        """All changes to the document in words, and how many of them are done; the others are undone."""
+        return self._history.changes, self._history.done
 
     def edit(self, name: str, edit: Callable[[Document], Document], gesture: str = "") -> None:
         """Change the document in a way that can be undone.

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
+from app.model.document.changes import ChangeInWords, in_words
 from app.model.document.document import Document
 
 DEEPEST = 500
@@ -20,6 +21,12 @@ class Change:
     before: Document
     after: Document
     gesture: str = ""
+    words: ChangeInWords = field(init=False)
+    """What has become what."""
+
+    def __post_init__(self) -> None:
+        # here, and not when the history is shown: that is after every step of a drag
+        object.__setattr__(self, "words", in_words(self.name, self.before, self.after))
 
 
 class History:
@@ -41,9 +48,9 @@ class History:
         return self._undone[-1].name if self._undone else ""
 
     @property
-    def names(self) -> tuple[str, ...]:
+    def changes(self) -> tuple[ChangeInWords, ...]:
         """All changes, the oldest first: those done, then those undone that can be done again."""
-        return (*(change.name for change in self._done), *(change.name for change in reversed(self._undone)))
+        return tuple(change.words for change in (*self._done, *reversed(self._undone)))
 
     @property
     def done(self) -> int:

@@ -60,6 +60,7 @@ class Latest(QObject):
         self._lock = threading.Lock()
         self._waiting: Mailbox[Callable[[], object]] = Mailbox()
         self._thread: threading.Thread | None = None
+        self._closed = False
 
     @property
     def idle(self) -> bool:
@@ -67,8 +68,10 @@ class Latest(QObject):
         return self._thread is None
 
     def ask(self, work: Callable[[], object]) -> None:
-        """Do this in place of work that is still waiting."""
+        """Do this in place of work that is still waiting; nothing is done any more once this is closed."""
         with self._lock:
+            if self._closed:  # its result would be emitted by an object that may have been deleted
+                return
             self._waiting.put(work)
             if self._thread is None:
                 self._thread = threading.Thread(target=self._work, name=self._name, daemon=True)
@@ -79,7 +82,9 @@ class Latest(QObject):
         self._waiting.take()
 
     def close(self) -> None:
-        """Drop waiting work and wait for the current one."""
+        """Drop waiting work, take no more, and wait for the current one."""
+        with self._lock:
+            self._closed = True
         self.forget()
         thread = self._thread
         if thread is not None:

@@ -21,6 +21,7 @@ from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
+from cpm_core.segmentation.large_images import LargeImageSettings
 from cpm_core.segmentation.method import Method, MethodState
 from cpm_core.shapes.image_starts import ImageSeeds
 
@@ -116,7 +117,8 @@ class Opened(Report):
     """An image is opened: it has been read, and a method is ready.
 
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
-    itself among them, and `beside` is a session of it that has not been opened with it.
+    itself among them, and `beside` is a session of it that has not been opened with it. `large` are settings for
+    an image that is large.
     """
 
     image: Image
@@ -130,6 +132,7 @@ class Opened(Report):
     scales: int = 1
     folder: tuple[Path, ...] = ()
     beside: Path | None = None
+    large: LargeImageSettings | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -74,7 +74,7 @@ class ContourLearning(QObject):
         """Begin or stop to sort contours by verdicts; an edit that can be undone."""
         if self.on:
             self._session.edit(tr("stop learning from verdicts"), marking.stop_learning)
-            self._session.say(tr("All contours count again but rejected ones."))
+            self._session.say(tr("All contours count again, except rejected ones."))
             return
         self._starting = True
         self._follow()

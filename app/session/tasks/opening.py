@@ -15,6 +15,7 @@ from app.session.tasks.tasks import Task, Tasks
 from cpm_core.formats.sessions.session_file import SUFFIX, find_image, fingerprint, load_session
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import Parameters
+from cpm_core.segmentation.large_images import large_image_settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,9 +67,11 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
     method = core.methods["cpm"](image, parameters, None)
     go_on()
+    large = large_image_settings(image.values)
+    go_on()
     all_notes, display = (*image.notes, *notes), display_of(image)
     return Opened(
-        image, method, display, path, parameters, all_notes, sha256, saved, scales, images_beside(path), beside
+        image, method, display, path, parameters, all_notes, sha256, saved, scales, images_beside(path), beside, large
     )
 
 

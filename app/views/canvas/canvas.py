@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
+from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
+from PySide6.QtWidgets import QApplication
 
 from app.model.text.language import tr
 from app.views.canvas.image_view import ImageView
@@ -17,6 +18,37 @@ REACH = 8.0
 ZOOM = 1.2
 
 
+class Panning:
+    """A drag that moves the image; one of the right button begins only when the pointer has moved."""
+
+    def __init__(self) -> None:
+        self._from: QPointF | None = None
+        self._still = False
+
+    @property
+    def active(self) -> bool:
+        """Whether the button is down."""
+        return self._from is not None
+
+    def begin(self, at: QPointF, at_once: bool) -> None:
+        """Begin at a point of the widget."""
+        self._from, self._still = at, not at_once
+
+    def move(self, to: QPointF) -> QPointF:
+        """By how much to pan [px of the screen]."""
+        assert self._from is not None
+        moved = self._from - to
+        if self._still and moved.manhattanLength() < QApplication.startDragDistance():
+            return QPointF()
+        self._from, self._still = to, False
+        return moved
+
+    def end(self) -> bool:
+        """End, and tell whether it was a click."""
+        self._from = None
+        return self._still
+
+
 class Canvas(ImageView):
     """Pans and zooms by the pointer, and passes the left button to the tool in use."""
 
@@ -25,6 +57,9 @@ class Canvas(ImageView):
 
     taken = Signal()
     """A button of the pointer has been pressed."""
+
+    menu_wanted = Signal(object)
+    """The right button was clicked at a point of the screen: QPoint."""
 
     def __init__(self, requests: Requests) -> None:
         super().__init__(requests)
@@ -38,7 +73,7 @@ class Canvas(ImageView):
         self._dragged: Tool | None = None
         self._pointer: Position | None = None
         self._over: QPointF | None = None
-        self._panned_from: QPointF | None = None
+        self._panning = Panning()
         self.view.sigRangeChanged.connect(self._point_again)
 
     @property
@@ -83,7 +118,7 @@ class Canvas(ImageView):
         """Press the left button over a position; `reach` is the tolerance for hits [px of the image]."""
         if self.tool is not None and self.shape is not None:
             self._dragged = self._tool_at(at)
-            self._dragged.press(at, self._reach() if reach is None else reach)
+            self._dragged.press(at, self.reach() if reach is None else reach)
 
     def lead_to(self, at: Position) -> None:
         """Move the pointer to a position."""
@@ -92,7 +127,7 @@ class Canvas(ImageView):
             self._dragged.drag(at)
         elif self.tool is not None:
             self.tool.hover(at)
-            self.viewport().setCursor(self._tool_at(at).cursor(at, self._reach()))
+            self.viewport().setCursor(self._tool_at(at).cursor(at, self.reach()))
         self.pointed.emit(at)
 
     def let_go(self) -> None:
@@ -128,19 +163,19 @@ class Canvas(ImageView):
             self.bend(event.modifiers())
             self.press_at(self.position(event.position()))
         elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
-            self._panned_from = event.position()
-            self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+            self._panning.begin(event.position(), at_once=event.button() == Qt.MouseButton.MiddleButton)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Continue it, or report the position of the pointer."""
         event.accept()
         self._over = event.position()
         at = self.position(self._over)
-        if self._panned_from is not None:
-            moved = self._panned_from - event.position()
-            self._panned_from = event.position()
-            self.pan(moved.x(), moved.y())
-            self.pointed.emit(at)
+        if self._panning.active:
+            moved = self._panning.move(event.position())
+            if not moved.isNull():
+                self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+                self.pan(moved.x(), moved.y())
+                self.pointed.emit(at)
         elif not self.led_by_keys:
             self.bend(event.modifiers())
             self.lead_to(at)
@@ -150,11 +185,12 @@ class Canvas(ImageView):
         event.accept()
         if event.button() == Qt.MouseButton.LeftButton and self._dragged is not None:
             self.let_go()
-        elif self._panned_from is not None:
-            self._panned_from = None
+        elif self._panning.active:
+            if self._panning.end() and event.button() == Qt.MouseButton.RightButton and not self.dragging:
+                self.menu_wanted.emit(event.globalPosition().toPoint())
             if self.tool is not None:
                 at = self.position(event.position())
-                self.viewport().setCursor(self._tool_at(at).cursor(at, self._reach()))
+                self.viewport().setCursor(self._tool_at(at).cursor(at, self.reach()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Treat the second click like any other."""
@@ -173,6 +209,10 @@ class Canvas(ImageView):
         """Leave keys to the window."""
         event.ignore()
 
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Leave the menu by keys to the window; the right button opens it when it is released without a drag."""
+        event.setAccepted(event.reason() == QContextMenuEvent.Reason.Mouse)
+
     def leaveEvent(self, event: QEvent) -> None:
         """Report that the pointer has left."""
         if not self.led_by_keys:
@@ -188,7 +228,7 @@ class Canvas(ImageView):
     def _tool_at(self, at: Position) -> Tool:
         """The tool that receives a press: one that takes hold of a handle has priority over the tool in use."""
         assert self.tool is not None
-        if self.grip is not None and not self.tool.drafting and self.grip.grips(at, self._reach()):
+        if self.grip is not None and not self.tool.drafting and self.grip.grips(at, self.reach()):
             return self.grip
         return self.tool
 
@@ -198,5 +238,6 @@ class Canvas(ImageView):
             self._pointer = self.position(self._over)
             self.pointed.emit(self._pointer)
 
-    def _reach(self) -> float:
+    def reach(self) -> float:
+        """Distance at which the pointer takes hold of something [px of the image]."""
         return REACH * float(self.view.viewPixelSize()[0])

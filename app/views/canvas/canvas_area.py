@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from PySide6.QtCore import QEvent, QObject, QRectF, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
@@ -14,6 +14,7 @@ from app.session.signals import OPENING
 from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
+from app.views.canvas.pointed import Pointed
 from app.views.canvas.selected_places import selected_places
 from app.views.canvas.strip.strip import Strip
 from app.views.canvas.tools import TOOLS
@@ -48,9 +49,13 @@ class CanvasArea(QWidget):
         self.canvas = Canvas(session)
         self.strip = Strip(self.canvas.layers.legend)
         self.messages, self.hint = self.strip.messages, self.strip.hint
+        self._pointed = Pointed(workspace)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
+        self.offers = QVBoxLayout()
+        """Lines above the canvas, which features add."""
+        layout.addLayout(self.offers)
         layout.addWidget(self.canvas, 1)
         layout.addWidget(self.strip)
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
@@ -93,6 +98,15 @@ class CanvasArea(QWidget):
         self.crosshair.move(0.0, 0.0)
         self.canvas.setFocus()
         self.show_hint(self._hint)
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """What lies at a point, or at the cross-hair, or is chosen; see `MenuOwner`."""
+        keyed = self.crosshair.at
+        if point is None and keyed is None:
+            return self._pointed.chosen, self.rect().center()
+        inside = QPointF(self.canvas.mapFrom(self, point)) if point is not None else self.canvas.point(keyed or (0, 0))
+        at = self.canvas.position(inside)
+        return self._pointed.choose(at, self.canvas.reach()), self.canvas.mapTo(self, inside.toPoint())
 
     def escape(self) -> None:
         """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
@@ -194,14 +208,15 @@ class CanvasArea(QWidget):
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
             return True
         if key in _SIZES and index is not None:
-            self._grow(index, _SIZES[key])
+            self.grow(index, _SIZES[key])
             return True
         if key in _SIZES and tool is not None and tool.sized:
             tool.resize(_SIZES[key])
             return True
         return False
 
-    def _grow(self, index: int, by: float) -> None:
+    def grow(self, index: int, by: float) -> None:
+        """Make a shape larger, or smaller for `by` below 0."""
         shape = self._session.document.shapes[index]
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
         name, resized = verb.format(shape=describe(shape)), shape.resized(by)

@@ -72,8 +72,8 @@ class ExportDialog(QDialog):
         self._form = QFormLayout()
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
         self.export_button = self.buttons.addButton(tr("&Export"), QDialogButtonBox.ButtonRole.AcceptRole)
-        self.export_button.setDefault(True)
         self._lay_out()
+        self.export_button.setDefault(True)  # once it is in the dialog, else Tab makes another button the default
         self._fill()
         self.format.choose(suffix)
         self.file.use_suffix(self.format.suffix)
@@ -250,7 +250,7 @@ def _words(result: Result | Skeleton, counts: Account, order: ExportOrder) -> st
     words = tr("Writes {what}.").format(what=in_words(counts))
     opened = sum(not contour.closed for contour in result.contours) if isinstance(result, Result) else 0
     if counts.left_out and order.closing:
-        words += " " + tr("Those have ends too far apart to close them.")
+        words += " " + tr("Their ends are too far apart to be closed.")
     elif counts.left_out:
         words += " " + tr("This format holds closed contours only.")
     elif opened:

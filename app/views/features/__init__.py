@@ -14,6 +14,7 @@ from app.views.features.edit.undo_selection import HistoryFeature, UndoSelection
 from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.export import ClipboardFeature, ExportFeature
 from app.views.features.file.folder import FolderFeature
+from app.views.features.file.large_image import LargeImageFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature
@@ -45,6 +46,7 @@ FEATURES: tuple[type[Feature], ...] = (
     ModesFeature,
     ParametersFeature,
     BeginningFeature,
+    LargeImageFeature,
     ContoursFeature,
     LearningFeature,
     HandEditingFeature,

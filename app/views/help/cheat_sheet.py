@@ -23,7 +23,7 @@ from app.model.text.language import tr
 from app.views.widgets.action_spec import LAYER, ActionSpec
 from app.views.widgets.key_text import native
 from app.views.window.keys.panel_action import PanelAction
-from app.views.window.menus import MENUS
+from app.views.window.menus.menu_bar import MENUS
 
 KeyTable = Sequence[tuple[tuple[str, ...], str]]
 """Rows of equivalent keys and their effect."""

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
+    QAction,
     QColor,
     QFont,
     QFontMetrics,
@@ -80,6 +81,11 @@ class TileView(QWidget):
         self.larger.setCursor(Qt.CursorShape.ArrowCursor)
         self.larger.hide()
         self.larger.clicked.connect(self._enlarge)
+        for text, do in ((tr("&Use these values"), self._pick), (tr("&Enlarge"), self._enlarge)):
+            action = QAction(text, self)
+            action.triggered.connect(do)
+            self.addAction(action)
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
 
     def sizeHint(self) -> QSize:
         """A square with room for two lines."""

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtGui import QPalette
+from PySide6.QtCore import QPoint
+from PySide6.QtGui import QAction, QIcon, QPalette
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
+from app.model.document.changes import ChangeInWords
 from app.model.text.language import tr
+from app.views.theme.icons import icon
+from app.views.theme.theme import Theme
 
 
 class HistoryPanel(QWidget):
@@ -26,12 +30,16 @@ class HistoryPanel(QWidget):
         self._list.setSpacing(2)
         self._list.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self._list.setToolTip(tr("Click a line, or select it and press Enter, to undo or redo up to it."))
+        self._there = QAction(tr("Undo or redo up to &here"), self)
+        self._there.triggered.connect(lambda: self._choose(self._list.currentItem()))
+        self.addAction(self._there)
         self._list.itemClicked.connect(self._choose)
         self._list.itemActivated.connect(self._choose)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._list)
-        self._shown: tuple[tuple[str, ...], int] = ((), -1)
+        self._theme: Theme | None = None
+        self._shown: tuple[tuple[ChangeInWords, ...], int] = ((), -1)
 
     @property
     def lines(self) -> list[str]:
@@ -43,12 +51,21 @@ class HistoryPanel(QWidget):
         """Index of the marked line."""
         return self._list.currentRow()
 
-    def show_changes(self, names: Sequence[str], done: int) -> None:
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The marked line; the line at a point is marked first. See `MenuOwner`."""
+        viewport = self._list.viewport()
+        item = self._list.itemAt(viewport.mapFrom(self, point)) if point is not None else self._list.currentItem()
+        if item is None:
+            return "", QPoint()
+        self._list.setCurrentItem(item)
+        return "history", viewport.mapTo(self, self._list.visualItemRect(item).center()) if point is None else point
+
+    def show_changes(self, changes: Sequence[ChangeInWords], done: int) -> None:
         """List changes, of which the first `done` are in effect."""
-        shown = (tuple(names), done)
+        shown = (tuple(changes), done)
         if shown == self._shown:
             return
-        lines = [tr("Beginning"), *(f"{name[:1].upper()}{name[1:]}" for name in names)]
+        lines = [tr("Beginning"), *(change.text for change in changes)]
         for row, line in enumerate(lines):
             if row == self._list.count():
                 self._list.addItem(line)
@@ -59,8 +76,14 @@ class HistoryPanel(QWidget):
         self._shown = shown
         self.mark()
 
+    def use_theme(self, theme: Theme) -> None:
+        """Color the lines and their icons."""
+        self._theme = theme
+        self.mark()
+
     def mark(self) -> None:
         """Mark the changes in effect, in the colors of the present palette."""
+        names = ["", *(change.icon for change in self._shown[0])]
         done = self._shown[1]
         gray = self.palette().brush(QPalette.ColorGroup.Disabled, QPalette.ColorRole.Text)
         for row in range(self._list.count()):
@@ -68,6 +91,9 @@ class HistoryPanel(QWidget):
             font = item.font()
             font.setBold(row == done)
             item.setFont(font)
+            if self._theme is not None:
+                color = self._theme.faded if row > done else self._theme.text
+                item.setIcon(icon(names[row] or "step", color) if row else QIcon())
             item.setForeground(gray if row > done else self.palette().text())
         self._list.setCurrentRow(done)
 

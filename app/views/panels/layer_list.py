@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from PySide6.QtCore import QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QPoint, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
 from app.views.canvas.layers import Layers, form_of
 from app.views.canvas.layers.layer import Layer
 from app.views.theme.icons import swatch
+from app.views.widgets.action_spec import LAYER
 from app.views.widgets.key_text import native
 from app.views.widgets.marked_slider import MarkedSlider
 
@@ -94,8 +96,15 @@ class LayerRow(QWidget):
         self.box.toggled.connect(layer.set_shown)
         self.opacity.moved_to.connect(layer.set_opacity)
         self.opacity.restored.connect(lambda: layer.set_opacity(1.0))
+        opaque = QAction(tr("Restore the &opacity"), self)
+        opaque.triggered.connect(lambda: layer.set_opacity(1.0))
+        self.addAction(opaque)
         layer.changed.connect(self._show)
         self._show()
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The layer. See `MenuOwner`."""
+        return f"{LAYER}{self.layer.name}", point if point is not None else self.box.geometry().center()
 
     def show_color(self) -> None:
         """Show the colors in use."""

@@ -260,4 +260,5 @@ def _canvas(theme: Theme) -> str:
     QFrame#error QLabel, QFrame#error QToolButton {{ color: {theme.error_text}; }}
     QFrame#message {{ background: {theme.message}; border: none; }}
     QFrame#message QLabel, QFrame#message QToolButton {{ color: {theme.message_text}; }}
+    QFrame#offer {{ background: {theme.panel}; border: none; border-bottom: 1px solid {theme.line}; }}
     """

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from PySide6.QtCore import QPoint
 from PySide6.QtWidgets import QMainWindow, QWidget
 
 from app.session.session import Session
@@ -56,8 +55,8 @@ class FeatureContext:
         Updates the window after a change that the session does not report.
     open_file : callable
         Opens a file, or with True as second argument an image with the session beside it; asks about unsaved work.
-    show_menu : callable
-        Opens a menu of the menu bar, given by name, at a point of the screen.
+    open_menu : callable
+        Opens the menu of what is chosen where the keyboard is.
     """
 
     window: QMainWindow
@@ -72,7 +71,7 @@ class FeatureContext:
     use_theme: Callable[[Theme], None]
     refresh: Callable[[], None]
     open_file: Callable[[Path, bool], None]
-    show_menu: Callable[[str, QPoint], None]
+    open_menu: Callable[[], None]
 
     @property
     def session(self) -> Session:

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.display.plots import PLOTS, RunMetrics, figure
+from app.model.display.plots import PLOTS, Axis, RunMetrics, figure
+from app.model.display.round_numbers import short_text
 from app.session.worker.recorded_run import RunRecord
 from app.views.panels.run.plot_panel import PlotPanel
 from cpm_core import Engine, Parameters
@@ -111,7 +112,7 @@ def test_plots_are_chosen_by_keys_and_remembered(ready, hand, qtbot):
     window.panels["run"].plots.fold.click()
     button = plot.buttons["potential"]
     button.setFocus()
-    hand.key(Qt.Key.Key_Space)
+    hand.key(Qt.Key.Key_Return)
     assert plot.shown == ("epsilon", "potential", "count")
     assert window.preferences.get("run/plots", [""]) == ["epsilon", "potential", "count"]
     for step in range(1, 9):
@@ -119,7 +120,7 @@ def test_plots_are_chosen_by_keys_and_remembered(ready, hand, qtbot):
         hand.wait(lambda step=step: window.session.status.step == step and window.session.idle)
     plot.chart.read(7)
     assert re.search(r"potential energy -?\d", plot.chart.reading)
-    hand.key(Qt.Key.Key_Space)
+    hand.key(Qt.Key.Key_Return)
     assert plot.shown == ("epsilon", "count")
     assert "potential energy" not in plot.chart.reading
 
@@ -141,3 +142,27 @@ def test_each_curve_and_each_change_of_scale_is_drawn(panel):
 def columns(metrics: RunMetrics) -> list[tuple[str, np.ndarray]]:
     """Names and columns of metrics."""
     return [(name, getattr(metrics, name)) for name in RunMetrics.__dataclass_fields__]
+
+
+def test_no_number_is_written_with_an_e():
+    column = np.array([3e-7, 2.0, 4e4, 7e8])
+    record = RunMetrics(*[column] * 9)
+    texts = [figure(value) for value in column] + [text for plot in PLOTS for text in plot.axis(record).labels]
+    assert not any(re.search(r"\de[+-]?\d", text) for text in texts), texts
+    assert figure(3.14e-7) == "3.1·10⁻⁷"
+    assert Axis(0.0, 2e4).labels == ("0", "20k")
+    assert Axis(-4.0, 1.0, True).labels == ("10⁻⁴", "10")
+    assert [short_text(value) for value in (12345.0, 0.857143, 1e-4, 0.0)] == ["12300", "0.857", "0.0001", "0"]
+
+
+def test_the_names_of_curves_stand_above_their_plots(panel):
+    panel.show_plots(["epsilon", "count"])
+    blank = panel.chart.grab().toImage()
+    values = np.full(40, 0.9)
+    panel.show_metrics(RunMetrics(*[values] * 9))
+    names = panel.chart.fontMetrics().height() - 4  # the first line of the chart
+    drawn = panel.chart.grab().toImage()
+    left = round(panel.chart.point(0).x()) + 2
+    assert all(
+        drawn.pixel(col, row) == blank.pixel(col, row) for row in range(names) for col in range(left, drawn.width())
+    )

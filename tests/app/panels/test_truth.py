@@ -188,3 +188,12 @@ def test_a_job_that_fails_does_not_stop_later_jobs(qtbot, caplog) -> None:
     qtbot.waitUntil(lambda: results == ["done"], timeout=20_000)
     assert "unexpected error" in caplog.text
     latest.close()
+
+
+def test_nothing_is_done_after_closing(qtbot) -> None:
+    latest, results = Latest("test"), []
+    latest.done.connect(results.append)
+    latest.close()
+    latest.ask(lambda: results.append("done late"))
+    assert latest.idle
+    assert results == []

@@ -1,4 +1,4 @@
-"""The contour tool: clicks, frames and strokes select contours; Shift adds, Alt removes, Esc gives up."""
+"""The contour tool: clicks, frames and strokes select contours; Shift adds, Alt removes, Esc cancels."""
 
 from __future__ import annotations
 

@@ -99,13 +99,13 @@ def test_escape_discards_a_path_and_leaves_nothing_to_undo(window, hand, key) ->
     hand.click(10, 40)
     hand.move(40, 40)
     assert window.session.document.shapes == ()
-    assert "Esc gives up" in window.canvas_area.hint.text()
+    assert "Esc cancels" in window.canvas_area.hint.text()
     hand.canvas.setFocus()
     hand.key(KEY.Key_Escape)
     hand.key(KEY.Key_Return)
     assert window.session.document.shapes == ()
     assert not window.actions_by_name["undo"].isEnabled()
-    assert "Esc gives up" not in window.canvas_area.hint.text()
+    assert "Esc cancels" not in window.canvas_area.hint.text()
 
 
 def test_backspace_removes_the_last_corner_and_not_the_selected_shape(ready, hand) -> None:

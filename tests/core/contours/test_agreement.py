@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cpm_core import Contour, compare
 from cpm_core.contours.agreement import Agreement, agreement, distance_to, recovered
-from cpm_core.contours.ground_truth import truth_of_contours
+from cpm_core.contours.ground_truth import truth_of_contours, truth_of_mask
 
 from ..scenes import circle_points, outline_distance
 
@@ -120,3 +120,18 @@ def test_distances_are_those_to_every_side(lines, points):
     contours = [Contour(np.array(vertices), closed) for vertices, closed in lines]
     seen = distance_to(np.array(points), contours)
     np.testing.assert_allclose(seen, outline_distance(np.array(points), [c.path for c in contours]), atol=1e-9)
+
+
+def test_objects_are_counted_as_found_missed_extra_and_merged():
+    labels = np.zeros((40, 80), np.int32)
+    for number, col in enumerate((4, 20, 32, 60), start=1):
+        labels[10:20, col : col + 10] = number
+
+    def box(left, right, top=9.5, bottom=19.5):
+        return Contour(np.array([[top, left], [top, right], [bottom, right], [bottom, left]]), True, 1.0)
+
+    truth = truth_of_mask(labels)
+    counts = compare([box(3.5, 13.5), box(19.5, 41.5), box(50.5, 55.5, 30.5, 35.5)], truth).objects
+    assert (counts.found, counts.missed, counts.extra, counts.merged) == (1, 3, 2, 1)
+    assert counts.average_precision == pytest.approx(1 / 6)
+    assert compare(truth.contours, truth).objects.average_precision == 1.0

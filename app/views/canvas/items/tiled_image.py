@@ -17,6 +17,9 @@ from app.views.canvas.items.item import OverImage
 _BLOCK = 256
 """Parts of a level begin and end at multiples of this, so that a small move of the view needs no other part [px]."""
 
+_SMOOTH = 2.0
+"""Pixels of the screen for each of the image below which neighbors are blended: single pixels are not seen yet."""
+
 Part = tuple[int, int, int, int, int]
 """A level, and first row, first column, end of rows and end of columns of a part of it."""
 
@@ -72,7 +75,7 @@ class TiledImage(OverImage):
         place = QRectF(left * size - 0.5, top * size - 0.5, (right - left) * size, (bottom - top) * size)
         painter.save()
         painter.setClipRect(self.boundingRect(), Qt.ClipOperation.IntersectClip)
-        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, zoom * size < 1.0)
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, zoom * size < _SMOOTH)
         painter.drawImage(place, self._made[1])
         painter.restore()
 

@@ -14,7 +14,7 @@ from cpm_core.shapes import Charge
 class ChargeTool(ShapeTool):
     """Places a charge, or takes hold of an existing one; the charge follows the pointer while the button is down."""
 
-    by_keys = tr("Enter drops it or takes hold of one, arrow keys drag it, Enter lets go.")
+    by_keys = tr("Enter places it or picks one up, arrow keys move it, Enter puts it down.")
     strength: float
     """Strength of the charges, above zero for attracting ones."""
 
@@ -50,8 +50,8 @@ class AttractTool(ChargeTool):
     """Places charges that attract particles."""
 
     name = "attract"
-    tip = tr("Drop a charge that draws particles near it, and drag it while they run; < and > change its strength.")
-    guidance = tr("Click to drop a charge that particles are drawn to; drag it while they run.")
+    tip = tr("Place a charge that attracts particles, and drag it while they run; < and > change its strength.")
+    guidance = tr("Click to place a charge that attracts particles; drag it while they run.")
     strength = 2.0
 
 
@@ -59,6 +59,6 @@ class RepelTool(ChargeTool):
     """Places charges that repel particles."""
 
     name = "repel"
-    tip = tr("Drop a charge that drives particles away, and drag it while they run; < and > change its strength.")
-    guidance = tr("Click to drop a charge that drives particles away; drag it while they run.")
+    tip = tr("Place a charge that repels particles, and drag it while they run; < and > change its strength.")
+    guidance = tr("Click to place a charge that repels particles; drag it while they run.")
     strength = -2.0

@@ -48,7 +48,7 @@ class ContourTool(Tool):
     def advice(self) -> str:
         """What can be done with contours."""
         if self._corner is not None or self._last is not None:
-            return tr("Shift adds to the selection, Alt removes from it; Esc gives up.")
+            return tr("Shift adds to the selection, Alt removes from it; Esc cancels.")
         if self._review.selected:
             return tr("X rejects, K keeps, Enter names; Shift adds to the selection, Alt removes from it.")
         return tr("Click a contour to select it, or drag a frame around several.") if self._review.items else ""

@@ -25,7 +25,7 @@ class EditContoursTool(Tool):
 
     name = "edit_contours"
     tip = tr("Drag an end of a contour to another end to join them, or a stretch to where it belongs; Alt-click cuts.")
-    by_keys = tr("Enter takes hold, arrow keys drag, Enter lets go; twice on one place marks it.")
+    by_keys = tr("Enter picks up, arrow keys move, Enter puts down; twice on one place marks it.")
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
@@ -50,8 +50,8 @@ class EditContoursTool(Tool):
         """What can be done now."""
         if self._dragged and self._held is not None:
             if self._held.at_end:
-                return tr("Let go on another end to join; anywhere else to extend. Esc gives up.")
-            return tr("Let go to redraw this stretch along the edge; with Shift it only bends. Esc gives up.")
+                return tr("Let go on another end to join; anywhere else to extend. Esc cancels.")
+            return tr("Let go to redraw this stretch along the edge; with Shift it only bends. Esc cancels.")
         if len(self._editing.marked) == 2:
             return tr("Delete removes the stretch between the marks; Esc removes the marks.")
         if self._editing.marked:

@@ -138,13 +138,13 @@ class PathTool(Tool):
         if not self._corners:
             return "" if self.used else self.kind.tip
         if self._freehand and self._first:
-            return tr("Let go to end it; Esc gives up.")
+            return tr("Let go to end it; Esc cancels.")
         ends = (
             tr("Enter, a double click or the first corner ends it;")
             if self.kind.closed
             else (tr("Enter or a double click ends it;"))
         )
-        return ends + " " + tr("Shift keeps to eight directions; Backspace takes the last corner back; Esc gives up.")
+        return ends + " " + tr("Shift keeps to eight directions; Backspace takes the last corner back; Esc cancels.")
 
     def press(self, at: Position, reach: float) -> None:
         """Place a corner; a press on the last corner, or on the first one of a closed path, finishes it."""

@@ -15,7 +15,7 @@ class SelectTool(ShapeTool):
 
     name = "select"
     tip = tr("Select, move and reshape what is drawn.")
-    by_keys = tr("Enter takes hold of what lies under the cross-hair, arrow keys drag it, Enter lets go.")
+    by_keys = tr("Enter picks up what lies under the cross-hair, arrow keys move it, Enter puts it down.")
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)

@@ -135,7 +135,7 @@ class Tool:
 class ShapeTool(Tool):
     """A tool whose gesture makes or changes one shape of the document, as one step of undo."""
 
-    by_keys = tr("Enter takes hold, arrow keys drag, Enter lets go.")
+    by_keys = tr("Enter picks up, arrow keys move, Enter puts down.")
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)

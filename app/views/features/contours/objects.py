@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from PySide6.QtCore import QEvent, QObject, QPoint, Qt
+from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QColorDialog, QMenu
 
@@ -40,7 +40,6 @@ class ObjectsFeature(Feature):
         self._list.selection_changed.connect(context.refresh)
         self._selection.changed.connect(context.refresh)
         self._selection.taken.connect(self._name_taken)
-        self.panel.table.menu_wanted.connect(self._show_menu)
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, what is offered, and what is done to the chosen objects."""
@@ -197,9 +196,6 @@ class ObjectsFeature(Feature):
         color = QColorDialog.getColor(known.color, self.context.window, tr("Color of the class"))
         if color.isValid():
             self._list.name_class(objects.category, known.name, color.name())
-
-    def _show_menu(self, at: QPoint) -> None:
-        self.context.show_menu("Objects", at)
 
     def _any_chosen(self, situation: Situation) -> bool:
         return bool(self._list.chosen)

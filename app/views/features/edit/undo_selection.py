@@ -35,10 +35,20 @@ class UndoSelectionFeature(Feature):
             ActionSpec(name="delete", menu="Edit", text=tr("&Delete"), do=session.delete_selected,
                        shortcuts=("Delete", "Backspace"), tip=tr("Remove the selected shape."), gap=True,
                        when=has_selection),
+            ActionSpec(name="enlarge", menu="Edit", text=tr("Larger"), do=lambda: self._resize(1.0), when=has_selection,
+                       tip=tr("Make the selected shape larger, or a charge stronger; so does the key >.")),
+            ActionSpec(name="shrink", menu="Edit", text=tr("Smaller"), do=lambda: self._resize(-1.0),
+                       when=has_selection,
+                       tip=tr("Make the selected shape smaller, or a charge weaker; so does the key <.")),
             ActionSpec(name="clear", menu="Edit", text=tr("Delete &all shapes"),
                        do=lambda: session.edit(tr("delete all shapes"), edits.clear_shapes),
                        shortcuts=("Ctrl+Shift+Backspace",), tip=tr("Remove all shapes."), when=has_shapes),
         )  # fmt: skip
+
+    def _resize(self, by: float) -> None:
+        selected = self.context.session.selected
+        if selected is not None:
+            self.context.canvas_area.grow(selected, by)
 
 
 class HistoryFeature(Feature):
@@ -58,4 +68,4 @@ class HistoryFeature(Feature):
 
     def use_theme(self, theme: Theme) -> None:
         """Color the lines for the new palette."""
-        self.panel.mark()
+        self.panel.use_theme(theme)

@@ -24,4 +24,7 @@ class KeyboardFeature(Feature):
             ActionSpec(name="previous_area", menu="View", text=tr("Go to the pre&vious area"),
                        do=lambda: self.context.areas().go_on(-1), shortcuts=("Shift+F6",),
                        tip=tr("The same in the other direction.")),
+            ActionSpec(name="open_menu", menu="View", text=tr("&Menu of what is chosen"), do=self.context.open_menu,
+                       shortcuts=("Shift+F10", "Menu"),
+                       tip=tr("Open the menu that a click with the right button opens.")),
         )  # fmt: skip

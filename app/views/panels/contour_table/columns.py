@@ -76,7 +76,7 @@ COLUMNS: tuple[Column[Item], ...] = (
     Column("by_hand", tr("By hand [{unit}]"), tr("Length that was drawn by hand."),
            lambda i: number_text(_by_hand(i)) if i.contour.by_hand else "–", _by_hand, "000.0", power=1),
     Column("reached", tr("Reached"), tr("How particles came to it: on free flight from the start, beyond a weak edge, "
-           "by creeping over a junction, or by being launched elsewhere."), lambda i: REACHED[i.contour.reached],
+           "along edges over a junction, or by being inserted elsewhere."), lambda i: REACHED[i.contour.reached],
            lambda i: float(list(REACHED).index(i.contour.reached)), "beyond a weak edge", False),
 )  # fmt: skip
 """All columns in the order shown."""

@@ -114,7 +114,7 @@ class ContourPanel(QWidget):
             ("name", tr("Name…")),
             ("colour", tr("Color")),
             ("learn", tr("Learn")),
-            ("doubtful", tr("Doubtful one")),
+            ("doubtful", tr("Most doubtful")),
         )
         for place, (name, text) in enumerate(names):
             button = self.buttons[name] = QToolButton()
@@ -126,7 +126,7 @@ class ContourPanel(QWidget):
             rows.addLayout(pair)
         self.buttons["learn"].setCheckable(True)
         self.buttons["learn"].setToolTip(tr("Leave out contours that resemble rejected ones more than kept ones."))
-        self.buttons["doubtful"].setToolTip(tr("Select the contour whose verdict teaches most."))
+        self.buttons["doubtful"].setToolTip(tr("Select the contour whose verdict helps most to learn from."))
         self.buttons["colour"].setMenu(self._colors)
         self.buttons["colour"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.buttons["colour"].setToolTip(tr("Set the color of the selected contours."))

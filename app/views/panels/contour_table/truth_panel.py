@@ -22,7 +22,7 @@ from app.session.features.truth_comparison import GroundTruth
 from app.views.theme import theme
 from app.views.theme.icons import swatch
 from app.views.widgets.marked_slider import MarkedSlider
-from cpm_core.contours.agreement import TOLERANCE, Comparison
+from cpm_core.contours.agreement import TOLERANCE, Comparison, ObjectCounts
 
 _MEASURES: tuple[tuple[str, str, str], ...] = (
     ("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint.")),
@@ -57,6 +57,14 @@ class TruthPanel(QWidget):
         self.values: dict[str, QLabel] = {}
         self.load_button = QPushButton(tr("Load…"))
         self.forget_button = QPushButton(tr("Remove"))
+        self.objects = QLabel()
+        self.objects.setWordWrap(True)
+        self.objects.setToolTip(
+            tr(
+                "An object is found if a closed contour shares more than half of their common area with it. A contour "
+                "that contains more than half of two objects merges them. AP@0.5 is found / (found + missed + extra)."
+            )
+        )
         self.worst_button = QPushButton(tr("Largest difference"))
         self.next_button = QPushButton(tr("Next difference"))
         self.holes = QCheckBox(tr("Inner contours are holes"))
@@ -125,6 +133,7 @@ class TruthPanel(QWidget):
         heading.addWidget(self._tolerance_label)
         column.addLayout(heading)
         column.addWidget(self.tolerance)
+        column.addWidget(self.objects)
         column.addWidget(self.pieces)
         column.addLayout(_row(self.worst_button, self.next_button))
         column.addLayout(_legend())
@@ -148,6 +157,7 @@ class TruthPanel(QWidget):
             self.source.setText(tr("Compared with {name}").format(name=truth.source))
         for name, label in self.values.items():
             label.setText(_value(verified.comparison, name) if verified else "–")
+        self.objects.setText(_objects(verified.comparison.objects) if verified else "")
         self.pieces.setText(self._summary())
         self.tolerance.show_value(self._truth.tolerance)
         self._tolerance_label.setText(tr("{tolerance:g} px").format(tolerance=self._truth.tolerance))
@@ -172,6 +182,14 @@ class TruthPanel(QWidget):
         if math.isinf(differences[0].farthest):
             farthest = tr("infinite")
         return summary.format(missing=missing, wrong=len(differences) - missing, farthest=farthest)
+
+
+def _objects(counts: ObjectCounts) -> str:
+    text = tr("Objects: {found} found, {missed} missed, {extra} extra, {merged} merged; AP@0.5 {precision}.")
+    return text.format(
+        found=counts.found, missed=counts.missed, extra=counts.extra, merged=counts.merged,
+        precision=f"{counts.average_precision:.3f}",
+    )  # fmt: skip
 
 
 def _value(comparison: Comparison, name: str) -> str:

@@ -13,6 +13,8 @@ from app.views.panels.item_table.view import ItemTable
 class ContourTable(ItemTable):
     """Shows the contours of a review, selects, names and rejects them."""
 
+    thing = "contour"
+
     def __init__(self, review: ContourReview) -> None:
         self._review = review
         rows = ContourModel(review)

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterable, Set
+from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtCore import (
+    QEvent,
+    QItemSelection,
+    QItemSelectionModel,
+    QModelIndex,
+    QPersistentModelIndex,
+    QPoint,
+    Qt,
+    Signal,
+)
 from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
-from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
+from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QMenu, QStyledItemDelegate, QTableView, QWidget
 
+from app.model.text.language import tr
 from app.views.panels.item_table.columns import place
 from app.views.panels.item_table.model import ItemModel, Sorted
 
@@ -17,6 +28,7 @@ _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 _PAD = 18
+_ORDERS = ((tr("Smallest first"), Qt.SortOrder.AscendingOrder), (tr("Largest first"), Qt.SortOrder.DescendingOrder))
 LEAST = 48
 """Minimum height of a table, and of what stands beside it [px]."""
 
@@ -42,6 +54,9 @@ class ItemTable(QTableView):
     name : str
         Accessible name.
     """
+
+    thing: str
+    """What its rows are called in menus."""
 
     def __init__(self, rows: ItemModel[Any], ordered: Sorted, name: str) -> None:
         super().__init__()
@@ -132,6 +147,15 @@ class ItemTable(QTableView):
             self.scrollTo(at)
         self._showing = False
 
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The selected rows; a row at a point is selected first. See `MenuOwner`."""
+        inside = self.viewport().mapFrom(self, point) if point is not None else None
+        index = self.indexAt(inside) if inside is not None else self.currentIndex()
+        if index.isValid() and not self.selectionModel().isRowSelected(index.row(), QModelIndex()):
+            self.selectRow(index.row())
+        place = self.viewport().mapTo(self, self.visualRect(index).center()) if point is None else point
+        return self.thing if self.chosen() else "", place
+
     # Qt interface
 
     def event(self, event: QEvent) -> bool:
@@ -183,6 +207,28 @@ class ItemTable(QTableView):
             self.setColumnWidth(index, max(map(self.fontMetrics().horizontalAdvance, texts)) + _PAD)
         self._name_width = self.columnWidth(self._rows.name_column) + 2 * _PAD
         header.setMinimumSectionSize(44)
+        header.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+        header.customContextMenuRequested.connect(self._show_columns)
+
+    def _show_columns(self, point: QPoint) -> None:
+        """Open the menu of the header: sort by a column, and choose which columns are shown."""
+        header, columns = self.horizontalHeader(), self._rows.columns
+        menu = QMenu(self)
+        at = header.logicalIndexAt(point)
+        if at >= 0:
+            for text, order in _ORDERS:
+                menu.addAction(text).triggered.connect(partial(self.sortByColumn, at, order))
+            menu.addSeparator()
+        for index, column in enumerate(columns):
+            shown = menu.addAction(str(self.model().headerData(index, Qt.Orientation.Horizontal)))
+            shown.setToolTip(column.tip)
+            shown.setCheckable(True)
+            shown.setChecked(not self.isColumnHidden(index))
+            shown.setEnabled(index != self._rows.name_column)
+            shown.toggled.connect(lambda checked, index=index: self.setColumnHidden(index, not checked))
+        menu.setToolTipsVisible(True)
+        menu.aboutToHide.connect(menu.deleteLater)
+        menu.popup(header.mapToGlobal(point))
 
     def _key(self, index: QModelIndex) -> int:
         return self._rows.key(self._sorted.mapToSource(index).row())

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Set
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QKeyEvent
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeyEvent
 
 from app.model.text.language import tr
 from app.session.features.objects.object_list import ObjectList
@@ -18,8 +18,7 @@ from app.views.panels.object_table.model import ObjectModel
 class ObjectTable(ItemTable):
     """Shows the objects of a list, chooses, names, classifies and removes them."""
 
-    menu_wanted = Signal(object)
-    """The menu of the chosen objects is wanted at a point of the screen: QPoint."""
+    thing = "object"
 
     def __init__(self, session: Session, object_list: ObjectList) -> None:
         self._list = object_list
@@ -55,7 +54,3 @@ class ObjectTable(ItemTable):
             self._list.classify(digit)
         else:
             super().keyPressEvent(event)
-
-    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """Ask for the menu of the chosen objects."""
-        self.menu_wanted.emit(event.globalPos())

@@ -4,9 +4,18 @@ from __future__ import annotations
 
 import math
 
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QEnterEvent, QValidator, QWheelEvent
-from PySide6.QtWidgets import QCheckBox, QDoubleSpinBox, QGridLayout, QLabel, QToolButton, QWidget
+from PySide6.QtCore import QEvent, QObject, QPoint, Qt, Signal
+from PySide6.QtGui import QAction, QEnterEvent, QValidator, QWheelEvent
+from PySide6.QtWidgets import (
+    QApplication,
+    QCheckBox,
+    QDoubleSpinBox,
+    QGridLayout,
+    QLabel,
+    QToolButton,
+    QWhatsThis,
+    QWidget,
+)
 
 from app.model.parameters.controls import Control, slider_range
 from app.model.text.language import tr
@@ -116,6 +125,10 @@ class ParameterRow(QWidget):
         """Label it by name or by symbol first."""
         self._label.setText(self.control.label(wording))
 
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The parameter. See `MenuOwner`."""
+        return "parameter", point if point is not None else self.slider.geometry().center()
+
     def use_theme(self, theme: Theme) -> None:
         """Color the button."""
         self._restore.setIcon(icon("restore", theme.accent, faded=theme.line))
@@ -140,7 +153,7 @@ class ParameterRow(QWidget):
         control = self.control
         self.number.setRange(control.low, control.high)
         self.number.setSingleStep(control.step)
-        self.number.setDecimals(0 if control.whole else max(2, -math.floor(math.log10(control.step))))
+        self.number.setDecimals(control.decimals)
         self.number.setKeyboardTracking(False)
         self.number.setSuffix(f" {control.unit}" if control.unit else "")
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
@@ -199,6 +212,14 @@ class ParameterRow(QWidget):
         self.number.valueChanged.connect(self._report)
         self.number.editingFinished.connect(self.released)
         self._restore.clicked.connect(self._reset)
+        for text, do in (
+            (tr("&Restore the default"), self._reset),
+            (tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}")),
+            (tr("&Explain"), lambda: QWhatsThis.showText(self.mapToGlobal(QPoint(0, 0)), tip(self.control), self)),
+        ):
+            action = QAction(text, self)
+            action.triggered.connect(lambda _=False, do=do: do())
+            self.addAction(action)
         if self._automatic is not None:
             self._automatic.clicked.connect(self._set_automatic)
 

@@ -13,7 +13,7 @@ from app.model.text.language import tr
 from app.views.panels.run.chart_painter import ChartPainter, sides
 
 _PAGE = 10
-_LOWEST, _LOW = 96, 36
+_LOWEST, _LOW = 96, 44
 """Minimum heights of the chart, and of a plot with its gap [px]."""
 
 

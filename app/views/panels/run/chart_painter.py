@@ -13,7 +13,7 @@ from app.model.display.plots import Axis, Plot, RunMetrics, figure
 from app.model.text.language import tr
 from cpm_core.numerics.types import Array
 
-_GAP, _RIGHT = 9.0, 8.0
+_GAP, _RIGHT = 3.0, 8.0
 
 
 def sides(widget: QWidget) -> tuple[float, float]:
@@ -42,10 +42,11 @@ class ChartPainter:
         left, width = sides(self._widget)
         below = painter.fontMetrics().height() + 2.0
         count = max(len(self._plots), 1)
-        height = (self._widget.height() - below - 2.0 - (count - 1) * _GAP) / count
+        names = float(painter.fontMetrics().height())  # above each plot, so that they cover no curve
+        height = (self._widget.height() - below - count * (names + _GAP)) / count
         box = QRectF()
         for index, plot in enumerate(self._plots):
-            box = QRectF(left, 2.0 + index * (height + _GAP), width, height)
+            box = QRectF(left, names + index * (height + names + _GAP), width, height)
             self._draw_plot(box, plot, first=index == 0)
         if self._plots:
             self._draw_steps(box)
@@ -101,15 +102,12 @@ class ChartPainter:
 
     def _draw_names(self, box: QRectF, plot: Plot) -> None:
         metrics = self._painter.fontMetrics()
-        background = self._color(QPalette.ColorRole.Base)
-        background.setAlpha(215)
         x = box.left() + 3.0
         for series in plot.series:
             text = series.title
             if self._metrics is not None and self._read is not None:
                 text += f" {figure(float(series.of(self._metrics)[self._read]))}"
-            place = QRectF(x, box.top() + 2.0, metrics.horizontalAdvance(text) + 6.0, metrics.height())
-            self._painter.fillRect(place, background)
+            place = QRectF(x, box.top() - metrics.height(), metrics.horizontalAdvance(text) + 6.0, metrics.height())
             self._painter.setPen(self._series_color(series.colors))
             self._painter.drawText(place, Qt.AlignmentFlag.AlignCenter, text)
             x = place.right() + 4.0

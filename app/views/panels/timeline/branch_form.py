@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QToolButton, QWidget
 
 from app.model.text.language import tr
@@ -35,6 +36,9 @@ class BranchForm(QWidget):
         self._difference.setWordWrap(True)
         self._difference.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
         self._difference.setObjectName("dim")
+        self.in_menu = [QAction(tr("Re&name the branch…"), self), QAction(tr("&Compare the branch with…"), self)]
+        self.in_menu[0].triggered.connect(self._ask_name)
+        self.in_menu[1].triggered.connect(lambda: self.compare.showPopup() if self.isVisible() else None)
         self.setFixedWidth(_WIDTH)
         column = QGridLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -75,6 +79,7 @@ class BranchForm(QWidget):
             for name, identity in choices:
                 self.compare.addItem(name, identity)
         self.compare.setEnabled(bool(others))
+        self.in_menu[1].setEnabled(bool(others))
         numbers = [identity for _, identity in choices]
         compared = self._navigation.comparison.branch
         self.compare.setCurrentIndex(numbers.index(compared) if compared in numbers else 0)
@@ -100,6 +105,11 @@ class BranchForm(QWidget):
         self._difference.setText(sentence)
         self._difference.show()
         self._difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
+
+    def _ask_name(self) -> None:
+        if self.isVisible():
+            self.name.setFocus()
+            self.name.selectAll()
 
     def _rename(self) -> None:
         known = self._navigation.branch(self._navigation.place[0])

@@ -77,8 +77,11 @@ class TimelinePanel(QWidget):
         self.parameters.clicked.connect(lambda _=False: navigation.use_its_parameters())
         self._of.setObjectName("dim")
         self.branch = BranchForm(navigation)
+        self.view.addActions(self.branch.in_menu)
         self._behind = BranchForm(navigation)
         self.more = QToolButton()
+        for action in self.branch.in_menu:
+            action.triggered.connect(self._open_more)
         self._lay_out()
         self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
         self._later.timeout.connect(self._show)
@@ -138,6 +141,11 @@ class TimelinePanel(QWidget):
         """Room for the buttons and a short track."""
         hint = super().minimumSizeHint()
         return QSize(min(hint.width(), _NARROW), hint.height())
+
+    def _open_more(self) -> None:
+        """Open the form of the branch where there is no room for it beside the timeline."""
+        if not self.more.isHidden():
+            self.more.showMenu()
 
     def _make_more(self) -> QToolButton:
         """The button that opens the form of the branch."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QPointF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QFocusEvent,
     QHelpEvent,
@@ -65,6 +65,18 @@ class TimelineView(QWidget):
     def point(self, branch: int, step: int) -> QPointF:
         """Position of a step of a branch."""
         return QPointF(self._places.x(step), self._places.y(branch))
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The step that is shown; the one at a point is shown first. See `MenuOwner`."""
+        branch = self._places.branch_at(point.y()) if point is not None else None
+        if point is not None and branch is not None:
+            self._dragged = branch
+            self._request(QPointF(point))
+            self._dragged = None
+        shown, step = self._navigation.place
+        if self._navigation.branch(shown) is None:
+            return "", QPoint()
+        return "step", point if point is not None else self.point(shown, step).toPoint()
 
     # Qt interface
 

@@ -1,0 +1,61 @@
+"""What lies at a place of the canvas."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.model.document.hit_testing import hit
+from app.session.workspace import Workspace
+from cpm_core.numerics.types import Position
+from cpm_core.shapes import Charge
+
+
+class Pointed:
+    """Finds and chooses what lies at a place: lines before areas, and those in front first."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        self._session = workspace.session
+        self._review = workspace.review
+        self._list = workspace.object_list
+        self._selection = workspace.object_selection
+
+    @property
+    def chosen(self) -> str:
+        """The name of what is chosen."""
+        shapes, selected = self._session.document.shapes, self._session.selected
+        if self._selection.selecting:
+            return "proposal"
+        if selected is not None and selected < len(shapes):
+            return "charge" if isinstance(shapes[selected], Charge) else "shape"
+        if self._review.selected:
+            return "contour"
+        return "object" if self._list.chosen else "image"
+
+    def choose(self, at: Position, reach: float) -> str:
+        """The name of what lies at a place, which is chosen unless it is already; `reach` is in px of the image."""
+        if self._selection.selecting:
+            return "proposal"
+        shapes = self._session.document.shapes
+        found = hit(shapes, at, reach, self._session.selected)
+        shape = found.index if found is not None else None
+        near = found is not None and (found.part == "handle" or shapes[found.index].distance(at) <= reach)
+        contour = None if near else self._review.under(at, reach)
+        particles = not near and contour is None and self._has_particles(at, reach)
+        number = 0 if near or contour is not None or particles else self._list.under(at)
+        if near or not (contour is not None or particles or number):
+            self._session.select(shape)
+            return self.chosen if shape is not None else "proposal" if self._selection.proposals else "image"
+        self._session.select(None)
+        if contour is not None:
+            if contour not in self._review.selected:
+                self._review.select((contour,))
+            return "contour"
+        if number and number not in self._list.chosen:
+            self._list.choose((number,))
+        return "object" if number else "particles"
+
+    def _has_particles(self, at: Position, reach: float) -> bool:
+        snapshot = self._session.scene.snapshot
+        if snapshot is None or not len(snapshot.position):
+            return False
+        return bool((np.hypot(*(snapshot.position - at).T) <= reach).any())

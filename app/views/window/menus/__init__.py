@@ -1,0 +1,1 @@
+"""The menu bar, and the menus of what lies under the pointer."""

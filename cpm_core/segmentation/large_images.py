@@ -1,0 +1,59 @@
+"""Settings for large images, in which particles have far to go and noise stops them on their way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cpm_core.field.edge_map import automatic_smoothing, gradient, magnitude
+from cpm_core.field.scale_field import LARGE
+from cpm_core.image.pyramid import most_scales
+from cpm_core.numerics.types import Array
+
+_COARSEST = 512
+"""Longest side of the coarsest scale [px]: a front crosses it in some hundred steps."""
+
+_SAMPLE = 256
+"""Side of the part of an image whose noise and edges are measured: an edge across it is more than one pixel in a
+hundred, which `automatic_smoothing` takes for the strong ones [px]."""
+
+
+@dataclass(frozen=True, slots=True)
+class LargeImageSettings:
+    """Number of scales and sigma of the Gaussian [px] that suit a large image."""
+
+    scales: int
+    smoothing: float
+
+
+def large_image_settings(values: Array) -> LargeImageSettings | None:
+    """Settings that suit an image, shape (H, W); None for one that is not large.
+
+    There are as many scales as bring the longest side of the coarsest one down to 512 px or less. The smoothing is the
+    least that raises edges above the background (`automatic_smoothing`), around the strongest edge of the image.
+    """
+    if values.size <= LARGE:
+        return None
+    return LargeImageSettings(scales_for(values.shape), automatic_smoothing(_around_strongest_edge(values)))
+
+
+def scales_for(shape: tuple[int, ...]) -> int:
+    """Number of scales of a large image of this shape, no more than it has room for."""
+    wanted = 1 + max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
+    return min(wanted, most_scales(shape))
+
+
+def _around_strongest_edge(values: Array) -> Array:
+    """The part of an image around its strongest edge, as it is seen in the means of blocks of pixels."""
+    side = max(max(values.shape) // _COARSEST, 1)
+    rows, cols = (n // side for n in values.shape)
+    blocks = values[: rows * side, : cols * side].reshape(rows, side, cols, side).mean(axis=(1, 3))
+    strength = magnitude(gradient(blocks, 1.0))
+    middle = side * np.array(np.unravel_index(int(np.argmax(strength)), strength.shape))
+    top, left = (
+        int(min(max(place - _SAMPLE // 2, 0), max(n - _SAMPLE, 0)))
+        for place, n in zip(middle, values.shape, strict=True)
+    )
+    return values[top : top + _SAMPLE, left : left + _SAMPLE]

@@ -1,0 +1,198 @@
+"""A menu everywhere: a right click, or a key, opens the actions of what lies there or is chosen."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QContextMenuEvent
+from PySide6.QtWidgets import QApplication, QMenu
+
+from app.model.document import edits
+from app.views.window.menus.context_menus import THINGS
+from cpm_core.shapes import Charge, Circle
+
+KEY, MODIFIER, RIGHT = Qt.Key, Qt.KeyboardModifier, Qt.MouseButton.RightButton
+
+
+def texts(menu: QMenu) -> list[str]:
+    return [action.text().replace("&", "") for action in menu.actions() if not action.isSeparator()]
+
+
+def names(window, menu: QMenu) -> list[str]:
+    by_action = {window.actions_by_name[spec.name]: spec.name for spec in window.actions_by_name.specs}
+    return [by_action[action] for action in menu.actions() if action in by_action]
+
+
+@pytest.fixture
+def menus(window):
+    """The menus of the window, closed at the end."""
+    made = window.context_menus
+    yield made
+    popup = QApplication.activePopupWidget()
+    if popup is not None:
+        popup.close()
+
+
+def right_click(hand, row: float, col: float) -> None:
+    point = hand.at(row, col)
+    hand.qtbot.mousePress(hand.canvas.viewport(), RIGHT, pos=point)
+    hand.qtbot.mouseRelease(hand.canvas.viewport(), RIGHT, pos=point)
+
+
+def ask(widget, point: QPoint) -> None:
+    """What the window system sends after a right click."""
+    event = QContextMenuEvent(QContextMenuEvent.Reason.Mouse, point, widget.mapToGlobal(point))
+    QApplication.sendEvent(widget, event)
+
+
+def run(window, hand) -> None:
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: window.session.status.phase == "finished" and bool(window.workspace.review.items))
+
+
+def test_every_action_that_a_thing_has_exists(window) -> None:
+    for thing, listed in THINGS.items():
+        for name in filter(None, listed):
+            assert name in window.actions_by_name or name in window.context_menus._submenus, (thing, name)
+
+
+def test_a_right_click_on_the_image_opens_its_menu_with_the_keys(window, hand, menus) -> None:
+    right_click(hand, 10, 10)
+    assert menus.menu.isVisible()
+    assert names(window, menus.menu) == [name for name in THINGS["image"] if name]
+    fit = window.actions_by_name["fit"]
+    assert fit in menus.menu.actions()
+    assert fit.shortcut().toString() == "F"
+    assert fit.isShortcutVisibleInContextMenu()
+
+
+def test_a_right_drag_moves_the_image_and_opens_no_menu(window, hand, menus) -> None:
+    start, end = hand.at(32, 32), hand.at(20, 40)
+    for to in (start + QPoint(1, 1), end):
+        hand.qtbot.mousePress(hand.canvas.viewport(), RIGHT, pos=start)
+        before = hand.canvas.view.viewRect()
+        hand.qtbot.mouseMove(hand.canvas.viewport(), to)
+        assert (hand.canvas.view.viewRect() != before) is (to == end)
+        hand.qtbot.mouseRelease(hand.canvas.viewport(), RIGHT, pos=to)
+        assert (menus.menu is not None and menus.menu.isVisible()) is (to != end)
+        if to != end:
+            menus.menu.close()
+            menus.menu = None
+
+
+@pytest.mark.parametrize(("shape", "thing"), [(Circle((32.0, 32.0), 10.0), "shape"), (Charge((32.0, 42.0)), "charge")])
+def test_a_right_click_on_a_shape_selects_it(window, hand, menus, shape, thing) -> None:
+    window.session.edit("draw", lambda document: edits.add_shape(document, shape))
+    right_click(hand, 32, 42)
+    assert window.session.selected == 0
+    assert names(window, menus.menu) == [name for name in THINGS[thing] if name]
+    window.actions_by_name["enlarge"].trigger()
+    assert window.session.document.shapes == (shape.resized(1.0),)
+
+
+def test_a_right_click_on_a_contour_selects_it_and_keeps_a_selection_that_holds_it(ready, hand, menus) -> None:
+    run(ready, hand)
+    item = ready.workspace.review.items[0]
+    row, col = (float(place) for place in item.contour.points[0])
+    for shape in reversed(range(len(ready.session.document.shapes))):
+        ready.session.edit("delete", lambda document, shape=shape: edits.delete_shape(document, shape))
+    right_click(hand, row, col)
+    assert ready.workspace.review.selected == {item.key}
+    assert "Reject" in texts(menus.menu)
+    assert "Color" in texts(menus.menu)
+    ready.actions_by_name["reject"].trigger()
+    assert ready.workspace.review.items[0].reviewed.verdict == "rejected"
+
+
+def test_the_menu_of_a_table_row_selects_the_row_and_is_that_of_the_canvas(ready, hand, menus) -> None:
+    run(ready, hand)
+    hand.key(KEY.Key_T, MODIFIER.ControlModifier)
+    table = ready.panels["contours"].table
+    hand.wait(table.isVisible)
+    ask(table.viewport(), table.visualRect(table.model().index(0, 0)).center())
+    assert len(ready.workspace.review.selected) == 1
+    assert names(ready, menus.menu) == [n for n in THINGS["contour"] if n in ready.actions_by_name]
+    menus.menu.close()
+    header = table.horizontalHeader()
+    ask(header.viewport(), QPoint(header.sectionViewportPosition(1) + 4, 4))
+    menu = QApplication.activePopupWidget()
+    assert texts(menu)[:2] == ["Smallest first", "Largest first"]
+    menu.actions()[1].trigger()
+    assert header.sortIndicatorSection() == 1
+    menu.actions()[3 + 2].trigger()
+    assert table.isColumnHidden(2)
+    menu.close()
+
+
+def test_the_timeline_shows_the_step_under_the_pointer_and_opens_its_menu(ready, hand, menus) -> None:
+    ready.resize(1400, 800)
+    run(ready, hand)
+    view, navigation = ready.panels["timeline"].view, ready.workspace.navigation
+    branch, last = navigation.place
+    hand.wait(lambda: view.visibleRegion().contains(view.point(branch, last // 2).toPoint()))
+    ask(view, view.point(branch, last // 2).toPoint())
+    hand.wait(lambda: abs(navigation.place[1] - last // 2) <= 2)  # as exact as a pixel
+    assert texts(menus.menu)[:2] == ["Rename the branch…", "Compare the branch with…"]
+    assert "timeline_parameters" in names(ready, menus.menu)
+    menus.menu.actions()[0].trigger()
+    assert ready.panels["timeline"].branch.name.selectedText()
+
+
+def test_a_slider_offers_its_default_its_value_and_its_explanation(window, hand, menus) -> None:
+    row = window.panels["parameters"].rows["beta"]
+    default = window.session.document.parameters.beta
+    row.slider.setFocus()
+    hand.qtbot.keyClick(row.slider, KEY.Key_Right)
+    ask(row.slider, row.slider.rect().center())
+    assert texts(menus.menu) == ["Restore the default", "Copy the value", "Explain"]
+    restore, copy, _ = menus.menu.actions()[:3]
+    copy.trigger()
+    assert float(QApplication.clipboard().text()) == window.session.document.parameters.beta != default
+    restore.trigger()
+    assert window.session.document.parameters.beta == default
+
+
+def test_layers_history_and_headings_have_menus(ready, hand, menus) -> None:
+    ready.docks.reveal("layers")
+    row = ready.panels["layers"].rows["contours"]
+    row.layer.set_opacity(0.5)
+    ask(row, row.rect().center())
+    assert names(ready, menus.menu) == ["layer_contours"]
+    next(action for action in menus.menu.actions() if "opacity" in action.text()).trigger()
+    assert row.layer.opacity == 1.0
+    menus.menu.close()
+    ready.docks.reveal("history")
+    history = ready.panels["history"]._list
+    ask(history.viewport(), history.visualItemRect(history.item(0)).center())
+    menus.menu.actions()[0].trigger()
+    assert ready.session.document.shapes == ()
+    menus.menu.close()
+    title = ready.docks["run"].titleBarWidget()
+    ask(title, title.rect().center())
+    assert "Timeline" in texts(menus.menu)
+    assert "Restore panels" in texts(menus.menu)
+
+
+@pytest.mark.parametrize("keys", [(KEY.Key_F10, MODIFIER.ShiftModifier), (KEY.Key_Menu, MODIFIER.NoModifier)])
+def test_a_key_opens_the_menu_of_what_is_chosen(ready, hand, menus, keys) -> None:
+    ready.activateWindow()
+    hand.wait(ready.isActiveWindow)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_N)
+    hand.key(*keys)
+    assert names(ready, menus.menu) == [name for name in THINGS["shape"] if name]
+    menus.menu.close()
+    hand.key(KEY.Key_Q)
+    hand.key(*keys)
+    assert "Explain" in texts(menus.menu)
+
+
+def test_at_the_cross_hair_the_menu_is_of_what_lies_there(ready, hand, menus) -> None:
+    ready.session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Return)
+    crosshair = ready.canvas_area.crosshair
+    crosshair.move(20.0 - crosshair.at[0], 20.0 - crosshair.at[1])
+    hand.key(KEY.Key_F10, MODIFIER.ShiftModifier)
+    assert ready.session.selected == 1
+    assert "layer_potential" in names(ready, menus.menu)
