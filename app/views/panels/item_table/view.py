@@ -82,7 +82,9 @@ class ItemTable(QTableView):
         self.setMinimumHeight(LEAST)
         self._lay_out()
         self.entered.connect(lambda index: self.hover(self._key(index)))
-        self.doubleClicked.connect(self._take_double_click)
+        self.doubleClicked.connect(
+            lambda at: self._edit_name(at.row()) if at.column() == rows.name_column else self.zoom_wanted.emit()
+        )
         self.selectionModel().selectionChanged.connect(self._report_selection)
 
     zoom_wanted = Signal()
@@ -194,8 +196,6 @@ class ItemTable(QTableView):
         self.hover(None)
         super().leaveEvent(event)
 
-    # Internal
-
     def _lay_out(self) -> None:
         self.verticalHeader().hide()
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
@@ -232,13 +232,6 @@ class ItemTable(QTableView):
 
     def _key(self, index: QModelIndex) -> int:
         return self._rows.key(self._sorted.mapToSource(index).row())
-
-    def _take_double_click(self, index: QModelIndex) -> None:
-        """Edit a name, or show the item of another column on the canvas."""
-        if index.column() == self._rows.name_column:
-            self._edit_name(index.row())
-        else:
-            self.zoom_wanted.emit()
 
     def _edit_name(self, row: int) -> None:
         if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
