@@ -85,6 +85,15 @@ def length_text(pixels: float, spacing: float, unit: str | None) -> str:
     return f"{pixels * spacing:.4g} {unit}" if unit else f"{pixels:.0f} {_PIXEL}"
 
 
+def measured(pixels: float, spacing: Sequence[float], unit: str | None, decimals: int = 1) -> str:
+    """A length that was measured, in the preferred unit; in px where pixels are not square or their size is unknown."""
+    size = shown_in(spacing, unit)
+    if size.unit is None or len(set(size.spacing)) > 1:
+        return f"{pixels:,.{decimals}f} {_PIXEL}"
+    length = pixels * size.spacing[0]
+    return f"{length:,.0f} {size.unit}" if length >= 1000.0 else f"{length:.4g} {size.unit}"
+
+
 def _readable(size: float, unit: str) -> tuple[float, str]:
     """The size in the metric unit in which it has one to three digits; unchanged in any other unit."""
     if unit not in _KNOWN:

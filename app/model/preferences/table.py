@@ -35,8 +35,8 @@ THEME = Choice(
 )  # fmt: skip
 UNIT = Choice(
     name="units", page="general", label=tr("Lengths and areas"), default="image", ways=UNITS,
-    note=tr("In tables, in the status bar and on the scale bar. An image that does not say how large a pixel is has "
-            "lengths in px."),
+    note=tr("In tables, in the panel Run, in the status bar and on the scale bar. An image that does not say how large "
+            "a pixel is has lengths in px."),
 )  # fmt: skip
 WORDING = Choice(
     name="parameters/wording", page="general", label=tr("Labels"), default=FIRST_WORDING,

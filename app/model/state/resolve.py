@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from app.model.display.lengths import measured
 from app.model.display.round_numbers import scientific_text
-from app.model.document.document import Document
+from app.model.document.document import Document, ImageReference
 from app.model.document.modes import MODES, needs_start
 from app.model.document.naming import describe
 from app.model.state.situation import Situation
@@ -56,6 +57,7 @@ class Resolved:
 def resolve(situation: Situation) -> Resolved:
     """Texts of the window; a pure function that can be tested without a window."""
     document, status = situation.document, situation.status
+    particles = needs_start(document.mode)
     return Resolved(
         title=f"{document.image.name} – CPM" if document.image else "CPM",
         run_text=_run_text(document, status),
@@ -64,9 +66,9 @@ def resolve(situation: Situation) -> Resolved:
         running=status.phase == "running",
         state=_state(situation),
         hint=_hint(situation),
-        numbers=_numbers(status) if needs_start(document.mode) else _numbers_of_skeleton(status),
+        numbers=_numbers(status, document.image) if particles else _numbers_of_skeleton(status, document.image),
         leading=_LEADING,
-        particles=needs_start(document.mode),
+        particles=particles,
     )
 
 
@@ -166,7 +168,7 @@ def _sentence(text: str) -> str:
     return text if text.endswith((".", "!", "?")) else f"{text}."
 
 
-def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
+def _numbers(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str, str, str], ...]:
     def shown(value: str) -> str:
         return value if status.moved else "–"
 
@@ -200,25 +202,25 @@ def _numbers(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
         (tr("Steps/s"), speed, tr("Speed of the run.")),
         (
             tr("Bridged"),
-            shown(_bridged(status)),
+            shown(_bridged(status, image)),
             tr("Gaps that were closed along a faint edge; see the parameter Maximum gap."),
         ),
     )
 
 
-def _numbers_of_skeleton(status: RunStatus) -> tuple[tuple[str, str, str], ...]:
+def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str, str, str], ...]:
     found = status.method == "skeleton" and status.closed + status.open > 0
 
     def shown(value: str) -> str:
         return value if found else "–"
 
-    branches, length = f"{status.closed + status.open:,}", f"{status.length:,.0f} px"
+    branches, length = f"{status.closed + status.open:,}", _length(status.length, image, 0)
     return (
         (tr("Branches"), shown(branches), tr("Center lines between tips and forks.")),
         (tr("Length"), shown(length), tr("Length of all branches together.")),
         (
             tr("Thickness"),
-            shown(f"{status.thickness:.1f} px"),
+            shown(_length(status.thickness, image)),
             tr("Thickness that 95 % of the length stays below."),
         ),
         (tr("Skeleton of"), shown(skeleton_of(status.polarity, status.width)), tr("What has a skeleton in the image.")),
@@ -231,10 +233,14 @@ def skeleton_of(polarity: int, width: float) -> str:
     return tr("{what}, up to {width} px wide").format(what=what, width=f"{width:.0f}") if width else what
 
 
-def _bridged(status: RunStatus) -> str:
+def _length(pixels: float, image: ImageReference | None, decimals: int = 1) -> str:
+    return measured(pixels, image.spacing if image else (1.0,), image.unit if image else None, decimals)
+
+
+def _bridged(status: RunStatus, image: ImageReference | None) -> str:
     if not status.bridges:
         return tr("no gap")
     if status.bridges == 1:
-        return tr("1 gap of {length} px").format(length=f"{status.longest_bridge:.1f}")
-    message = tr("{gaps} gaps, longest {length} px")
-    return message.format(gaps=status.bridges, length=f"{status.longest_bridge:.1f}")
+        return tr("1 gap of {length}").format(length=_length(status.longest_bridge, image))
+    message = tr("{gaps} gaps, longest {length}")
+    return message.format(gaps=status.bridges, length=_length(status.longest_bridge, image))

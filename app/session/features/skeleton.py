@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject
 
+from app.model.display.lengths import measured
 from app.model.document.document import Document
 from app.model.state.resolve import skeleton_of
 from app.model.text.language import tr
 from app.session.session import Session
+from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters import Parameters
 
@@ -49,18 +51,19 @@ class Skeletons(QObject):
 
     def _describe(self) -> None:
         found = self._session.scene.skeleton
-        if found is not None and found is not self._described:
-            self._session.say(_description(found))
+        image = self._session.image
+        if found is not None and found is not self._described and image is not None:
+            self._session.say(_description(found, image))
         self._described = found
 
 
-def _description(found: Skeleton) -> str:
+def _description(found: Skeleton, image: Image) -> str:
     message = tr(
-        "Skeleton of {what}: {branches} branches, {length} px long together; 95 % of it is at most {thick} px thick."
+        "Skeleton of {what}: {branches} branches, {length} long together; 95 % of it is at most {thick} thick."
     )
     return message.format(
         what=skeleton_of(found.polarity, found.width),
         branches=len(found.contours),
-        length=f"{found.length:,.0f}",
-        thick=f"{found.thickness:.1f}",
+        length=measured(found.length, image.spacing, image.unit, 0),
+        thick=measured(found.thickness, image.spacing, image.unit),
     )

@@ -6,6 +6,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.session.workspace import Workspace
+from app.views.canvas.layers.layer_form import LayerForm
 from app.views.canvas.layers.options import Amount, Choice, Switch
 from app.views.main_window import MainWindow
 
@@ -102,3 +103,12 @@ def test_settings_are_kept_for_the_next_start_but_not_what_is_shown(window):
     assert other.canvas_area.canvas.layers["image"].word("range") == "1"
     other.close()
     other.deleteLater()
+
+
+def test_colors_of_particles_are_offered_only_where_they_act(window) -> None:
+    layer = window.canvas_area.canvas.layers["particles"]
+    form = LayerForm(layer)
+    assert not form.fields["map"].isEnabled()
+    layer.choose("colour", "speed")
+    assert form.fields["map"].isEnabled()
+    form.deleteLater()

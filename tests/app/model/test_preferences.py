@@ -102,6 +102,21 @@ def test_lengths_are_shown_in_the_preferred_unit_where_that_is_possible(in_unit,
     assert found.factor == pytest.approx(shown.factor)
 
 
+@pytest.mark.parametrize(
+    ("spacing", "unit", "wanted", "said"),
+    [
+        ((0.5, 0.5), "µm", "image", "12.34 µm"),
+        ((0.5, 0.5), "µm", "px", "24.7 px"),
+        ((0.5, 0.5), "µm", "nm", "12,340 nm"),
+        ((0.5, 2.0), "µm", "image", "24.7 px"),
+        ((1.0, 1.0), None, "mm", "24.7 px"),
+    ],
+)
+def test_a_measured_length_follows_the_same_rule(in_unit, spacing, unit, wanted, said) -> None:
+    in_unit(wanted)
+    assert lengths.measured(24.68, spacing, unit) == said
+
+
 ACTIONS = (Keyed("run", "Run", "Run", ("Space",)), Keyed("open", "Open", "File", ("Ctrl+O",)),
            Keyed("redo", "Redo", "Edit", ("Ctrl+Y", "Ctrl+Shift+Z")), Keyed("about", "About", "Help", ()))  # fmt: skip
 

@@ -397,3 +397,15 @@ def test_the_proposal_stays_while_another_tool_is_used(window, hand, objects) ->
     assert objects.selecting
     hand.key(KEY.Key_W)
     assert objects.selecting
+
+
+def test_a_click_that_changes_nothing_says_so(window, hand, objects) -> None:
+    said: list[str] = []
+    window.session.said.connect(lambda sentence, trouble: said.append(sentence))
+    click(hand, *LARGE[0])
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 1 and bool(objects.proposals[0].clicks))
+    assert not any("changes nothing" in words for words in said)
+    click(hand, LARGE[0][0] + 3.0, LARGE[0][1])
+    hand.wait(lambda: any("belongs to the object already" in words for words in said))
+    click(hand, 5.0, 58.0, ALT)
+    hand.wait(lambda: any("does not belong to the object" in words for words in said))

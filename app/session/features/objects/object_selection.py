@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document import objects
@@ -226,8 +227,10 @@ class ObjectSelection(QObject):
             return  # the next answer is on its way
         proposals = found.proposals if question.clicks or self._starts else ()
         self._show(preview=found.preview if self._pointed is not None else None)
+        before = self.proposals
         self._offer(proposals)
-        self._say_remark(proposals[0].selection.remark if question.clicks and proposals else "")
+        remark = proposals[0].selection.remark if question.clicks and proposals else ""
+        self._say_remark(remark or without_effect(before, proposals))
 
     def _offer(self, proposals: tuple[Proposal, ...]) -> None:
         """Show other proposals, or nothing while there is no partition."""
@@ -252,6 +255,17 @@ class ObjectSelection(QObject):
     def _forget(self) -> None:
         self._latest.forget()
         self._selector = self._asked = self._pointed = self._dismissed = None
+
+
+def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:
+    """A sentence on the newest click if it has changed nothing of the object; else empty."""
+    if len(before) != 1 or len(after) != 1 or len(after[0].clicks) != len(before[0].clicks) + 1:
+        return ""
+    if not before[0].clicks or not np.array_equal(before[0].selection.mask, after[0].selection.mask):
+        return ""
+    if after[0].clicks[-1].inside:
+        return tr("This click changes nothing: the place belongs to the object already.")
+    return tr("This click changes nothing: the place does not belong to the object.")
 
 
 def corrected(offered: tuple[Proposal, ...], said: Click) -> Proposal | None:

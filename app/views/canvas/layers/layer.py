@@ -135,6 +135,10 @@ class Layer(QObject):
             self.follow_choice(name)
             self.changed.emit()
 
+    def acts(self, name: str) -> bool:
+        """Whether an option has an effect beside the present other ones."""
+        return True
+
     def follow_choice(self, name: str) -> None:
         """Apply an option that has changed."""
 

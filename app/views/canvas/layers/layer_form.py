@@ -35,6 +35,8 @@ class LayerForm(QWidget):
         """Show the values of the options."""
         for show in self._showing:
             show()
+        for name, field in self.fields.items():
+            field.setEnabled(self.layer.acts(name))
 
     def _add(self, option: Option) -> None:
         if isinstance(option, Choice):

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import QTimer
 
+from app.model.preferences.table import UNIT
 from app.model.state.resolve import resolve
 from app.model.state.situation import can_step, has_image, is_running, is_started
 from app.model.text.language import tr
@@ -41,6 +42,7 @@ class RunControlFeature(Feature):
         self._timer.setInterval(_UPDATE_EVERY)
         self._timer.timeout.connect(self._show_values)
         context.session.status_changed.connect(self._show)
+        context.preferences.follow(UNIT, self._show)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Run, step, reset, speed."""

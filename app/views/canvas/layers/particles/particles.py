@@ -112,6 +112,10 @@ class ParticleLayer(Layer):
             discs.shrink(_RECEDING if small else 1.0)
         self._moving.setZValue(_BELOW if small else _ABOVE)
 
+    def acts(self, name: str) -> bool:
+        """Colors from low to high act only where a quantity is shown."""
+        return name != "map" or self.word("colour") != _STATE
+
     def follow_choice(self, name: str) -> None:
         """Change the colors, or how the particles are shown after a run."""
         if name == "done":
