@@ -235,7 +235,9 @@ def circles(arrows):
             if other not in reached[name]:
                 reached[name].add(other)
                 waiting += arrows.get(other, ())
-    groups = {frozenset(o for o in reached[name] if name in reached[o]) for name in arrows if name in reached[name]}
+    groups = {
+        frozenset(o for o in reached[name] if name in reached.get(o, ())) for name in arrows if name in reached[name]
+    }
     return sorted(map(sorted, groups))
 
 

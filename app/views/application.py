@@ -13,7 +13,9 @@ from PySide6.QtWidgets import QApplication
 from app.model.document.samples import samples
 from app.model.text.language import language
 from app.session.workspace import Workspace
+from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.file.start import StartFeature
 from app.views.features.help.help import HelpFeature
 from app.views.main_window import MainWindow
 from app.views.theme.icons import program_icon
@@ -57,6 +59,8 @@ def open_window(path: str | None = None) -> MainWindow:
     session.open(path or sample, otherwise=sample if path else None)
     session.warm_up()
     window.show()
+    if path is None:
+        window.feature(StartFeature).welcome(window.feature(BeginningFeature).bar)
     window.feature(RecoveryFeature).offer()
     return window
 

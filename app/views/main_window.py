@@ -23,6 +23,7 @@ from app.views.features import FEATURES
 from app.views.features.file.folder import FolderFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.file.start import StartFeature
 from app.views.features.run.parameters import ParametersFeature
 from app.views.features.run.run_control import RunControlFeature
 from app.views.features.view.appearance import AppearanceFeature
@@ -76,9 +77,7 @@ class MainWindow(QMainWindow):
         context = self._make_context()
         self.features: dict[type[Feature], Feature] = {kind: kind(context) for kind in FEATURES}
         specs = [spec for feature in self.features.values() for spec in feature.action_specs()]
-        self.feature(OpenSaveFeature).bring_in = self.feature(ParametersFeature).preset_files.import_file
-        self.feature(RecoveryFeature).keep(self.feature(OpenSaveFeature).document_file)
-        self.feature(FolderFeature).keep(self.feature(OpenSaveFeature).document_file)
+        self._introduce_files()
         self.actions_by_name = Actions(self, (spec for spec in specs if isinstance(spec, ActionSpec)))
         self.menus = Menus(self.menuBar(), specs, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels()]
@@ -149,6 +148,14 @@ class MainWindow(QMainWindow):
         """Open the dropped files."""
         event.acceptProposedAction()
         self.feature(OpenSaveFeature).take_dropped(event.mimeData().urls())
+
+    def _introduce_files(self) -> None:
+        """Tell features that work with files of each other."""
+        files = self.feature(OpenSaveFeature)
+        files.bring_in = self.feature(ParametersFeature).preset_files.import_file
+        self.feature(RecoveryFeature).keep(files.document_file)
+        self.feature(FolderFeature).keep(files.document_file)
+        self.feature(StartFeature).keep(files)
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features

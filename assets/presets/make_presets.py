@@ -28,6 +28,9 @@ SHOWN = {
     "automatic": ("nuclei.png", 40, 250),
     "vessels": ("artery.png", 30, 250),
     "noisy": ("noisy.png", 44, 256),
+    "fluorescence": ("cells.png", 60, 250),
+    "angiogram": ("artery.png", 60, 250),
+    "ultrasound": ("noisy.png", 44, 256),
 }
 """For each preset the sample, and the first row and the width of what is shown of it."""
 
@@ -39,7 +42,7 @@ def draw(preset: str) -> PIL.Image.Image:
     assert sample is not None
     image, parameters = cpm.load_image(sample.path), cpm.PRESETS[preset]
     document = Document(shapes=sample.shapes, parameters=parameters)
-    if preset == "vessels":
+    if preset in ("vessels", "angiogram", "ultrasound"):
         document = Document(shapes=(Everywhere("grid"),), parameters=parameters)
     seeds = document.seeds(SeedCache(image).seeds_for(document.image_starts, parameters.smoothing, None))
     result = cpm.segment(image, seeds, parameters)

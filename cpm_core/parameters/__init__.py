@@ -172,5 +172,15 @@ PRESETS: dict[str, Parameters] = {
         w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.2, max_border=0.08, sure_edge=0.3, edges="vessels"
     ),
     "noisy": Parameters(smoothing="auto"),
+    "fluorescence": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=4.0, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
+    ),
+    "angiogram": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.2, max_border=0.08, sure_edge=0.4, edges="vessels"
+    ),
+    "ultrasound": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=6.0, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.7
+    ),
 }
-"""Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels, and noisy images."""
+"""Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images, and
+automatic segmentation of kinds of images whose boundaries other settings find better."""

@@ -19,6 +19,7 @@ from app.model.document import edits
 from app.session.session import Session
 from app.session.workspace import Workspace
 from app.views.application import make_application
+from app.views.features.file import start
 from app.views.main_window import MainWindow
 from app.views.window import dialogs
 from cpm_core.shapes import Circle
@@ -125,6 +126,12 @@ def nothing_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
 def own_preferences(tmp_path: Path) -> None:
     """No test reads or writes the preferences of the user."""
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "preferences"))
+
+
+@pytest.fixture(autouse=True)
+def own_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No test reads or writes the user's pictures of recent work."""
+    monkeypatch.setattr(start, "folder_of_pictures", lambda: tmp_path / "pictures of work")
 
 
 @pytest.fixture(autouse=True)

@@ -27,6 +27,15 @@ _BUILT_IN = {
     "automatic": (tr("Automatic segmentation"), tr("Starts everywhere and keeps the contours of sure edges.")),
     "vessels": (tr("Vessels"), tr("Finds both sides of what is long and thin, darker or brighter than around it.")),
     "noisy": (tr("Noisy image"), tr("Chooses the smoothing from the noise of the image.")),
+    "fluorescence": (
+        tr("Fluorescence"),
+        tr("Finds bright objects on a dark background, without their texture."),
+    ),
+    "angiogram": (tr("Angiogram"), tr("Finds vessels with a contrast medium, and leaves out faint lines.")),
+    "ultrasound": (
+        tr("Ultrasound"),
+        tr("Finds the strongest outlines on a very smooth image, without speckle."),
+    ),
 }
 
 

@@ -102,6 +102,11 @@ KEEP_PARAMETERS = Flag(
     name="parameters/keep", page="run", label=tr("Next image"), default=False,
     text=tr("Keep parameters for the next image"),
 )  # fmt: skip
+OFFER_SETTINGS = Flag(
+    name="parameters/offer", page="run", label=tr("Kind of image"), default=True,
+    text=tr("Offer settings for kinds of images"),
+    note=tr("Fluorescence, angiograms and ultrasound are recognized by their gray levels."),
+)  # fmt: skip
 TIMELINE_MEMORY = Number(
     name="timeline/megabytes", page="run", label=tr("Memory for steps"), default=256.0, low=16, high=16384, step=64,
     suffix=tr(" MB"),
@@ -127,6 +132,7 @@ PREFERENCES: tuple[Preference[Any], ...] = (
     SESSION_FOLDER,
     SAVE_IN_FOLDER,
     KEEP_PARAMETERS,
+    OFFER_SETTINGS,
     TIMELINE_MEMORY,
 )
 """All of them, in the order of the dialog."""

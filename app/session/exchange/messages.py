@@ -18,6 +18,7 @@ from app.session.timeline.outline import Outline
 from cpm_core.contours.result import Result
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
+from cpm_core.image.kind import Kind
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
@@ -117,8 +118,8 @@ class Opened(Report):
     """An image is opened: it has been read, and a method is ready.
 
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
-    itself among them, and `beside` is a session of it that has not been opened with it. `large` are settings for
-    an image that is large.
+    itself among them, `beside` is a session of it that has not been opened with it, and `kind` what it looks like.
+    `large` are settings for an image that is large.
     """
 
     image: Image
@@ -132,6 +133,7 @@ class Opened(Report):
     scales: int = 1
     folder: tuple[Path, ...] = ()
     beside: Path | None = None
+    kind: Kind | None = None
     large: LargeImageSettings | None = None
 
 

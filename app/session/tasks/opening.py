@@ -13,6 +13,7 @@ from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report,
 from app.session.tasks.folder_images import images_beside, session_beside
 from app.session.tasks.tasks import Task, Tasks
 from cpm_core.formats.sessions.session_file import SUFFIX, find_image, fingerprint, load_session
+from cpm_core.image.kind import guessed_kind
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import large_image_settings
@@ -70,8 +71,9 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
     large = large_image_settings(image.values)
     go_on()
     all_notes, display = (*image.notes, *notes), display_of(image)
+    folder, kind = images_beside(path), guessed_kind(image.values) if saved is None else None
     return Opened(
-        image, method, display, path, parameters, all_notes, sha256, saved, scales, images_beside(path), beside, large
+        image, method, display, path, parameters, all_notes, sha256, saved, scales, folder, beside, kind, large
     )
 
 

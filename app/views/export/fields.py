@@ -10,7 +10,6 @@ from PySide6.QtGui import QStandardItemModel
 from PySide6.QtWidgets import (
     QComboBox,
     QDoubleSpinBox,
-    QFileDialog,
     QHBoxLayout,
     QLineEdit,
     QPushButton,
@@ -20,6 +19,7 @@ from PySide6.QtWidgets import (
 
 from app.model.export.formats import formats, listed
 from app.model.text.language import tr
+from app.views.window.file_dialogs import ask_for_folder
 from cpm_core.formats import WRITABLE, check_export, suffix_of
 
 _UNITS = ("nm", "µm", "mm", "cm", "m")
@@ -119,7 +119,7 @@ class FileFields(QWidget):
         return ""
 
     def _browse(self) -> None:
-        chosen = QFileDialog.getExistingDirectory(self, tr("Folder"), self.folder.text())
+        chosen = ask_for_folder(self, tr("Folder"), self.folder.text())
         if chosen:
             self.folder.setText(chosen)
             self.edited.emit()

@@ -18,6 +18,7 @@ from app.views.features.file.large_image import LargeImageFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.file.start import StartFeature
 from app.views.features.help.help import HelpFeature
 from app.views.features.run.parameters import ParametersFeature
 from app.views.features.run.run_control import RunControlFeature
@@ -33,6 +34,7 @@ from app.views.window.feature import Feature
 
 FEATURES: tuple[type[Feature], ...] = (
     OpenSaveFeature,
+    StartFeature,
     FolderFeature,
     ExportFeature,
     RecoveryFeature,

@@ -120,7 +120,8 @@ _HAND = Page(
 _CANVAS = Page(
     "canvas",
     tr("On the canvas"),
-    tr("Left button: the present tool. Middle or right button: move the image. Wheel: zoom at the pointer."),
+    tr("Left button: the present tool. Middle or right button: drag to move the image; a right "
+       "click opens a menu of what lies there. Wheel: zoom at the pointer."),
     (),
     (
         tr("Arrow keys move the selected shape by 1 px, with Shift by 10 px; &lt; and &gt; make a selected circle "

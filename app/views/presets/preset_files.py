@@ -7,7 +7,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QFileDialog, QMenu, QWidget
+from PySide6.QtWidgets import QMenu, QWidget
 
 from app.model.document import edits
 from app.model.document.document import Document
@@ -17,6 +17,7 @@ from app.session.storage.presets import PresetStore
 from app.views.presets.preset_gallery import PresetGallery, picture_of
 from app.views.window.dialogs import Button, Question, ask_for_one, ask_for_text
 from app.views.window.feature import FeatureContext
+from app.views.window.file_dialogs import Files, all_files
 
 _TOPIC = "preset"
 
@@ -27,7 +28,6 @@ class PresetFiles(QObject):
     def __init__(self, context: FeatureContext, store: PresetStore) -> None:
         super().__init__(context.window)
         self._context = context
-        self._folder = ""
         self.store = store
         self.save = self._make(tr("&Save as…"), self._save, tr("Save the present parameters under a name."))
         self.rename = self._make(tr("&Rename…"), self._rename, tr("Rename one of your presets."))
@@ -116,10 +116,9 @@ class PresetFiles(QObject):
         self._context.session.say(tr("The preset “{name}” has been imported.").format(name=preset.name))
 
     def _import(self) -> None:
-        chosen = ask_for_preset_file(self._context.window, self._folder)
-        if chosen:
-            self._folder = str(Path(chosen).parent)
-            self._import_file(Path(chosen))
+        chosen = self._context.files.ask_for_file("preset", tr("Import preset"), (_presets(), all_files()))
+        if chosen is not None:
+            self._import_file(chosen)
 
     def _export(self) -> None:
         current = self.gallery.current
@@ -130,10 +129,10 @@ class PresetFiles(QObject):
         preset = self.store.called(name)
         if preset is None:
             return
-        chosen = ask_where_to(self._context.window, str(Path(self._folder) / f"{preset.name}{SUFFIX}"))
-        if chosen:
-            self._folder = str(Path(chosen).parent)
-            self.store.hand_out(preset, Path(chosen))
+        name = f"{preset.name}{SUFFIX}"
+        chosen = self._context.files.ask_where_to_save("preset", tr("Export preset"), name, [_presets()])
+        if chosen is not None:
+            self.store.hand_out(preset, chosen)
             self._context.session.say(tr("Exported to {path}.").format(path=chosen))
 
     def _own(self, question: str, button: str) -> Preset | None:
@@ -165,14 +164,5 @@ def agrees_to_delete(parent: QWidget, name: str) -> bool:
     return Question(parent, tr("Delete preset"), text, more, buttons).ask() == "delete"
 
 
-def ask_for_preset_file(parent: QWidget, folder: str) -> str:
-    """File of a preset to import, empty when canceled."""
-    filters = tr("Presets ({pattern})").format(pattern=f"*{SUFFIX}")
-    return QFileDialog.getOpenFileName(parent, tr("Import preset"), folder, filters)[0]
-
-
-def ask_where_to(parent: QWidget, suggestion: str) -> str:
-    """File for the export of a preset, empty when canceled; a missing suffix is added."""
-    filters = tr("Presets ({pattern})").format(pattern=f"*{SUFFIX}")
-    chosen = QFileDialog.getSaveFileName(parent, tr("Export preset"), suggestion, filters)[0]
-    return chosen + SUFFIX if chosen and not chosen.endswith(SUFFIX) else chosen
+def _presets() -> Files:
+    return Files(tr("Presets"), (SUFFIX,))

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from PySide6.QtCore import QBuffer, QIODevice, QPoint, QRect, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QColor, QIcon, QImage, QImageWriter, QKeyEvent, QPixmap
+from PySide6.QtCore import QBuffer, QIODevice, QPoint, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QColor, QImage, QImageWriter, QKeyEvent, QPixmap
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
     QLabel,
-    QListWidget,
     QListWidgetItem,
     QSizePolicy,
     QToolButton,
@@ -19,7 +18,9 @@ from PySide6.QtWidgets import (
 
 from app.model.parameters.presets import Preset
 from app.model.text.language import tr
+from app.session.storage.pictures import middle
 from app.views.theme import theme
+from app.views.widgets.picture_grid import PictureGrid
 
 _COLUMNS, _CELL = 2, QSize(180, 124)
 PICTURE = QSize(160, 94)
@@ -42,19 +43,11 @@ class PresetGallery(QToolButton):
         self.setToolTip(tr("Parameters that suit a kind of image, and your own presets."))
         self._presets: tuple[Preset, ...] = ()
         self._current: Preset | None = None
-        self.pictures = _Pictures()
-        self.pictures.setViewMode(QListWidget.ViewMode.IconMode)
-        self.pictures.setMovement(QListWidget.Movement.Static)
-        self.pictures.setResizeMode(QListWidget.ResizeMode.Adjust)
-        self.pictures.setIconSize(PICTURE)
-        self.pictures.setGridSize(_CELL)
-        self.pictures.setUniformItemSizes(True)
-        self.pictures.setFrameShape(QFrame.Shape.NoFrame)
-        self.pictures.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.pictures = PictureGrid(PICTURE, _CELL)
         self.pictures.setAccessibleName(tr("Presets"))
         self.popup = self._make_popup(actions)
-        self.pictures.itemClicked.connect(self._choose)
-        self.pictures.key_chosen.connect(self._choose)
+        self.pictures.chosen.connect(self._choose)
+        self.pictures.left.connect(self.popup.hide)
         self.pictures.currentItemChanged.connect(lambda item, _: self._show_about(item))
         self.clicked.connect(self.open)
 
@@ -68,11 +61,7 @@ class PresetGallery(QToolButton):
         self._presets = presets
         self.pictures.clear()
         for preset in presets:
-            item = QListWidgetItem(_picture(preset), preset.name)
-            item.setData(Qt.ItemDataRole.UserRole, preset)
-            item.setToolTip(preset.about or preset.name)
-            item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignBottom)
-            self.pictures.addItem(item)
+            self.pictures.add(_picture(preset), preset.name, preset, preset.about or preset.name)
 
     def show_current(self, preset: Preset | None) -> None:
         """Show the name of the preset in use; None if the parameters are not those of a preset."""
@@ -136,42 +125,14 @@ class PresetGallery(QToolButton):
         self.chosen.emit(item.data(Qt.ItemDataRole.UserRole))
 
 
-class _Pictures(QListWidget):
-    """A list of pictures, one of which is chosen by Enter or Space."""
-
-    key_chosen = Signal(QListWidgetItem)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Choose the marked picture on Enter or Space, close on Esc."""
-        item = self.currentItem()
-        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space) and item is not None:
-            self.key_chosen.emit(item)
-        elif event.key() == Qt.Key.Key_Escape:
-            self.window().hide()
-        else:
-            super().keyPressEvent(event)
-
-
-def _picture(preset: Preset) -> QIcon:
+def _picture(preset: Preset) -> QPixmap:
     pixmap = QPixmap()
-    if not (preset.picture and pixmap.loadFromData(preset.picture)):
-        pixmap = no_picture()
-    icon = QIcon()
-    # The picture is the same whether marked or not.
-    icon.addPixmap(pixmap, QIcon.Mode.Normal)
-    icon.addPixmap(pixmap, QIcon.Mode.Selected)
-    return icon
+    return pixmap if preset.picture and pixmap.loadFromData(preset.picture) else no_picture()
 
 
 def picture_of(canvas: QImage) -> bytes:
     """A picture of the canvas for the gallery, at twice its size, as PNG."""
-    size = QSize(2 * PICTURE.width(), 2 * PICTURE.height())
-    across = min(canvas.width(), canvas.height() * size.width() // size.height())
-    down = min(canvas.height(), canvas.width() * size.height() // size.width())
-    middle = QRect((canvas.width() - across) // 2, (canvas.height() - down) // 2, across, down)
-    scaled = canvas.copy(middle).scaled(
-        size, Qt.AspectRatioMode.IgnoreAspectRatio, Qt.TransformationMode.SmoothTransformation
-    )
+    scaled = middle(canvas, PICTURE * 2)
     buffer = QBuffer()
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
     QImageWriter(buffer, b"png").write(scaled)

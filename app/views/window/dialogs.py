@@ -1,17 +1,14 @@
-"""The dialogs that ask for a file or a name, and questions whose buttons are named by what they do."""
+"""The dialogs that ask for a name, and questions whose buttons are named by what they do."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal, cast
 
-from PySide6.QtWidgets import QAbstractButton, QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
+from PySide6.QtWidgets import QAbstractButton, QInputDialog, QMessageBox, QPushButton, QWidget
 
 from app.model.text.language import tr
-from cpm_core.formats import READABLE
-from cpm_core.formats.sessions.session_file import SUFFIX
 
 Answer = Literal["save", "discard", "cancel"]
 
@@ -67,31 +64,6 @@ class Question(QMessageBox):
         return self.given()
 
 
-def ask_for_file(parent: QWidget, folder: str) -> str:
-    """Path of an image or a session to open, empty when the user cancels."""
-    images = " ".join(f"*{suffix}" for suffix in READABLE)
-    kinds = (
-        tr("Images and sessions ({patterns})").format(patterns=f"{images} *{SUFFIX}"),
-        tr("Images ({patterns})").format(patterns=images),
-        tr("Sessions ({patterns})").format(patterns=f"*{SUFFIX}"),
-        tr("All files (*)"),
-    )
-    chosen, _ = QFileDialog.getOpenFileName(parent, tr("Open"), folder, ";;".join(kinds))
-    return chosen
-
-
-def ask_where_to_save(parent: QWidget, suggestion: str) -> str:
-    """Path to save a session to, empty when the user cancels; a missing suffix is added."""
-    kind = tr("Sessions ({patterns})").format(patterns=f"*{SUFFIX}")
-    chosen, _ = QFileDialog.getSaveFileName(parent, tr("Save session"), suggestion, kind)
-    return chosen + SUFFIX if chosen and Path(chosen).suffix.lower() != SUFFIX else chosen
-
-
-def ask_for_folder(parent: QWidget, title: str, folder: str) -> str:
-    """Path of a folder, empty when the user cancels."""
-    return QFileDialog.getExistingDirectory(parent, title, folder)
-
-
 def ask_about_unsaved(parent: QWidget, name: str) -> Answer:
     """What to do with unsaved work called `name`."""
     buttons = (
@@ -102,6 +74,16 @@ def ask_about_unsaved(parent: QWidget, name: str) -> Answer:
     text = tr("Save the work on “{name}”?").format(name=name)
     more = tr("The drawing, the parameters and the review of the contours would be lost.")
     return cast("Answer", Question(parent, tr("Unsaved work"), text, more, buttons).ask())
+
+
+def ask_to_replace(parent: QWidget, name: str) -> bool:
+    """Whether the file of this name may be replaced."""
+    buttons = Button("keep", tr("&Keep it"), "cancel"), Button("replace", tr("&Replace"), "discard")
+    more = tr("A file of this name exists; what it holds would be lost.")
+    return (
+        Question(parent, tr("Replace file"), tr("Replace “{name}”?").format(name=name), more, buttons).ask()
+        == "replace"
+    )
 
 
 def ask_for_text(parent: QWidget, title: str, label: str, button: str, text: str = "") -> str | None:

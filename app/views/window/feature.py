@@ -19,6 +19,7 @@ from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
+from app.views.window.file_dialogs import FileDialogs
 from app.views.window.keys.areas import Areas
 from app.views.window.keys.shortcuts import Shortcuts
 
@@ -77,6 +78,11 @@ class FeatureContext:
     def session(self) -> Session:
         """Document, history and run."""
         return self.workspace.session
+
+    @property
+    def files(self) -> FileDialogs:
+        """The dialogs that ask for files."""
+        return FileDialogs(self.window, self.session, self.preferences)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

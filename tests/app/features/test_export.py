@@ -14,7 +14,7 @@ from PySide6.QtCore import QPoint, Qt
 
 from app.model.document import edits
 from app.model.export.formats import formats, listed
-from app.session.storage.output_folder import output_folder
+from app.session.storage.folders import first_folder
 from app.views.export.dialog import ExportDialog
 from app.views.features.file.export import ExportFeature
 from app.views.main_window import MainWindow
@@ -210,7 +210,7 @@ def test_a_folder_that_was_chosen_is_that_of_the_next_dialog_for_this_image_only
     np.save(other, np.indices((64, 64))[0].astype(float))
     found.session.open(other)
     hand.wait(lambda: found.session.document.image.name == "other.npy")
-    assert output_folder(found.preferences, found.session.document) == tmp_path / "images"
+    assert first_folder(found.preferences, found.session.document, "export") == tmp_path / "images"
 
 
 def test_every_format_is_offered_once_with_images_first() -> None:

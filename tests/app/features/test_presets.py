@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage, QPixmap
+from PySide6.QtWidgets import QFileDialog
 
 from app.model.parameters.presets import Preset, built_in, checked_name, read, written
 from app.session.storage.presets import PresetStore
@@ -182,12 +183,12 @@ def test_own_presets_are_saved_with_a_picture_renamed_shared_and_deleted(
     assert gallery.current.name == "Softer"
     shared = tmp_path / "softer.cpmpreset"
     monkeypatch.setattr(dialogs, "ask_for_preset", lambda parent, names, question, button: names[0])
-    monkeypatch.setattr(dialogs, "ask_where_to", lambda parent, suggestion: str(shared))
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(shared), ""))
     preset_files.export_action.trigger()
     monkeypatch.setattr(dialogs, "agrees_to_delete", lambda parent, name: True)
     preset_files.delete.trigger()
     assert preset_files.store.called("Softer") is None
-    monkeypatch.setattr(dialogs, "ask_for_preset_file", lambda parent, folder: str(shared))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(shared), ""))
     preset_files.import_action.trigger()
     assert gallery.current.name == "Softer"
 
@@ -197,7 +198,7 @@ def test_a_bad_file_is_reported_in_the_message_bar(window, monkeypatch, tmp_path
     bad = tmp_path / "bad.cpmpreset"
     bad.write_text("nothing")
     for path in (bad, tmp_path / "nowhere.cpmpreset"):
-        monkeypatch.setattr(dialogs, "ask_for_preset_file", lambda parent, folder, path=path: str(path))
+        monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, path=path: (str(path), ""))
         preset_files.import_action.trigger()
         assert path.name in window.canvas_area.messages.text
 

@@ -18,9 +18,9 @@ from app.model.parameters.presets import Preset
 from app.views.features.file.export import ExportFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.run.parameters import ParametersFeature
+from app.views.files.recent_files import MOST
 from app.views.main_window import MainWindow
 from app.views.theme import theme
-from app.views.window.recent_files import MOST
 from cpm_core import Parameters
 from cpm_core.contours.review import Mark
 from cpm_core.formats.sessions.session_file import load_session

@@ -23,7 +23,7 @@ from app.model.preferences.table import (
     SHAPE_WIDTH,
     UNIT,
 )
-from app.session.storage.output_folder import output_folder
+from app.session.storage.folders import first_folder
 from app.session.storage.preferences import Preferences
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature
@@ -147,13 +147,13 @@ def test_without_autosave_there_is_no_journal(ready, hand) -> None:
 def test_exports_begin_in_the_preferred_folder(window, tmp_path) -> None:
     folder = tmp_path / "results"
     folder.mkdir()
-    assert output_folder(window.preferences, window.session.document) == tmp_path
+    assert first_folder(window.preferences, window.session.document, "export") == tmp_path
     window.preferences.choose(EXPORT_FOLDER, str(folder))
-    assert output_folder(window.preferences, window.session.document) == tmp_path
+    assert first_folder(window.preferences, window.session.document, "export") == tmp_path
     window.preferences.choose(EXPORT_PLACE, "fixed")
-    assert output_folder(window.preferences, window.session.document) == folder
+    assert first_folder(window.preferences, window.session.document, "export") == folder
     window.preferences.choose(EXPORT_FOLDER, str(tmp_path / "gone"))
-    assert output_folder(window.preferences, window.session.document) == tmp_path
+    assert first_folder(window.preferences, window.session.document, "export") == tmp_path
 
 
 def press_as_new_key(hand, dialog, action: str, key: Qt.Key, modifier=Qt.KeyboardModifier.NoModifier) -> None:

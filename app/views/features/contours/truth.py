@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-
-from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.differences import Difference
 from app.model.state.situation import Situation, has_image
@@ -13,6 +10,7 @@ from app.model.text.language import tr
 from app.views.panels.contour_table.truth_panel import TruthPanel
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
+from app.views.window.file_dialogs import Files, all_files
 from cpm_core.formats import READABLE
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE
 
@@ -27,7 +25,6 @@ class TruthFeature(Feature):
         super().__init__(context)
         self.truth = context.workspace.truth
         self.panel = TruthPanel(self.truth)
-        self._folder = ""
         self.panel.load_requested.connect(self._load)
         self.panel.jump_requested.connect(self._jump)
         self.truth.changed.connect(context.refresh)
@@ -67,14 +64,15 @@ class TruthFeature(Feature):
 
     def _load(self) -> None:
         self.context.reveal("truth")
-        patterns = " ".join(f"*{suffix}" for suffix in dict.fromkeys((*READABLE, *CONTOURS_READABLE)))
-        filters = tr("Masks and contours ({patterns});;All files (*)").format(patterns=patterns)
-        chosen, _ = QFileDialog.getOpenFileName(
-            self.context.window, tr("Compare with ground truth"), self._folder, filters
+        kinds = (
+            Files(tr("Masks and contours"), tuple(dict.fromkeys((*READABLE, *CONTOURS_READABLE)))),
+            Files(tr("Masks"), tuple(READABLE)),
+            Files(tr("Contours"), tuple(CONTOURS_READABLE)),
+            all_files(),
         )
-        if chosen:
-            self._folder = str(Path(chosen).parent)
-            self.truth.load(chosen)
+        chosen = self.context.files.ask_for_file("truth", tr("Compare with ground truth"), kinds)
+        if chosen is not None:
+            self.truth.load(str(chosen))
 
     def _jump(self, difference: Difference) -> None:
         low, high = difference.points.min(axis=0), difference.points.max(axis=0)

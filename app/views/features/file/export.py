@@ -15,7 +15,6 @@ from app.model.state.situation import Situation, has_contours, has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Opened
 from app.session.signals import EXPORTING
-from app.session.storage.output_folder import output_folder, remember_output_folder
 from app.session.worker.commands.run import Copied
 from app.views.export.dialog import ExportDialog
 from app.views.widgets.action_spec import ActionSpec
@@ -63,7 +62,7 @@ class ExportFeature(Feature):
         kind = "contours"
         if session.scene.skeleton is not None:
             kind, suffix = "skeleton", suffix if suffix in FOR_SKELETONS else ".svg"
-        place = output_folder(preferences, session.document) / f"{Path(image.name).stem}_{kind}"
+        place = self.context.files.begin("export") / f"{Path(image.name).stem}_{kind}"
         selected = frozenset(item.measures.number for item in review.chosen)
         dialog = self.dialog = ExportDialog(self.context.window, session, selected, place, suffix)
         dialog.ordered.connect(self._write)
@@ -87,12 +86,11 @@ class ExportFeature(Feature):
             self.dialog.reject()
 
     def _remember(self, exported: Exported) -> None:
-        preferences = self.context.preferences
-        remember_output_folder(preferences, self.context.session.document, exported.path)
+        self.context.files.remember("export", exported.path)
         if exported.counts is None:  # an animation, or a strip
             return
         self._exported = exported.path
-        preferences.put(_SUFFIX, suffix_of(exported.path))
+        self.context.preferences.put(_SUFFIX, suffix_of(exported.path))
         self.context.refresh()
 
 

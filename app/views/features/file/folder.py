@@ -12,10 +12,10 @@ from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.session.exchange.messages import NotOpened, Opened
 from app.session.storage.session_file import DocumentFile
+from app.views.files.folder_bar import FolderBar
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
-from app.views.window.folder_bar import FolderBar
 from cpm_core.formats.sessions.session_file import SUFFIX
 
 

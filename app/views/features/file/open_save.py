@@ -17,16 +17,12 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.features.import_points import PointsRead, read_points
 from app.session.signals import OPENING
-from app.session.storage.output_folder import session_folder
 from app.session.storage.session_file import DocumentFile, Written
+from app.views.files.recent_files import RecentFiles
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window import dialogs
-from app.views.window.dialogs import ask_for_file, ask_where_to_save
 from app.views.window.feature import Feature, FeatureContext
-from app.views.window.recent_files import RecentFiles
-
-_FOLDER = "files/folder"
-"""Preference: folder of the last file opened or saved."""
+from app.views.window.file_dialogs import images_and_sessions, sessions
 
 POINTS = ".csv"
 
@@ -54,7 +50,7 @@ class OpenSaveFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Open, save, quit."""
         return (
-            ActionSpec(name="open", menu="File", text=tr("&Open…"), short=tr("Open"), do=self._open,
+            ActionSpec(name="open", menu="File", text=tr("&Open…"), short=tr("Open"), do=self.ask_for_file,
                        shortcuts=("Ctrl+O",), tip=tr("Open an image or a session."), icon="open"),
             Submenu(name="recent", menu="File", text=tr("Open &recent"), fill=self.recent.fill),
             Submenu(name="samples", menu="File", text=tr("Open sa&mple"), fill=self._fill_samples),
@@ -93,6 +89,12 @@ class OpenSaveFeature(Feature):
         if elsewhere:
             message = tr("{place} is not a file on this computer. Save it first, then open it.")
             self.context.session.say(message.format(place=elsewhere[0].toDisplayString()), True, OPENING)
+
+    def ask_for_file(self) -> None:
+        """Ask for a file and open it."""
+        chosen = self.context.files.ask_for_file("open", tr("Open"), images_and_sessions())
+        if chosen is not None:
+            self.take([chosen])
 
     def save(self) -> None:
         """Save to the present file, or ask for one."""
@@ -156,19 +158,10 @@ class OpenSaveFeature(Feature):
             action.triggered.connect(lambda _=False, path=sample.path: self.take([path]))
             action.setStatusTip(sample.about)
 
-    def _open(self) -> None:
-        chosen = ask_for_file(self.context.window, self.context.preferences.get(_FOLDER, ""))
-        if chosen:
-            self.take([Path(chosen)])
-
     def _ask_where(self) -> Path | None:
-        image, path = self.context.session.document.image, self.document_file.path
-        beside = path.parent if path else session_folder(self.context.preferences)
-        if beside is None and image is not None and sample_at(Path(image.path)) is None:
-            beside = Path(image.path).parent
-        folder = beside or Path(self.context.preferences.get(_FOLDER, ""))
-        chosen = ask_where_to_save(self.context.window, str(folder / self.document_file.name))
-        return Path(chosen) if chosen else None
+        path, name = self.document_file.path, self.document_file.name
+        folder = path.parent if path is not None else None
+        return self.context.files.ask_where_to_save("session", tr("Save session"), name, [sessions()], folder)
 
     def _draw(self, path: Path) -> None:
         if self.context.session.document.image is None:
@@ -194,7 +187,7 @@ class OpenSaveFeature(Feature):
 
     def _remember(self, path: Path) -> None:
         self.recent.add(path)
-        self.context.preferences.put(_FOLDER, str(path.absolute().parent))
+        self.context.files.remember("open", path)
 
     def _name_window(self) -> None:
         image = self.context.session.document.image

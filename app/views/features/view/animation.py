@@ -9,13 +9,11 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QRectF
-from PySide6.QtWidgets import QFileDialog
 
 from app.model.state.situation import has_particles
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
 from app.session.signals import FILMING
-from app.session.storage.output_folder import output_folder
 from app.session.tasks.tasks import Task
 from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.film.filming import Filming
@@ -23,6 +21,7 @@ from app.views.film.frame_renderer import FrameRenderer, frame_size, seen_part
 from app.views.film.strip_dialog import StripDialog, StripPlan
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
+from app.views.window.file_dialogs import Files
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
 from cpm_core.formats.animations.snapshot_strip import strip, write_picture
 from cpm_core.numerics.types import Pixels
@@ -130,15 +129,10 @@ class AnimationFeature(Feature):
         self._filming = [*(other for other in self._filming if not other.over), filming]
 
     def _ask_for_place(self, branch: int, plan: AnimationPlan) -> None:
-        filters = {f"{text} (*{suffix})": suffix for suffix, text in ANIMATED.items()}
-        chosen_filter = next(text for text, suffix in filters.items() if suffix == plan.suffix)
-        suggestion = self._suggestion("run", plan.suffix)
-        chosen, _ = QFileDialog.getSaveFileName(
-            self.context.window, tr("Export animation"), suggestion, ";;".join(filters), chosen_filter
-        )
-        if chosen:
-            path = Path(chosen)
-            path = path if path.suffix else path.with_suffix(plan.suffix)
+        kinds = [Files(text, (suffix,)) for suffix, text in ANIMATED.items()]
+        name = self._suggestion("run", plan.suffix)
+        path = self.context.files.ask_where_to_save("export", tr("Export animation"), name, kinds)
+        if path is not None:
             self.write(branch, plan, path)
 
     # Strip
@@ -184,15 +178,14 @@ class AnimationFeature(Feature):
         self._strip_dialog = self._strip_task = None
 
     def _ask_to_save_strip(self, pixels: Pixels) -> None:
-        chosen, _ = QFileDialog.getSaveFileName(
-            self._strip_dialog or self.context.window,
+        path = self.context.files.ask_where_to_save(
+            "export",
             tr("Export snapshot strip"),
             self._suggestion("strip", ".png"),
-            tr("Image (*.png)"),
+            [Files(tr("PNG image"), (".png",))],
+            parent=self._strip_dialog,
         )
-        if chosen:
-            path = Path(chosen)
-            path = path if path.suffix else path.with_suffix(".png")
+        if path is not None:
             self.save_strip(pixels, path)
 
     def save_strip(self, pixels: Pixels, path: Path) -> Task:
@@ -214,8 +207,7 @@ class AnimationFeature(Feature):
     def _suggestion(self, what: str, suffix: str) -> str:
         image = self.context.session.document.image
         stem = Path(image.name).stem if image is not None else "cpm"
-        folder = output_folder(self.context.preferences, self.context.session.document)
-        return str(folder / f"{stem}_{what}{suffix}")
+        return f"{stem}_{what}{suffix}"
 
 
 def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMenu
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 
-MOST = 10
+MOST = 12
 """Largest number of files in the list."""
 
 _KEY = "files/recent"
@@ -22,6 +22,8 @@ class RecentFiles:
     def __init__(self, preferences: Preferences, open_file: Callable[[Path], None]) -> None:
         self._preferences = preferences
         self._open_file = open_file
+        self.cleared: list[Callable[[], None]] = []
+        """Called when the list has been cleared."""
 
     @property
     def paths(self) -> list[Path]:
@@ -51,4 +53,9 @@ class RecentFiles:
         menu.addSeparator()
         clear = menu.addAction(tr("&Clear this list"))
         clear.setEnabled(bool(paths))
-        clear.triggered.connect(lambda: self._preferences.put(_KEY, [""]))
+        clear.triggered.connect(self._clear)
+
+    def _clear(self) -> None:
+        self._preferences.put(_KEY, [""])
+        for follow in self.cleared:
+            follow()

@@ -1,0 +1,109 @@
+"""File dialogs begin beside the image, name kinds of files instead of listing suffixes, and replace nothing unasked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog
+
+from app.model.document.document import Document, ImageReference
+from app.model.document.samples import samples
+from app.session.storage.folders import first_folder, remember_folder
+from app.session.storage.preferences import Preferences
+from app.views.features.contours.truth import TruthFeature
+from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.run.parameters import ParametersFeature
+from app.views.features.view.animation import AnimationFeature
+from app.views.main_window import MainWindow
+from app.views.window import dialogs
+
+CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture
+def seen(monkeypatch: pytest.MonkeyPatch) -> dict[str, tuple[object, ...]]:
+    """What the last dialog of each title was asked for; each is cancelled."""
+    asked: dict[str, tuple[object, ...]] = {}
+
+    def ask(_: object, title: str, *rest: object) -> tuple[str, str]:
+        asked[title] = rest
+        return "", ""
+
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", ask)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", ask)
+    return asked
+
+
+def of_image(path: Path) -> Document:
+    return Document(ImageReference(path.name, str(path), (9, 9), 1.0))
+
+
+ASKS: dict[str, Callable[[MainWindow], object]] = {
+    "Open": lambda window: window.feature(OpenSaveFeature).ask_for_file(),
+    "Save session": lambda window: window.feature(OpenSaveFeature).save_as(),
+    "Compare with ground truth": lambda window: window.feature(TruthFeature)._load(),
+    "Import preset": lambda window: window.feature(ParametersFeature).preset_files.import_action.trigger(),
+    "Export preset": lambda window: window.feature(ParametersFeature).preset_files._export(),
+    "Export snapshot strip": lambda window: window.feature(AnimationFeature)._ask_to_save_strip(np.zeros((2, 2, 3))),
+}
+
+
+@pytest.mark.parametrize("title", ASKS)
+def test_every_dialog_begins_beside_the_image_and_lists_no_suffixes(
+    window, seen, image_file, monkeypatch, title
+) -> None:
+    monkeypatch.setattr(
+        "app.views.presets.preset_files.ask_for_preset", lambda parent, names, question, button: names[0]
+    )
+    ASKS[title](window)
+    begin, filters, _, options = seen[title]
+    assert Path(begin) == image_file.parent or Path(begin).parent == image_file.parent
+    assert options & QFileDialog.Option.HideNameFilterDetails
+    assert len(filters.split(";;")) >= 1
+
+
+def test_images_and_sessions_are_offered_together_and_apart(window, hand, seen) -> None:
+    hand.key(Qt.Key.Key_O, CTRL)
+    names = [kind.partition(" (")[0] for kind in seen["Open"][1].split(";;")]
+    assert names == ["Images and sessions", "Images", "Sessions", "All files"]
+
+
+def test_a_folder_chosen_for_an_image_holds_for_this_image_and_this_kind_of_file(qapp, tmp_path) -> None:
+    preferences, mine, other = Preferences(), of_image(tmp_path / "a.png"), of_image(tmp_path / "b.png")
+    (tmp_path / "out").mkdir()
+    remember_folder(preferences, mine, "export", tmp_path / "out" / "a.svg")
+    assert first_folder(preferences, mine, "export") == tmp_path / "out"
+    assert first_folder(preferences, mine, "session") == tmp_path
+    assert first_folder(preferences, other, "export") == tmp_path
+
+
+def test_without_an_image_of_the_user_a_dialog_begins_where_the_last_one_ended(qapp, tmp_path) -> None:
+    preferences, sample = Preferences(), of_image(samples()[0].path)
+    assert first_folder(preferences, sample, "export") == Path.home()
+    remember_folder(preferences, of_image(tmp_path / "a.png"), "export", tmp_path / "a.svg")
+    assert first_folder(preferences, sample, "export") == first_folder(preferences, Document(), "export") == tmp_path
+    assert first_folder(preferences, sample, "open") == Path.home()
+    remember_folder(preferences, Document(), "export", tmp_path / "gone" / "a.svg")
+    assert first_folder(preferences, Document(), "export") == Path.home()
+
+
+@pytest.mark.parametrize("agreed", [False, True])
+def test_a_file_that_gets_its_suffix_from_the_program_is_not_replaced_unasked(
+    ready, hand, monkeypatch, tmp_path, agreed
+) -> None:
+    (tmp_path / "work.cpm").write_text("other work")
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "work"), ""))
+    monkeypatch.setattr(dialogs, "ask_to_replace", lambda parent, name: agreed and name == "work.cpm")
+    hand.key(Qt.Key.Key_S, CTRL | SHIFT)
+    hand.wait(lambda: ready.session.idle)
+    assert ((tmp_path / "work.cpm").read_text() != "other work") == agreed
+
+
+def test_only_one_module_asks_for_files() -> None:
+    asking = [path for path in (ROOT / "app").rglob("*.py") if "QFileDialog" in path.read_text(encoding="utf-8")]
+    assert [path.name for path in asking] == ["file_dialogs.py"]

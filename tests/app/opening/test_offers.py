@@ -1,0 +1,95 @@
+"""Settings for the kind of an image, and earlier work on it, are offered in one line and never imposed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from scipy.ndimage import gaussian_filter
+
+from app.model.document.kinds import ADVICE
+from app.model.preferences.table import OFFER_SETTINGS
+from app.views.features.file.beginning import BeginningFeature
+from app.views.main_window import MainWindow
+from app.views.widgets.offer_bar import OfferBar
+from cpm_core import PRESETS
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
+from cpm_core.shapes import Circle, Everywhere
+
+
+@pytest.fixture
+def nuclei(tmp_path: Path) -> Path:
+    """Bright spots on a dark background."""
+    row, col = np.indices((96, 96))
+    spots = sum(np.hypot(row - r, col - c) < 6 for r, c in ((20, 24), (60, 70), (70, 20), (24, 74)))
+    path = tmp_path / "nuclei.npy"
+    np.save(path, 8.0 + gaussian_filter(150.0 * np.asarray(spots), 1.5))
+    return path
+
+
+def bar(window: MainWindow) -> OfferBar:
+    return window.feature(BeginningFeature).bar
+
+
+def open_image(window: MainWindow, hand, path: Path) -> None:
+    window.open_image(str(path))
+    hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle)
+
+
+def press(hand, button) -> None:
+    hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+
+
+def test_settings_for_the_kind_are_used_by_one_click_and_taken_back_by_one_key(window, hand, nuclei) -> None:
+    assert not bar(window).text
+    open_image(window, hand, nuclei)
+    before = window.session.document
+    assert before.parameters == PRESETS["shape"]
+    assert bar(window).text == ADVICE["fluorescence"].sentence
+    press(hand, bar(window).buttons[0])
+    document = window.session.document
+    assert (document.mode, document.shapes) == ("automatic", (Everywhere("grid"),))
+    assert document.parameters == PRESETS["fluorescence"]
+    assert not bar(window).text
+    hand.key(Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert window.session.document == before
+
+
+def test_an_offer_that_is_turned_down_changes_nothing(window, hand, nuclei) -> None:
+    open_image(window, hand, nuclei)
+    before = window.session.document
+    press(hand, bar(window).cross)
+    assert not bar(window).text
+    assert window.session.document == before
+
+
+def test_the_canvas_has_the_keyboard_with_an_offer_above_it_and_a_run_withdraws_it(window, hand, nuclei) -> None:
+    open_image(window, hand, nuclei)
+    window.session.edit("draw", lambda document: document.__class__(document.image, (Circle((20.0, 24.0), 9.0),)))
+    hand.key(Qt.Key.Key_Period)
+    hand.wait(lambda: window.session.status.started)
+    assert not bar(window).text
+
+
+def test_another_image_withdraws_the_offer(window, hand, nuclei, image_file) -> None:
+    open_image(window, hand, nuclei)
+    open_image(window, hand, image_file)
+    assert not bar(window).text
+
+
+def test_nothing_is_offered_by_choice(window, hand, nuclei) -> None:
+    window.preferences.choose(OFFER_SETTINGS, False)
+    open_image(window, hand, nuclei)
+    assert not bar(window).text
+
+
+def test_earlier_work_on_an_image_is_offered_and_not_a_preset(window, hand, nuclei) -> None:
+    save_session(SessionFile(ImageFile(str(nuclei)), shapes=(Circle((20.0, 20.0), 5.0),)), nuclei.with_suffix(".cpm"))
+    open_image(window, hand, nuclei)
+    assert "nuclei.cpm" in bar(window).text
+    press(hand, bar(window).buttons[0])
+    hand.wait(lambda: len(window.session.document.shapes) == 1)
+    hand.wait(lambda: window.session.idle)
+    assert not bar(window).text

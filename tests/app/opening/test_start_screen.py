@@ -1,0 +1,152 @@
+"""The start screen shows recent work as pictures, and is walked by keys."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor, QImage
+from PySide6.QtWidgets import QFileDialog, QMenu
+from pytestqt.qtbot import QtBot
+
+from app.model.document.samples import samples
+from app.session.storage.pictures import MOST, SIZE, Pictures
+from app.session.workspace import Workspace
+from app.views.application import make_application
+from app.views.features.file.beginning import BeginningFeature
+from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.file.start import StartFeature
+from app.views.files.start_screen import StartScreen
+from app.views.main_window import MainWindow
+
+KEY, ALT = Qt.Key, Qt.KeyboardModifier.AltModifier
+
+
+def screen(window: MainWindow) -> StartScreen:
+    return window.feature(StartFeature).screen
+
+
+def names(window: MainWindow) -> list[str]:
+    grid = screen(window).recent
+    return [grid.item(row).text().partition("\n")[0] for row in range(grid.count())]
+
+
+def open_image(window: MainWindow, hand, path: Path) -> None:
+    window.open_image(str(path))
+    hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle)
+
+
+@pytest.fixture
+def other(tmp_path: Path) -> Path:
+    path = tmp_path / "other.npy"
+    np.save(path, np.eye(64))
+    return path
+
+
+def test_recent_work_is_opened_by_keys_alone(window, hand, other) -> None:
+    open_image(window, hand, other)
+    hand.key(KEY.Key_Home, ALT)
+    assert screen(window).isVisible()
+    assert names(window) == ["other.npy", "disc.npy"]
+    assert screen(window).recent.hasFocus()
+    hand.key(KEY.Key_Right)
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: window.session.document.image.name == "disc.npy")
+    assert not screen(window).isVisible()
+    assert window.session.status.phase == "ready"
+    assert hand.canvas.hasFocus()
+
+
+def test_escape_and_the_same_key_lead_back_to_the_image(window, hand) -> None:
+    hand.key(KEY.Key_Home, ALT)
+    hand.key(KEY.Key_Escape)
+    assert not screen(window).isVisible()
+    hand.key(KEY.Key_Home, ALT)
+    hand.key(KEY.Key_Home, ALT)
+    assert not screen(window).isVisible()
+    assert hand.canvas.hasFocus()
+
+
+def test_letters_lead_to_a_name_and_do_not_choose_a_tool(window, hand, other) -> None:
+    open_image(window, hand, other)
+    tool = hand.canvas.tool
+    hand.key(KEY.Key_Home, ALT)
+    hand.key(KEY.Key_D)
+    assert screen(window).recent.currentItem().text().startswith("disc.npy")
+    assert hand.canvas.tool is tool
+
+
+def test_a_sample_is_opened_by_a_click(window, hand) -> None:
+    hand.key(KEY.Key_Home, ALT)
+    grid = screen(window).samples
+    place = grid.visualItemRect(grid.item(0)).center()
+    hand.qtbot.mouseClick(grid.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    hand.wait(lambda: window.session.document.image.name == samples()[0].path.name)
+    hand.wait(lambda: window.session.idle)
+
+
+def test_what_was_open_has_a_picture_and_one_that_is_gone_is_not_shown(window, hand, other, image_file) -> None:
+    open_image(window, hand, other)
+    pictures = window.feature(StartFeature).pictures
+    assert pictures.get(image_file).size() == SIZE
+    assert pictures.get(other).isNull()
+    image_file.unlink()
+    hand.key(KEY.Key_Home, ALT)
+    assert names(window) == ["other.npy"]
+
+
+def test_a_saved_session_has_a_picture_at_once(ready, hand, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "work.cpm"), ""))
+    hand.key(KEY.Key_S, Qt.KeyboardModifier.ControlModifier)
+    hand.wait(lambda: not ready.feature(OpenSaveFeature).document_file.unsaved)
+    assert not ready.feature(StartFeature).pictures.get(tmp_path / "work.cpm").isNull()
+
+
+def test_clearing_the_list_of_files_removes_their_pictures(window, hand, other, image_file) -> None:
+    open_image(window, hand, other)
+    menu = QMenu()
+    window.feature(OpenSaveFeature).recent.fill(menu)
+    menu.actions()[-1].trigger()
+    assert window.feature(StartFeature).pictures.get(image_file).isNull()
+
+
+def test_no_more_pictures_are_kept_than_wanted(qapp, tmp_path) -> None:
+    pictures, image = Pictures(tmp_path / "pictures"), QImage(500, 40, QImage.Format.Format_RGB32)
+    image.fill(QColor("red"))
+    for number in range(MOST + 3):
+        pictures.put(tmp_path / f"{number}.png", image)
+    assert len(list((tmp_path / "pictures").iterdir())) == MOST
+    assert pictures.get(tmp_path / f"{MOST + 2}.png").size() == SIZE
+
+
+def test_a_folder_that_cannot_be_made_keeps_no_pictures(qapp, tmp_path) -> None:
+    (tmp_path / "file").write_text("-")
+    pictures = Pictures(tmp_path / "file" / "pictures")
+    pictures.put(tmp_path / "a.png", QImage(9, 9, QImage.Format.Format_RGB32))
+    assert pictures.get(tmp_path / "a.png").isNull()
+
+
+def test_where_nothing_can_be_opened_the_start_screen_is_shown(qtbot: QtBot, workspace: Workspace, tmp_path) -> None:
+    make_application()
+    window = MainWindow(workspace)
+    window.show()
+    window.open_image(str(tmp_path / "gone.png"))
+    qtbot.waitUntil(lambda: screen(window).isVisible(), timeout=20_000)
+    assert not screen(window).back_button.isVisible()
+    qtbot.keyClick(screen(window).samples, KEY.Key_Escape)
+    assert screen(window).isVisible()
+    window.close()
+    window.deleteLater()
+
+
+def test_a_start_with_a_sample_offers_the_newest_work(window, hand, other, image_file) -> None:
+    bar = window.feature(BeginningFeature).bar
+    window.feature(StartFeature).welcome(bar)
+    open_image(window, hand, samples()[0].path)
+    assert "disc.npy" in bar.text
+    hand.qtbot.mouseClick(bar.buttons[1], Qt.MouseButton.LeftButton)
+    assert screen(window).isVisible()
+    open_image(window, hand, other)
+    assert not bar.text

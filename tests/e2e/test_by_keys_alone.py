@@ -1,0 +1,161 @@
+"""The main job from the sample to the exported file, with keys only and no mouse."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QCursor
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMenu, QWidget
+
+from app.views.application import make_application, open_window
+from app.views.main_window import MainWindow
+from cpm_core.shapes import Circle
+
+PATIENCE = 60_000
+KEY, SHIFT, CONTROL, ALT = Qt.Key, Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier, (
+    Qt.KeyboardModifier.AltModifier
+)  # fmt: skip
+
+
+@pytest.fixture
+def window(qtbot) -> Iterator[MainWindow]:
+    make_application()
+    made = open_window()
+    made.session.set_pace(None)
+    qtbot.waitExposed(made)
+    QCursor.setPos(made.mapToGlobal(QPoint(2, 2)))  # off the image
+    qtbot.waitUntil(lambda: made.session.document.image is not None, timeout=PATIENCE)
+    qtbot.waitUntil(lambda: made.session.idle and made.isActiveWindow(), timeout=PATIENCE)
+    yield made
+    made.close()
+    made.deleteLater()
+
+
+class Keys:
+    """Keys that go where the window system would send them."""
+
+    def __init__(self, qtbot) -> None:
+        self._qtbot = qtbot
+
+    def press(self, *keys: Qt.Key, held: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
+        """Press keys one after the other."""
+        for key in keys:
+            QTest.keyClick(QApplication.activePopupWidget() or QApplication.focusWidget(), key, held)
+
+    def type(self, text: str) -> None:
+        """Type over what is selected."""
+        QTest.keyClicks(QApplication.focusWidget(), text)
+
+    def go_to(self, widget: QWidget) -> None:
+        """Press Tab until a widget has the keyboard."""
+        for _ in range(30):
+            if not widget.hasFocus():
+                self.press(KEY.Key_Tab)
+        assert widget.hasFocus()
+
+    def wait(self, condition: Callable[[], bool]) -> None:
+        """Wait until a condition holds."""
+        self._qtbot.waitUntil(condition, timeout=PATIENCE)
+
+
+def test_the_main_job_is_done_by_keys_alone(window, qtbot, tmp_path) -> None:
+    keys = Keys(qtbot)
+    open_the_sample(window, keys)
+    draw_and_run(window, keys)
+    move_a_slider(window, keys)
+    go_back_and_forward(window, keys)
+    select_and_name_an_object(window, keys)
+    export(window, keys, tmp_path / "cup.geojson")
+
+
+def open_the_sample(window: MainWindow, keys: Keys) -> None:
+    """By the menu."""
+    session = window.session
+    generation = session.image_generation
+    keys.press(KEY.Key_F, held=ALT)
+    keys.press(KEY.Key_M)
+    keys.wait(lambda: isinstance(QApplication.activePopupWidget(), QMenu))
+    keys.press(KEY.Key_Return)
+    keys.wait(lambda: session.image_generation != generation and session.idle)
+    assert session.document.image.name == "u_shape.png"
+    window.activateWindow()  # as a window manager does when a menu closes
+    keys.wait(window.isActiveWindow)
+
+
+def draw_and_run(window: MainWindow, keys: Keys) -> None:
+    """Choose a tool, draw with the cross-hair, run."""
+    session = window.session
+    drawn = len(session.document.shapes)
+    keys.press(KEY.Key_C, KEY.Key_Return, KEY.Key_Return)
+    keys.press(KEY.Key_Right, held=SHIFT)
+    keys.press(KEY.Key_Return, KEY.Key_Escape)
+    assert len(session.document.shapes) == drawn + 1
+    assert isinstance(session.document.shapes[-1], Circle)
+    keys.press(KEY.Key_Space)
+    keys.wait(lambda: session.status.phase == "finished" and session.idle)
+
+
+def move_a_slider(window: MainWindow, keys: Keys) -> None:
+    """Go to it from the image, move it, and come back."""
+    session = window.session
+    beta = window.panels["parameters"].rows["beta"].slider
+    keys.press(KEY.Key_Q)
+    for _ in range(20):
+        if not beta.hasFocus():
+            keys.press(KEY.Key_Down)
+    before = session.document.parameters.beta
+    keys.press(KEY.Key_Right, KEY.Key_Right, KEY.Key_Return)
+    assert session.document.parameters.beta > before
+    assert window.canvas_area.canvas.hasFocus()
+
+
+def go_back_and_forward(window: MainWindow, keys: Keys) -> None:
+    """On the timeline."""
+    workspace = window.workspace
+    last = workspace.navigation.place[1]
+    keys.press(KEY.Key_F6, held=SHIFT)
+    keys.press(KEY.Key_Left, KEY.Key_Left)
+    keys.wait(lambda: workspace.navigation.place[1] == last - 2)
+    keys.press(KEY.Key_End)
+    keys.wait(lambda: workspace.navigation.place[1] == last)
+
+
+def select_and_name_an_object(window: MainWindow, keys: Keys) -> None:
+    """With the cross-hair."""
+    session, workspace = window.session, window.workspace
+    keys.press(KEY.Key_W)
+    keys.wait(lambda: workspace.object_selection.ready)
+    keys.press(KEY.Key_Escape, KEY.Key_Return)  # drop what is offered, show the cross-hair
+    crosshair = window.canvas_area.crosshair
+    keys.wait(lambda: crosshair.at is not None)
+    for _ in range(6):
+        keys.press(KEY.Key_Down, held=SHIFT)
+    keys.press(KEY.Key_Return)
+    keys.wait(lambda: workspace.object_selection.idle and bool(workspace.object_selection.proposals))
+    keys.press(KEY.Key_Return, held=CONTROL)
+    keys.type("cup")
+    keys.press(KEY.Key_Return)
+    assert [item.name for item in session.document.objects.items] == ["cup"]
+
+
+def export(window: MainWindow, keys: Keys, path: Path) -> None:
+    """To a file in another folder."""
+    keys.press(KEY.Key_E, held=CONTROL)
+    keys.wait(lambda: QApplication.activeModalWidget() is not None)
+    dialog = QApplication.activeModalWidget()
+    keys.wait(dialog.isActiveWindow)
+    file = dialog.file
+    for field, text in ((file.folder, str(path.parent)), (file.name, path.name)):
+        keys.go_to(field)
+        keys.press(KEY.Key_A, held=CONTROL)
+        keys.type(text)
+    keys.go_to(dialog.export_button)
+    keys.press(KEY.Key_Space)
+    keys.wait(path.exists)
+    assert json.loads(path.read_text())["features"]
+    keys.wait(lambda: window.session.idle)
