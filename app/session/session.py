@@ -23,6 +23,7 @@ from app.session.scene import Scene
 from app.session.signals import EXPORTING, OPENING
 from app.session.tasks.opening import Opener, Wanted
 from app.session.worker.commands.run import Copy, Export, RunCall, WarmUp
+from app.session.worker.commands.stored_runs import RestoreRuns, RunsRestored
 from app.session.worker.run import Run
 from cpm_core.parameters import Parameters
 
@@ -43,6 +44,7 @@ class Session(RunControl):
         """Whether an image may replace what is open at once; where not, `use` opens it later."""
         self.listen(ImageReady, lambda ready: self.use(ready.opened) if self.may_replace(ready.opened) else None)
         self.listen(Opened, self._accept)
+        self.listen(RunsRestored, self._take_runs)
         self.listen(NotOpened, self._keep_or_open_otherwise)
 
     @property
@@ -125,8 +127,26 @@ class Session(RunControl):
         self.begin_document(_document(opened, self.document.mode))
         self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(RunCall(None, Run.set_parameters, opened.parameters))
+        self._restore_runs(opened)
         if opened.notes:
             self.say(" ".join(opened.notes))
+
+    def _restore_runs(self, opened: Opened) -> None:
+        """Bring back the runs of a session if its image is still the same."""
+        image = self.document.image
+        if opened.saved is None or not opened.saved.file.runs or image is None:
+            return
+        known = opened.saved.file.image
+        if known is not None and known.sha256 and known.sha256 != opened.sha256:
+            return  # the notes tell that the image has changed
+        self._progress.busy("restoring", tr("Bringing back the runs…"))
+        self.post(RunCall(None, Run.place, self._image_generation, self.document.charges))
+        self.post(RunCall(None, Run.limit, self.document.regions))
+        self.post(RestoreRuns(self._image_generation, opened.saved.file.runs, image))
+
+    def _take_runs(self, restored: RunsRestored) -> None:
+        if restored.generation == self._image_generation:
+            self.live.restore(restored.begun)
 
     def _keep_or_open_otherwise(self, refused: NotOpened) -> None:
         """Keep what is open, unless there is another file to open."""

@@ -26,6 +26,7 @@ from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.signals import EDITING, EXPORTING, RUNNING, SessionSignals
 from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.intensity_window import Shaded, WindowFound
+from app.session.worker.commands.stored_runs import RunsRestored
 from app.session.worker.commands.timeline import Compared
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
@@ -134,7 +135,14 @@ class Progress:
         match report:
             case Opened():
                 self._busy.pop("seeding", None)
+                self._busy.pop("restoring", None)
+            case RunsRestored(generation, _, shown):
+                self._busy.pop("restoring", None)
+                if shown and generation == self._session.generation:
+                    # the state that is shown may have been taken before this report
+                    self._known = replace(self._known, phase="finished" if self._known.stop_reason else "paused")
             case RunFailed(generation, sentence):
+                self._busy.pop("restoring", None)
                 if generation == self._session.generation:
                     self._known = replace(self._known, phase="paused" if self._known.count else "ready")
                     self._session.say(sentence, True, RUNNING)

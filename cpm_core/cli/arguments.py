@@ -9,6 +9,8 @@ from pathlib import Path
 
 from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.sessions.session_file import SUFFIX
+from cpm_core.image.image import Image
+from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import DEFAULTS, FORMER_NAMES, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES, ChoiceInfo
 
@@ -92,6 +94,14 @@ def parameters_of(arguments: argparse.Namespace, base: Parameters) -> Parameters
     """The parameters `base`, replaced by those given as flags; ValueError on a bad value."""
     given = {field.name: getattr(arguments, field.name, None) for field in fields(Parameters)}
     return replace(base, **{name: value for name, value in given.items() if value is not None})
+
+
+def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, tuple[str, ...]]:
+    """Parameters with as many scales as an image has room for, and a note where that changes them."""
+    most = most_scales(image.shape)
+    if parameters.scales <= most:
+        return parameters, ()
+    return replace(parameters, scales=most), (f"The image is small: scales is set to {most}.",)
 
 
 def check_exports(paths: Sequence[str], image: str, session: str | None = None) -> None:

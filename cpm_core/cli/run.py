@@ -23,6 +23,7 @@ from cpm_core.cli.arguments import (
     as_steps,
     check_exports,
     parameters_of,
+    with_room,
 )
 from cpm_core.cli.batch.jobs import facts_of
 from cpm_core.cli.objects import add_objects, check_objects, choose, facts_of_object, sentence
@@ -94,7 +95,10 @@ def _run(arguments: argparse.Namespace) -> None:
     path, notes = _image(arguments, session)
     check_exports(arguments.export, str(path), arguments.session)
     image = load_image(path)
-    for note in (*session.notes, *notes, *(f"{image.source}: {note}" for note in image.notes)):
+    small: tuple[str, ...] = ()
+    if arguments.scales is None:
+        parameters, small = with_room(parameters, image)
+    for note in (*session.notes, *notes, *(f"{image.source}: {note}" for note in (*image.notes, *small))):
         print(f"cpm: {note}", file=sys.stderr)
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None

@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Literal, cast
 
+import numpy as np
+
 from cpm_core.parameters.choices import CHOICES, Edges, check_choice
 from cpm_core.parameters.table import (
     AUTOMATIC,
@@ -131,10 +133,14 @@ class Parameters:
 
     def __post_init__(self) -> None:
         for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, np.generic):
+                object.__setattr__(self, field.name, value.item())
             if field.name in CHOICES:
                 check_choice(CHOICES[field.name], getattr(self, field.name))
             else:
                 _check(PARAMETERS[field.name], getattr(self, field.name))
+        object.__setattr__(self, "scales", int(self.scales))
         if not self.w2 > self.w1:
             raise ValueError(
                 f"w2 is {self.w2:g} but must be above w1, which is {self.w1:g}: "

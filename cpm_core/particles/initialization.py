@@ -20,6 +20,9 @@ _LEAST_ON_CIRCLE = 5
 STRONG = 0.10
 """Fraction of the largest edge strength above which an edge counts as strong."""
 
+_MOST_ON_PIXEL = 16
+"""Particles that may start on one pixel."""
+
 _LARGEST_RADIUS = 1e5
 """Largest radius of a circle, beyond any image that can be processed [px]."""
 
@@ -242,7 +245,23 @@ def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions |
             f"none of the {len(points)} starting particles lies inside the regions of interest, clear of barriers: "
             "draw inside them."
         )
-    return points[allowed]
+    return _thinned(points[allowed], shape)
+
+
+def _thinned(points: Array, shape: tuple[int, ...]) -> Array:
+    """Points on an image without those beyond the first `_MOST_ON_PIXEL` of each pixel.
+
+    The first step deletes nearly all of them, but only after each has felt every other one.
+    """
+    pixels = np.clip(np.rint(points).astype(int), 0, np.array(shape) - 1)
+    place = np.ravel_multi_index(tuple(pixels.T), shape)
+    order = np.argsort(place, kind="stable")
+    _, first, count = np.unique(place[order], return_index=True, return_counts=True)
+    if count.max() <= _MOST_ON_PIXEL:
+        return points
+    rank = np.empty(len(points), int)
+    rank[order] = np.arange(len(points)) - np.repeat(first, count)
+    return points[rank < _MOST_ON_PIXEL]
 
 
 def inside_image(positions: Array, shape: tuple[int, ...]) -> Mask:

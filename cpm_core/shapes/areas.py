@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -15,6 +16,9 @@ from cpm_core.shapes.path import ClosedPath, check_number
 
 FINEST, COARSEST = 2.0, 64.0
 """Least and largest distance between two particles of a grid [px]."""
+
+MOST_PLACES = 2**23
+"""Particles that a grid may have; their places are counted before memory is taken for them."""
 
 LOWEST, HIGHEST, _STEP = 0.02, 0.98, 0.02
 """Bounds of the fraction of a threshold, and how much it changes at a time."""
@@ -40,6 +44,12 @@ class Grid(ClosedPath):
     def __post_init__(self) -> None:
         ClosedPath.__post_init__(self)
         check_number("spacing", self.spacing)
+        places = math.prod(length / self.spacing + 1.0 for length in _extent(self.points))
+        if not places <= MOST_PLACES:
+            raise ValueError(
+                f"spacing is {self.spacing:g} px, which gives {places:.3g} particles in the box of the area, but there "
+                f"may be {MOST_PLACES} at most: make the spacing wider or the area smaller."
+            )
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 2), centered in the area; a single one where the area is too small."""
@@ -51,7 +61,9 @@ class Grid(ClosedPath):
 
     def resized(self, by: float) -> Grid:
         """The same area with the spacing changed by so many px."""
-        return replace(self, spacing=min(max(self.spacing + by, FINEST), COARSEST))
+        box = math.prod(length + 1.0 for length in _extent(self.points))
+        finest = max(FINEST, math.ceil(math.sqrt(2.0 * box / MOST_PLACES)))
+        return replace(self, spacing=min(max(self.spacing + by, finest), max(COARSEST, finest)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +101,11 @@ class Threshold(ClosedPath):
     def resized(self, by: float) -> Threshold:
         """The same area with the threshold raised by so many steps of 0.02."""
         return replace(self, fraction=round(min(max(self.fraction + _STEP * by, LOWEST), HIGHEST), 6))
+
+
+def _extent(points: Sequence[Position]) -> list[float]:
+    """Lengths of the box around points along rows and columns [px]."""
+    return list(np.ptp(np.array(points, dtype=float), axis=0).tolist())
 
 
 def _along(length: float, spacing: float) -> Array:

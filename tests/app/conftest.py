@@ -137,7 +137,7 @@ def own_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def nobody_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     """Windows close without the question about unsaved work; tests of the question use `asked`."""
-    monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda parent, name: "discard")
+    monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda parent, name, lost: "discard")
 
 
 @pytest.fixture

@@ -13,4 +13,4 @@ from app.views.window import dialogs
 @pytest.fixture(autouse=True)
 def own_preferences(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "preferences"))
-    monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda parent, name: "discard")
+    monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda parent, name, lost: "discard")

@@ -101,6 +101,16 @@ def use_mode(document: Document, mode: Mode) -> Document:
     return replace(document, mode=mode, shapes=shapes, parameters=parameters, outlined=Outlined())
 
 
+def is_only_in_another_mode(document: Document, known: Document) -> bool:
+    """Whether a document is what another one becomes when nothing but the mode is changed, once or several times."""
+    began = {known.shapes, starting("automatic", known.shapes), starting("shape", known.shapes)}
+    shapes = {starting(document.mode, before) for before in began}
+    parameters = PRESETS[MODES[document.mode].preset]
+    return document.shapes in shapes and document == replace(
+        known, mode=document.mode, shapes=document.shapes, parameters=parameters, outlined=Outlined()
+    )
+
+
 def use_skeleton(document: Document, outlined: Outlined) -> Document:
     """The document in the mode of skeletons, for those of objects and contours, or of the image if there are none."""
     there = document if document.mode == "skeleton" else use_mode(document, "skeleton")

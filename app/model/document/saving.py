@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from app.model.document.document import Document, ImageReference
-from app.model.document.modes import mode_called
+from app.model.document.modes import is_only_in_another_mode, mode_called
+from app.model.text.language import tr
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile
 from cpm_core.parameters import Parameters
+
+_PARTS = (
+    (tr("the drawing"), ("shapes",)),
+    (tr("the parameters"), ("parameters",)),
+    (tr("the review of the contours"), ("marks", "learning")),
+    (tr("the contours edited by hand"), ("hand_edits",)),
+    (tr("the objects"), ("objects",)),
+)
+"""Parts of a document, in words, and its attributes."""
 
 View = Mapping[str, Any]
 """View settings of the window, as plain JSON."""
@@ -20,7 +31,7 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
     image = document.image
     return replace(
         before or SessionFile(),
-        image=ImageFile(image.path, image.sha256, image.shape) if image else None,
+        image=ImageFile(str(Path(image.path).absolute()), image.sha256, image.shape) if image else None,
         shapes=document.shapes,
         parameters=document.parameters,
         marks=document.marks,
@@ -32,6 +43,20 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
         view=view,
         notes=(),
     )
+
+
+def changed_parts(document: Document, known: Document | None) -> tuple[str, ...]:
+    """What of a document is not in the one that is `known`, in words; the choice of a mode alone is no work.
+
+    Without a known one, as after a crash, that is all there is.
+    """
+    if known is not None and (document == known or is_only_in_another_mode(document, known)):
+        return ()
+    before = known or Document(document.image, parameters=document.parameters, mode=document.mode)
+    found = tuple(
+        words for words, names in _PARTS if any(getattr(document, name) != getattr(before, name) for name in names)
+    )
+    return found or (tr("the choices that you made"),)
 
 
 def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:

@@ -8,7 +8,7 @@ When a start is moved or removed after the run has begun, the run is only marked
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 
 from app.model.document import edits
@@ -51,6 +51,19 @@ class Live:
             self._put_aside()
             self._run = run
             self._late, self._executed = self._others[run]
+
+    @property
+    def executed(self) -> dict[int, Counter[Hashable]]:
+        """The sources of the particles of each run, by its generation."""
+        self._put_aside()
+        return {run: executed for run, (_, executed) in self._others.items()}
+
+    def restore(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
+        """The runs of a session are there: their first documents and the sources of their particles."""
+        document = self._session.document
+        self._drawn, self._last_shapes = document.sources, document.shapes
+        for run, (first, executed) in begun.items():
+            self._others[run] = (replace(first, image=document.image).late, executed)
 
     def forget(self) -> None:
         """Forget all runs: another image has been opened."""

@@ -19,6 +19,7 @@ from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.formats.sessions.beside_document import TruthFile
 
 _TOPIC = "truth"
 
@@ -90,6 +91,19 @@ class GroundTruth(QObject):
             f"reading {file.name}",
             partial(CommandFailed, topic=_TOPIC),
         )
+
+    @property
+    def file(self) -> TruthFile | None:
+        """The ground truth as a session keeps it."""
+        if self._path is None:
+            return None
+        return TruthFile(str(self._path.absolute()), tolerance=self.tolerance, holes=self.holes)
+
+    def restore(self, file: TruthFile, folder: Path) -> None:
+        """Load the ground truth of a session that lies in a folder."""
+        self.tolerance, self.holes = file.tolerance, file.holes
+        beside = folder / file.path
+        self.load(beside if beside.exists() or not file.absolute else file.absolute)
 
     def forget(self) -> None:
         """Remove the ground truth."""

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document.document import Document
-from app.model.document.saving import View, to_file
+from app.model.document.saving import View, changed_parts, to_file
 from app.model.text.language import tr
 from app.session.exchange.messages import CommandFailed, Opened, Report
 from app.session.session import Session
 from app.session.signals import SAVING
+from app.session.storage.run_keeping import RunKeeping
 from app.session.tasks.tasks import Task
+from cpm_core.formats.sessions.beside_document import TruthFile
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 
 
@@ -26,6 +28,7 @@ class Written(Report):
     path: Path
     file: SessionFile
     document: Document
+    edition: int
 
 
 class DocumentFile(QObject):
@@ -44,11 +47,15 @@ class DocumentFile(QObject):
         self._view = view
         self._file: SessionFile | None = None
         self._known: Document | None = session.document
+        self.runs = RunKeeping(session)
+        self.truth: Callable[[], TruthFile | None] = lambda: None
+        """Gives the ground truth to be saved; set by the window."""
         self._saving: Task | None = None
         self._next: Path | None = None
         self._announced: tuple[Path | None, bool] = (None, False)
         self.path: Path | None = None
         session.document_changed.connect(lambda _: self._announce())
+        self.runs.changed.connect(self._announce)
         session.listen(Opened, self._use_opened)
         session.listen(Written, self._use_written)
         session.tasks.changed.connect(self._save_again)
@@ -56,8 +63,15 @@ class DocumentFile(QObject):
     @property
     def unsaved(self) -> bool:
         """Whether closing would lose changes."""
+        return bool(self.lost)
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """What closing would lose, in words."""
         document = self._session.document
-        return document.image is not None and document != self._known
+        if document.image is None:
+            return ()
+        return (*changed_parts(document, self._known), *((tr("the runs"),) if self.runs.unsaved else ()))
 
     @property
     def name(self) -> str:
@@ -68,7 +82,8 @@ class DocumentFile(QObject):
     @property
     def file(self) -> SessionFile:
         """The content to be saved."""
-        return to_file(self._session.document, self._view(), self._file)
+        written = to_file(self._session.document, self._view(), self._file)
+        return replace(written, runs=self.runs.plain, truth=self.truth())
 
     def save(self, path: Path) -> None:
         """Write the session file on a separate thread, and use this path from now on."""
@@ -77,31 +92,38 @@ class DocumentFile(QObject):
             return
         self._next = None
         self._session.attempt(SAVING)
+        task = self._saving = self._session.tasks.begin(tr("Saving {name}…").format(name=path.name), cancellable=False)
         file, document = self.file, self._session.document
+        self.runs.collect(lambda runs: self._write(path, task, replace(file, runs=runs.plain), document, runs.edition))
+
+    def _write(self, path: Path, waiting: Task, file: SessionFile, document: Document, edition: int) -> None:
+        """Write the session file on a separate thread, in place of the task that waited for the runs."""
 
         def work(task: Task) -> Report:
             save_session(file, path)
-            return Written(path, file, document)
+            return Written(path, file, document, edition)
 
-        name = tr("Saving {name}…").format(name=path.name)
         self._saving = self._session.tasks.start(
-            name, work, f"saving {path.name}", partial(CommandFailed, topic=SAVING), cancellable=False
+            waiting.name, work, f"saving {path.name}", partial(CommandFailed, topic=SAVING), cancellable=False
         )
+        waiting.end()
 
     def save_at_once(self, path: Path) -> bool:
         """Write the session file and wait for it; False, with an error message, when that fails."""
+        self.runs.collect_at_once()
         file, document = self.file, self._session.document
         try:
             save_session(file, path)
         except ValueError as error:
             self._session.say(str(error), True, SAVING)
             return False
-        self._use_written(Written(path, file, document))
+        self._use_written(Written(path, file, document, self.runs.edition))
         return True
 
     def forget(self) -> None:
         """Treat the document as saved."""
         self._known = self._session.document
+        self.runs.forget()
         self._announce()
 
     def _save_again(self) -> None:
@@ -119,6 +141,7 @@ class DocumentFile(QObject):
 
     def _use_written(self, written: Written) -> None:
         self.path, self._file, self._known = written.path, written.file, written.document
+        self.runs.saved(written.edition)
         self._session.say(tr("Saved: {path}").format(path=written.path), topic=SAVING)
         self._announce()
 

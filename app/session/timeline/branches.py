@@ -56,11 +56,22 @@ class BranchNode(Generic[RunAction]):
     run: int
     scales: list[tuple[int, int]] = field(default_factory=list)
     renamed: bool = False
+    steered: bool = False
 
     @property
     def last(self) -> int:
         """The last step recorded."""
         return self.first + len(self.actions) - 1
+
+    def add(self, action: RunAction) -> None:
+        """Add a step."""
+        self.steered = self.steered or (len(self.actions) > 1 and action != self.actions[1][0])
+        self.actions.append((action,))
+
+    def amend(self, action: RunAction) -> None:
+        """Change the state of the last step."""
+        self.steered = True
+        self.actions[-1] = (*self.actions[-1], action)
 
     @property
     def empty(self) -> bool:
@@ -144,6 +155,16 @@ class Lineage(Generic[RunAction]):
         self._nodes[node.identity] = node
         self.touch()
         return node
+
+    def adopt(self, node: BranchNode[RunAction]) -> None:
+        """Add a branch as it was; parents come before others."""
+        self._nodes[node.identity] = node
+        self._numbered = max(self._numbered, node.identity, node.run)
+        branches, number = node.parent is not None, node.name.rpartition(" ")[2]
+        self._named[branches] = max(self._named[branches] + 1, int(number) if number.isdecimal() else 0)
+        first = node.actions[1:2]
+        node.steered = bool(node.actions[0]) or any([step] != first for step in node.actions[1:])
+        self.touch()
 
     def remove(self, node: BranchNode[RunAction]) -> None:
         """Remove a branch that no other one leaves."""

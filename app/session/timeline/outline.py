@@ -28,6 +28,8 @@ class Outline:
         Names of the runs that were removed to make room.
     edition : int
         Changes whenever something is recorded, renamed or removed.
+    steered : bool
+        Whether there is more than one run that went on without a change to its end.
     began : int
         Generation with which the current run began, 0 before there is one.
     """
@@ -40,4 +42,5 @@ class Outline:
     parameters: Parameters | None = None
     fallen: tuple[str, ...] = ()
     edition: int = 0
+    steered: bool = False
     began: int = 0

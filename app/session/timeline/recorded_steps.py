@@ -54,6 +54,11 @@ class RecordedSteps(Generic[RunAction]):
         """All branches with their actions, the oldest first."""
         return self._tree.nodes
 
+    @property
+    def steered(self) -> bool:
+        """Whether there is more than one run that went on without a change to its end."""
+        return len(self._tree) > 1 or any(node.steered for node in self._tree.nodes)
+
     def run_of(self, branch: int) -> int:
         """Number of the run that a branch belongs to."""
         return self._tree.known(branch).run

@@ -91,7 +91,7 @@ class Recording(RecordedSteps[RunAction]):
         else:
             if self._step < node.last:
                 node = self._tree.open(self._tree.owner(node, self._step), self._step, ())
-            node.actions.append((action,))
+            node.add(action)
             self._tree.mark(node, state.step, state.scale)
             self.edition += 1
         self._set_place(node, state.step)
@@ -107,7 +107,7 @@ class Recording(RecordedSteps[RunAction]):
         if step < node.last or self._tree.forks(node, step):
             node = self._tree.open(self._tree.owner(node, step), step, (action,))
         else:
-            node.actions[-1] = (*node.actions[-1], action)
+            node.amend(action)
         self.edition += 1
         self._set_place(node, step)
         self._kept.put(self._place(node, step), state)

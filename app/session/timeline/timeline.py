@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 from app.model.text.language import tr
 from app.session.timeline.branches import BranchNode, RunAction
 from app.session.timeline.recording import Recording
+from app.session.timeline.state_cache import Place
 from cpm_core.segmentation.method import MethodState
 
 
@@ -32,6 +33,26 @@ class Timeline(Recording[RunAction]):
             self._set_place(node, step)
             self._kept.put(self._place(node, step), state)
         return state
+
+    def restore(
+        self,
+        nodes: Sequence[BranchNode[RunAction]],
+        begun: Mapping[int, MethodState],
+        states: Mapping[Place, MethodState],
+    ) -> None:
+        """Remove everything and take over branches, with the first states of their runs and others that are known."""
+        self.clear()
+        for node in nodes:
+            self._tree.adopt(node)
+        for root in self._tree.roots:
+            state = begun[root.run]
+            for action in root.actions[0]:
+                state = self._apply(root.run, state, action)
+            self._kept.fix(f"first of {root.run}", (root.identity, root.first))
+            self._kept.put((root.identity, root.first), state)
+        for (branch, step), state in states.items():
+            self._kept.put(self._place(self._tree.known(branch), step), state)
+        self._make_room()
 
     def drop(self, branch: int) -> None:
         """Remove a branch; steps that others have in common with it stay with them.

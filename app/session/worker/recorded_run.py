@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -12,8 +13,10 @@ import numpy as np
 from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
 from app.model.document.modes import MODES
+from app.session.timeline.branches import BranchNode
 from app.session.timeline.outline import Outline
 from app.session.timeline.run_actions import RunAction, Stepped
+from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import Timeline
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
@@ -60,6 +63,18 @@ class RunRecord:
         other._rows[:, : other._length] = self._rows[:, : other._length]
         return other
 
+    @property
+    def rows(self) -> Array:
+        """The figures so far, one row each, in the order of `RunMetrics`."""
+        return self._rows[:, : self._length]
+
+    @classmethod
+    def of(cls, rows: Array) -> RunRecord:
+        """The record of figures in rows."""
+        record = cls()
+        record._rows, record._length = rows.copy(), rows.shape[1]
+        return record if rows.shape[1] else cls()
+
     def metrics(self) -> RunMetrics:
         """The metrics so far, without copying them."""
         return RunMetrics(*self._rows[:, : self._length])
@@ -84,6 +99,24 @@ def _beginning(document: Document) -> tuple[object, ...]:
         document.parameters,
         document.objects.barriers,
         document.outlines if document.mode == "skeleton" else (),
+    )
+
+
+def parents_first(nodes: Sequence[BranchNode[RunAction]]) -> list[BranchNode[RunAction]]:
+    """The branches of a run, each after the one that it leaves."""
+    sorted_nodes: list[BranchNode[RunAction]] = []
+    waiting = list(nodes)
+    while waiting:
+        known = {None, *(node.identity for node in sorted_nodes)}
+        sorted_nodes += [node for node in waiting if node.parent in known]
+        waiting = [node for node in waiting if node.parent not in known]
+    return sorted_nodes
+
+
+def _node(branch: StoredBranch, run: int) -> BranchNode[RunAction]:
+    scales, steps = list(branch.scales), list(branch.steps)
+    return BranchNode(
+        branch.number, branch.name, branch.parent, branch.first, steps, run, scales, renamed=branch.renamed
     )
 
 
@@ -112,6 +145,7 @@ class RecordedRun:
             taken,
             timeline.fallen,
             timeline.edition,
+            timeline.steered,
             self._begun[timeline.run].generation if timeline.run else 0,
         )
 
@@ -168,6 +202,51 @@ class RecordedRun:
         self.timeline.drop(branch)
         here = self.timeline.here
         return None if here is None else self.go(*here, lambda: True)
+
+    # Stored runs
+
+    def stored(self, drawn: Mapping[int, Counter[Hashable]]) -> StoredRuns:
+        """All runs for a session; `drawn` are the sources of the particles of each, by its generation."""
+        runs = []
+        for run in self.timeline.runs:
+            begun = self._begun[run]
+            nodes = parents_first([node for node in self.timeline.nodes if node.run == run])
+            branches = tuple(self._stored_branch(node) for node in nodes)
+            runs.append(StoredRun(begun.document, drawn.get(begun.generation, begun.document.sources), branches))
+        here = self.timeline.here
+        places = [(node.identity, node.last) for node in self.timeline.nodes]
+        known = {place: self.timeline.kept_state(*place) for place in {*places, *([here] if here else [])}}
+        return StoredRuns(tuple(runs), here, {place: state for place, state in known.items() if state is not None})
+
+    def _stored_branch(self, node: BranchNode[RunAction]) -> StoredBranch:
+        record = self._records.get(node.identity, RunRecord())
+        steps, scales = tuple(node.actions), tuple(node.scales)
+        return StoredBranch(
+            node.identity, node.name, node.renamed, node.parent, node.first, steps, scales, record.rows.copy()
+        )
+
+    def restore(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> str:
+        """Take over the runs of a session; `first` gives the first state of one. Returns what one failed at, if any."""
+        self.clear()
+        nodes: list[BranchNode[RunAction]] = []
+        begun: dict[int, MethodState] = {}
+        fault = ""
+        for generation, run in enumerate(stored.runs, 1):
+            number = run.branches[0].number
+            try:
+                method = self._make(run.document)
+                begun[number] = first(method, run.document)
+            except ValueError as error:
+                fault = fault or str(error)
+                continue
+            self._begun[number] = Begun(run.document, -generation)
+            self._methods = {(number, method.regions): method}
+            for branch in run.branches:
+                nodes.append(_node(branch, number))
+                self._records[branch.number] = RunRecord.of(branch.figures)
+        known = {node.identity for node in nodes}
+        self.timeline.restore(nodes, begun, {at: state for at, state in stored.states.items() if at[0] in known})
+        return fault
 
     def _keep(self, record: RunRecord) -> None:
         """Keep the longest record of a branch."""

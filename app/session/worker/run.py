@@ -8,6 +8,7 @@ from app.model.document.document import Document
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays, Snapshot
 from app.session.timeline.run_actions import Erased, Joined, RunAction
+from app.session.timeline.stored.stored_runs import StoredRuns
 from app.session.worker.overlays import OverlayMaker
 from app.session.worker.prepared_methods import PreparedMethods
 from app.session.worker.reconstruction import Reconstructor
@@ -58,6 +59,10 @@ class Run(Stepper):
         self.state = self.method.start(seeds)
         self.recorded.begin(self.method, self.state, self._record, Begun(document, generation))
         self._send()
+
+    def restore(self, stored: StoredRuns) -> str:
+        """Take over the runs of a session, none of which is shown yet; what one of them failed at, if any."""
+        return self.recorded.restore(stored, lambda method, document: method.start(self._prepared.seeds(document)))
 
     def seeds_for(self, document: Document) -> ImageSeeds:
         """Seeds of the starts of a document that depend on the image."""

@@ -162,7 +162,8 @@ _FURTHER = Page(
            "{outline} draws a contour that follows the edges from click to click. All of this stays through further "
            "runs."),
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
-        tr("<b>Save.</b> {save} stores everything except the particles in one file. It also runs without a window: "
+        tr("<b>Save.</b> {save} stores all that you see in one file, also the runs and their branches. It runs without "
+           "a window, too: "
            "<code>cpm run --session FILE</code> for one image, <code>cpm batch</code> for many."),
         tr("<b>Present.</b> {export_animation} and {export_strip} show how the contours were found."),
     ),

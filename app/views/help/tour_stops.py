@@ -71,8 +71,15 @@ class _Doings:
 
     def another_image(self) -> Callable[[], bool]:
         """Whether an image is opened from now on."""
-        before = self._session.image_generation
-        return lambda: self._session.image_generation != before
+        # The first image, which the program itself opens, does not count.
+        opened = [] if self._session.document.image is None else [self._session.image_generation]
+
+        def is_opened() -> bool:
+            if not opened and self._session.document.image is not None:
+                opened.append(self._session.image_generation)
+            return bool(opened) and self._session.image_generation != opened[0]
+
+        return is_opened
 
     def more_shapes(self) -> Callable[[], bool]:
         """Whether a shape is drawn from now on."""

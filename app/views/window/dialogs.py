@@ -64,16 +64,22 @@ class Question(QMessageBox):
         return self.given()
 
 
-def ask_about_unsaved(parent: QWidget, name: str) -> Answer:
-    """What to do with unsaved work called `name`."""
+def would_be_lost(parts: Sequence[str]) -> str:
+    """A sentence on what would be lost."""
+    listed = ", ".join(parts[:-1])
+    named = tr("{parts} and {last}").format(parts=listed, last=parts[-1]) if listed else "".join(parts)
+    return tr("This would be lost: {parts}.").format(parts=named)
+
+
+def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer:
+    """What to do with unsaved work called `name`; `lost` tells what would be lost."""
     buttons = (
         Button("save", tr("&Save"), "accept"),
         Button("discard", tr("&Discard changes"), "discard"),
         Button("cancel", tr("&Keep editing"), "cancel"),
     )
     text = tr("Save the work on “{name}”?").format(name=name)
-    more = tr("The drawing, the parameters and the review of the contours would be lost.")
-    return cast("Answer", Question(parent, tr("Unsaved work"), text, more, buttons).ask())
+    return cast("Answer", Question(parent, tr("Unsaved work"), text, would_be_lost(lost), buttons).ask())
 
 
 def ask_to_replace(parent: QWidget, name: str) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cpm_core.cli.arguments import with_room
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image, omission
@@ -46,20 +47,21 @@ def do(job: Job) -> Done:
     try:
         began = time.perf_counter()
         image, shapes = load_image(job.path), job.session.shapes
-        seeds = seeds_on(image, shapes, job.parameters.smoothing)
+        parameters, small = with_room(job.parameters, image)
+        seeds = seeds_on(image, shapes, parameters.smoothing)
         found = segment(
             image,
             seeds,
-            job.parameters,
+            parameters,
             max_steps=job.max_steps,
             regions=regions_of(shapes, job.session.objects.barriers),
             charges=charges_of(shapes),
         )
-        edited = with_hand_edits(found, image, job.parameters, job.session.hand_edits)
+        edited = with_hand_edits(found, image, parameters, job.session.hand_edits)
         result = apply(edited, job.session.marks, learning=job.session.learning)
         facts = facts_of(result, time.perf_counter() - began)
         files, notes = _files(result, job.suffixes)
-        return Done(job.number, facts, files, notes=(*image.notes, *notes), sha256=sha256)
+        return Done(job.number, facts, files, notes=(*image.notes, *small, *notes), sha256=sha256)
     except ValueError as error:
         return Done(job.number, error=str(error), sha256=sha256)
     except MemoryError:

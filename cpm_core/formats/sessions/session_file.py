@@ -16,6 +16,7 @@ from cpm_core.contours.contour import present_names
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
 from cpm_core.formats.sessions.plain_values import (
     from_plain,
     mapping,
@@ -47,6 +48,8 @@ _KNOWN = (
     "outlined",
     "view",
     "hand_edits",
+    "runs",
+    "truth",
 )
 _LARGEST = 64 * 2**20
 _LARGEST_SIDE = 10**6
@@ -104,6 +107,10 @@ class SessionFile:
         Messages from reading, one sentence each.
     hand_edits : tuple of HandEdit
         Edits of the contours by hand, in the order in which they were made.
+    runs : mapping
+        Recorded runs of the window, as plain JSON; without effect on a run.
+    truth : TruthFile or None
+        The ground truth that contours are compared with.
     """
 
     image: ImageFile | None = None
@@ -118,6 +125,8 @@ class SessionFile:
     extra: Plain = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     hand_edits: tuple[HandEdit, ...] = ()
+    runs: Plain = field(default_factory=dict)
+    truth: TruthFile | None = None
 
 
 def fingerprint(path: Path) -> str:
@@ -166,7 +175,11 @@ def encode(session: SessionFile, folder: Path) -> bytes:
     plain["objects"] = to_plain(session.objects)
     plain["outlined"] = to_plain(session.outlined)
     plain["view"] = dict(session.view)
+    if session.truth is not None:
+        plain["truth"] = {**to_plain(session.truth), **place_to_plain(session.truth.path, folder)}
     plain.update(session.extra)
+    if session.runs:
+        plain["runs"] = dict(session.runs)
     return text_of(plain).encode()
 
 
@@ -207,6 +220,7 @@ def decode(content: bytes, name: str) -> SessionFile:
     plain = parsed(content, name)
     try:
         parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
+        runs, truth, faults = beside_document(plain)
         left_out = f"Parameters that are not known here were left out: {shown(', '.join(unknown))}."
         return SessionFile(
             image=_image(plain["image"]) if plain.get("image") is not None else None,
@@ -219,7 +233,9 @@ def decode(content: bytes, name: str) -> SessionFile:
             outlined=from_plain(Outlined, plain.get("outlined", {}), "outlined"),
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
-            notes=(left_out,) if unknown else (),
+            notes=(*((left_out,) if unknown else ()), *faults),
+            runs=runs,
+            truth=truth,
             hand_edits=tuple(
                 from_plain(HandEdit, edit, f"edit {index} by hand") for index, edit in _listed(plain, "hand_edits")
             ),
@@ -292,12 +308,8 @@ def _image(plain: object) -> ImageFile:
 
 
 def _image_to_plain(image: ImageFile, folder: Path) -> dict[str, Any]:
-    path, folder = Path(image.path), folder.resolve()
-    plain: dict[str, Any] = {"path": image.path}
-    if path.is_absolute():
-        if path.is_relative_to(folder):
-            plain = {"path": path.relative_to(folder).as_posix(), "absolute": str(path)}
-    elif image.elsewhere:
+    plain = place_to_plain(image.path, folder)
+    if not Path(image.path).is_absolute() and image.elsewhere:
         plain["absolute"] = image.elsewhere[0]
     return {**plain, "sha256": image.sha256, "shape": list(image.shape)}
 

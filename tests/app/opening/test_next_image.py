@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -44,7 +44,8 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> Callable[[Answer], list[str]]:
     def answering(answer: Answer) -> list[str]:
         names: list[str] = []
 
-        def ask(_: QWidget, name: str) -> Answer:
+        def ask(_: QWidget, name: str, lost: Sequence[str]) -> Answer:
+            assert lost
             names.append(name)
             return answer
 

@@ -27,6 +27,7 @@ from app.model.document.document import Document
 from app.session.features.timeline_navigation import TimelineNavigation
 from app.session.session import Session
 from app.session.storage.autosave import Journal
+from app.session.storage.preferences import Preferences
 from app.session.storage.recovery import left_behind
 from app.session.storage.session_file import DocumentFile
 from cpm_core.formats.sessions.session_file import load_session
@@ -63,11 +64,12 @@ class SessionMachine(RuleBasedStateMachine):
         self.session.set_pace(None)
         self.session.said.connect(lambda sentence, trouble: self.said.append(sentence) if trouble else None)
         self.document_file = DocumentFile(self.session, lambda: {"place": {}})
-        self.journal = Journal(self.document_file, self.folder / "journals")
+        self.journal = Journal(self.document_file, self.folder / "journals", Preferences(self.session))
         self.navigation = TimelineNavigation(self.session)
         self.past: list[Document] = []
         self.future: list[Document] = []
         self.saved: dict[Path, Document] = {}
+        self.steps: dict[Path, int | None] = {}
         self.generation = 0
         self.now = Document()
 
@@ -244,8 +246,11 @@ class SessionMachine(RuleBasedStateMachine):
     @rule(name=st.sampled_from(["a.cpm", "b.cpm"]))
     def save(self, name: str) -> None:
         path = self.folder / name
+        self.session.pause()
+        self.settle()
         self.document_file.save(path)
         self.saved[path] = self.now
+        self.steps[path] = self.session.status.step if self.session.status.started else None
         self.wait(
             lambda: self.session.tasks.idle and self.document_file.path == path and not self.document_file.unsaved
         )
@@ -262,7 +267,8 @@ class SessionMachine(RuleBasedStateMachine):
         self.settle()
         assert self.session.document == self.saved[path]
         assert not self.document_file.unsaved
-        assert self.session.status.phase == "ready"
+        assert self.session.status.started == (self.steps[path] is not None)
+        assert self.session.status.step == (self.steps[path] or 0)
         self.begin()
 
     @rule()

@@ -151,3 +151,15 @@ def test_the_tour_waits_until_a_dialog_is_answered(window, hand) -> None:
     box.close()
     hand.wait(lambda: feature.tour is not None)
     feature.tour.end()
+
+
+def test_the_first_image_that_the_program_opens_is_not_taken_for_one_of_the_person(qtbot, compiled_loops) -> None:
+    window = open_window()
+    feature = window.feature(HelpFeature)
+    feature.welcome()
+    qtbot.waitUntil(lambda: window.session.document.image is not None)
+    assert not feature.tour._done()
+    assert not feature.tour._done()
+    feature.tour.end()
+    window.close()
+    window.deleteLater()

@@ -3,6 +3,7 @@
 import dataclasses
 import re
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -114,3 +115,12 @@ def test_parameters_cannot_be_changed_in_place_and_compare_by_value():
 @pytest.mark.parametrize("name", PRESETS)
 def test_presets_are_parameters(name):
     assert isinstance(PRESETS[name], Parameters)
+
+
+@pytest.mark.parametrize("kind", [np.int64, np.uint8, np.float32, np.float64, float])
+def test_numbers_of_numpy_are_numbers(kind):
+    given = Parameters(scales=kind(2), beta=kind(1))
+    assert given == Parameters(scales=2, beta=1.0)
+    assert (type(given.scales), type(given.beta) in (int, float)) == (int, True)
+    with pytest.raises(ValueError, match="must be a number"):
+        Parameters(beta=np.bool_(True))

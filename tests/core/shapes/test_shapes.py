@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Image, gradient_threshold
@@ -67,6 +67,7 @@ def wound_around(corners, position) -> bool:
     return abs(angle[-1] - angle[0]) > math.pi
 
 
+@settings(deadline=None)  # the first call loads compiled loops
 @given(seeded | areas | charges, positions, positions)
 def test_a_moved_shape_is_as_far_from_a_moved_position(shape, by, position) -> None:
     there = (position[0] + by[0], position[1] + by[1])

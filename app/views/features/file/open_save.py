@@ -39,6 +39,7 @@ class OpenSaveFeature(Feature):
         """Imports the file of a preset; set by the window."""
         self._left: tuple[Document, int] | None = None
         context.session.may_replace = self._may_replace
+        self.document_file.truth = lambda: context.workspace.truth.file
         self.document_file.changed.connect(self._name_window)
         self.document_file.restored.connect(canvas.use_view_state)
         context.session.document_changed.connect(lambda _: self._name_window())
@@ -56,7 +57,7 @@ class OpenSaveFeature(Feature):
             Submenu(name="samples", menu="File", text=tr("Open sa&mple"), fill=self._fill_samples),
             ActionSpec(name="save", menu="File", text=tr("&Save session"), short=tr("Save"), do=self.save,
                        shortcuts=("Ctrl+S",), icon="save",
-                       tip=tr("Save shapes, parameters, contour reviews and the view."), gap=True, when=has_image),
+                       tip=tr("Save what you see: drawing, runs, contours, objects, view."), gap=True, when=has_image),
             ActionSpec(name="save_as", menu="File", text=tr("Save session &as…"), do=self.save_as,
                        shortcuts=("Ctrl+Shift+S",), tip=tr("Save the session to another file and continue with it."),
                        when=has_image),
@@ -113,7 +114,7 @@ class OpenSaveFeature(Feature):
         """Whether the document may be closed; asks about unsaved work and saves it if the user agrees."""
         if not self.document_file.unsaved:
             return True
-        answer = dialogs.ask_about_unsaved(self.context.window, self.document_file.name)
+        answer = dialogs.ask_about_unsaved(self.context.window, self.document_file.name, self.document_file.lost)
         if answer != "save":
             return answer == "discard"
         path = self.document_file.path or self._ask_where()
@@ -177,6 +178,9 @@ class OpenSaveFeature(Feature):
 
     def _take_opened(self, opened: Opened) -> None:
         self._left = None
+        if opened.saved is not None and opened.saved.file.truth is not None:
+            folder = (opened.saved.path or opened.path).absolute().parent
+            self.context.workspace.truth.restore(opened.saved.file.truth, folder)
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
         if sample_at(opened.path) is None or opened.saved:
             self._remember(path)

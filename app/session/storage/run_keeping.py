@@ -1,0 +1,123 @@
+"""The runs of a session as its file holds them: collected from the worker when a run comes to rest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from app.session.exchange.messages import Opened, RunsKept
+from app.session.session import Session
+from app.session.timeline.outline import Outline
+from app.session.timeline.stored.plain_runs import Plain, RunsWriter
+from app.session.worker.commands.stored_runs import CollectRuns, RunsCollected, RunsRestored
+
+_QUIET = 500
+"""Time from a change of the runs until they are collected, with further changes in between [ms]."""
+
+_PATIENCE = 10.0
+"""Longest time that closing waits for the worker to finish its step [s]."""
+
+
+class RunKeeping(QObject):
+    """Follows the runs of a session and has them at hand as plain JSON."""
+
+    changed = Signal()
+    """The runs have been collected, or have been saved."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self.plain: Plain = {}
+        self._session = session
+        self._writer = RunsWriter()
+        self._outline: Outline | None = None
+        self._collected = self._saved = -1
+        self._then: list[Callable[[RunsCollected], None]] = []
+        self._timer = QTimer(self, singleShot=True, interval=_QUIET)
+        self._timer.timeout.connect(self._collect)
+        session.scene_changed.connect(self._follow)
+        session.listen(Opened, self._forget)
+        session.listen(RunsKept, lambda kept: self._look(kept.timeline))
+        session.listen(RunsCollected, self._take)
+        session.listen(RunsRestored, self._take_restored)
+
+    @property
+    def edition(self) -> int:
+        """Edition of the runs that `plain` holds."""
+        return self._collected
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether there are runs that are in no file, and that running again would not give."""
+        outline = self._outline
+        if outline is None or not outline.branches or outline.edition == self._saved:
+            return False
+        status, taken = self._session.status, outline.parameters
+        parameters = self._session.document.parameters
+        other = taken is not None and taken.steering != parameters.steering
+        return outline.steered or status.stale or (status.started and other)
+
+    def collect(self, then: Callable[[RunsCollected], None]) -> None:
+        """Collect the runs, and call `then` with them."""
+        self._then.append(then)
+        self._collect()
+
+    def collect_at_once(self) -> None:
+        """Collect the runs and wait for them; where the worker takes too long, those collected last stay."""
+        command = self._command()
+        self._session.post(command)
+        if command.done.wait(_PATIENCE) and command.found:
+            self._use(command.found[0])
+
+    def saved(self, edition: int) -> None:
+        """The runs of this edition have been written to a file."""
+        self._saved = edition
+        self.changed.emit()
+
+    def forget(self) -> None:
+        """Treat the runs as saved."""
+        self._saved = self._outline.edition if self._outline is not None else -1
+
+    def _collect(self) -> None:
+        self._session.post(self._command())
+
+    def _command(self) -> CollectRuns:
+        self._timer.stop()
+        return CollectRuns(self._session.image_generation, self._writer, self._session.live.executed)
+
+    def _follow(self) -> None:
+        snapshot = self._session.scene.snapshot
+        if snapshot is not None:
+            self._look(snapshot.timeline)
+
+    def _look(self, outline: Outline) -> None:
+        """Collect soon what is new in the runs, once they are at rest."""
+        if outline is self._outline:
+            return
+        moved = self._outline is None or outline.branch != self._outline.branch
+        self._outline = outline
+        running = self._session.status.phase == "running"
+        if (moved or outline.edition != self._collected) and not running and not self._timer.isActive():
+            self._timer.start()
+
+    def _take(self, collected: RunsCollected) -> None:
+        if collected.generation == self._session.image_generation:
+            self._use(collected)
+        if collected.fault:
+            self._session.say(collected.fault, True)
+        waiting, self._then = self._then, []
+        for then in waiting:
+            then(collected)
+        self.changed.emit()
+
+    def _use(self, collected: RunsCollected) -> None:
+        self.plain, self._collected = collected.plain, collected.edition
+
+    def _take_restored(self, restored: RunsRestored) -> None:
+        if restored.generation == self._session.image_generation:
+            self._saved = restored.edition
+
+    def _forget(self, opened: Opened) -> None:
+        self._timer.stop()
+        self.plain, self._outline = ({} if opened.saved is None else opened.saved.file.runs), None
+        self._collected = self._saved = -1

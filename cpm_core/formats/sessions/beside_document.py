@@ -1,0 +1,57 @@
+"""What a session file holds beside the document, which is of use without it: recorded runs and the ground truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cpm_core.formats.sessions.plain_values import from_plain, shown
+from cpm_core.formats.sessions.session_json import Plain
+
+
+@dataclass(frozen=True, slots=True)
+class TruthFile:
+    """The ground truth of a session.
+
+    Attributes
+    ----------
+    path : str
+        Its file; a relative path starts at the folder of the session file.
+    absolute : str
+        Another path where it may be.
+    tolerance : float
+        Distance up to which boundaries count as the same [px].
+    holes : bool
+        Whether a contour inside another one is a hole.
+    """
+
+    path: str
+    absolute: str = ""
+    tolerance: float = 2.0
+    holes: bool = True
+
+
+def place_to_plain(place: str, folder: Path) -> dict[str, Any]:
+    """A path relative to a folder if it lies there, with the absolute one, else as it is."""
+    path, folder = Path(place), folder.resolve()
+    if path.is_absolute() and path.is_relative_to(folder):
+        return {"path": path.relative_to(folder).as_posix(), "absolute": str(path)}
+    return {"path": place}
+
+
+def beside_document(plain: Plain) -> tuple[Plain, TruthFile | None, tuple[str, ...]]:
+    """Runs and ground truth, and sentences on what is wrong with them: the document is of use without them."""
+    faults: list[str] = []
+    runs, truth = plain.get("runs", {}), None
+    if not isinstance(runs, dict):
+        faults.append(f"The recorded runs were left out: they are {shown(runs)}, not an object with named values.")
+        runs = {}
+    try:
+        truth = None if plain.get("truth") is None else from_plain(TruthFile, plain["truth"], "truth")
+        if truth is not None and (not truth.path or "\0" in truth.path + truth.absolute or truth.tolerance < 0.0):
+            raise ValueError(f"truth names {shown(truth.path)} within {truth.tolerance:g} px.")
+    except ValueError as error:
+        truth = None
+        faults.append(f"The ground truth was left out: {error}")
+    return runs, truth, tuple(faults)

@@ -1,0 +1,129 @@
+"""A state of a run as plain JSON: exactly as it was, and checked when it is read, for compiled loops trust it.
+
+What the actions of the run tell, its parameters, regions and charges, is not repeated here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
+from cpm_core.formats.sessions.plain_values import mapping, number, shown
+from cpm_core.image.pyramid import shape_of_scale
+from cpm_core.numerics.types import Array
+from cpm_core.particles.coulomb.mesh_force import PITCH, mesh_shape, softening
+from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH
+from cpm_core.particles.coverage import Coverage, no_coverage
+from cpm_core.particles.initialization import inside_image
+from cpm_core.particles.mesh import MeshForce
+from cpm_core.particles.state import MEMORY, Particles, State
+
+_COUNTS = (
+    *("step", "step_of_scale", "reactivated", "next_identity", "born", "deleted", "moving", "idle", "quiet"),
+    "reseedings",
+)
+_MEASURES = ("annealed", "epsilon", "displacement")
+_MOST = 2**40
+_PARTICLES: Mapping[str, tuple[int, ...]] = {
+    "position": (2,),
+    "velocity": (2,),
+    "force": (2, 2),
+    "distance": (MEMORY,),
+}
+
+
+def state_to_plain(state: State) -> dict[str, Any]:
+    """A state as plain JSON."""
+    plain: dict[str, Any] = {"scale": state.scale, "erased": state.erased, "converged": state.converged}
+    plain |= {name: int(getattr(state, name)) for name in _COUNTS}
+    plain |= {name: _finite(float(getattr(state, name))) for name in _MEASURES}
+    plain["stop_reason"] = state.stop_reason
+    particles = state.particles
+    plain |= {name: array_to_plain(getattr(particles, name)) for name in (*_PARTICLES, "identity")}
+    plain["start"] = array_to_plain(state.start)
+    plain |= {"found": array_to_plain(state.coverage.found), "latest": array_to_plain(state.coverage.latest)}
+    if state.mesh is not None:
+        far = math.isfinite(state.mesh.reach)
+        plain["mesh"] = {"reach": state.mesh.reach, "force": array_to_plain(state.mesh.force)} if far else {}
+    return plain
+
+
+def state_from_plain(plain: object, shape: tuple[int, ...], scales: int) -> State:
+    """The state of a run on an image of this shape with so many scales; ValueError when it cannot be one."""
+    given = mapping(plain, "state")
+    scale = int(number(given.get("scale"), "scale of state"))
+    if not 0 <= scale < scales:
+        raise ValueError(f"scale of state is {scale} but must be from 0 to {scales - 1}.")
+    size = shape_of_scale(shape, scale)
+    counts = {name: int(number(given.get(name), f"{name} of state", _MOST)) for name in _COUNTS}
+    if min(counts.values()) < 0:
+        raise ValueError("state counts less than nothing.")
+    reason = given.get("stop_reason")
+    if not isinstance(reason, str):
+        raise ValueError(f"stop_reason of state is {shown(reason)} but must be text.")
+    cells = no_coverage(size).found.shape
+    coverage = Coverage(*(array_from_plain(given.get(name), np.int32, cells, name) for name in Coverage._fields))
+    particles, start = _particles(given, size, counts["next_identity"]), _places(given, "start", shape)
+    mesh = _mesh(given["mesh"], size) if "mesh" in given else None
+    values: dict[str, Any] = {**counts, **{name: _measure(given.get(name), name) for name in _MEASURES}}
+    return replace(
+        State(particles, start, shape, scale, coverage, mesh),
+        **values,
+        erased=given.get("erased") is True,
+        stop_reason=reason,
+        converged=given.get("converged") is True,
+    )
+
+
+def _particles(given: Mapping[str, Any], size: tuple[int, ...], following: int) -> Particles:
+    identity = array_from_plain(given.get("identity"), np.int64, (None,), "identity of state")
+    if len(np.unique(identity)) < len(identity) or (len(identity) and not 0 <= identity.min() <= identity.max()):
+        raise ValueError("identity of state holds a number twice, or one below zero.")
+    if len(identity) and identity.max() >= following:
+        raise ValueError("identity of state holds a number that is yet to come.")
+    arrays = {}
+    for name, rest in _PARTICLES.items():
+        array = array_from_plain(given.get(name), float, (len(identity), *rest), f"{name} of state")
+        if np.isinf(array).any() or (name != "distance" and np.isnan(array).any()):
+            raise ValueError(f"{name} of state holds a value that is not a number.")
+        arrays[name] = array
+    if not inside_image(arrays["position"], size).all():
+        raise ValueError("position of state holds a place outside the image.")
+    return Particles(**arrays, identity=identity)
+
+
+def _places(given: Mapping[str, Any], name: str, shape: tuple[int, ...]) -> Array:
+    places = array_from_plain(given.get(name), float, (None, 2), f"{name} of state")
+    if not inside_image(places, shape).all():
+        raise ValueError(f"{name} of state holds a place outside the image.")
+    return places
+
+
+def _mesh(plain: object, size: tuple[int, ...]) -> MeshForce:
+    """The force on a mesh, whose nodes follow from the size of the image and the reach."""
+    given = mapping(plain, "mesh of state")
+    if not given:
+        return NO_MESH
+    reach = number(given.get("reach"), "reach of state")
+    if reach < 1.0:
+        raise ValueError(f"reach of state is {reach} but must be one pixel or more.")
+    nodes = mesh_shape(size, reach)
+    force = array_from_plain(given.get("force"), np.float32, (*nodes, 2), "mesh of state")
+    if not np.isfinite(force).all():
+        raise ValueError("mesh of state holds a value that is not a number.")
+    pitch = PITCH * reach
+    first = tuple(0.5 * (n - 1) - 0.5 * pitch * (m - 1) for n, m in zip(size, nodes, strict=True))
+    return MeshForce(force, first, pitch, reach, softening(reach))
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _measure(plain: object, name: str) -> float:
+    return math.nan if plain is None else number(plain, f"{name} of state", float(_MOST))

@@ -1,0 +1,244 @@
+"""A session brings back what was seen: contours, the run with its steering, its branches, the truth, the step shown."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.model.document import edits
+from app.session.storage.session_file import DocumentFile
+from app.session.timeline.stored.plain_runs import RunsWriter
+from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.run.timeline import TimelineFeature
+from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.shapes import Circle
+
+KEY = Qt.Key
+
+
+def run_to_the_end(window, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: window.session.idle)
+
+
+@pytest.fixture
+def steered(ready, hand):
+    """A window with a run, a branch of it with another damping, and a run from elsewhere."""
+    session = ready.session
+    run_to_the_end(ready, hand)
+    navigation(ready).go(1, 10)
+    hand.wait(lambda: session.idle and session.status.step == 10)
+    session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.4))
+    run_to_the_end(ready, hand)
+    session.edit("move", lambda document: edits.replace_shape(document, 0, Circle((30.0, 28.0), 6.0)))
+    run_to_the_end(ready, hand)
+    return ready
+
+
+def navigation(window):
+    return window.feature(TimelineFeature).navigation
+
+
+def file_of(window) -> DocumentFile:
+    return window.feature(OpenSaveFeature).document_file
+
+
+def saved(window, hand, path: Path) -> Path:
+    file_of(window).save(path)
+    hand.wait(lambda: path.exists() and not file_of(window).unsaved and window.session.idle)
+    return path
+
+
+def reopened(window, hand, path: Path) -> list[str]:
+    """Open a file again; what is said meanwhile."""
+    said: list[str] = []
+    opened: list[bool] = []
+    window.session.said.connect(lambda text, _: said.append(text))
+    window.session.image_changed.connect(lambda: opened.append(True))
+    window.session.open(path)
+    hand.wait(lambda: bool(opened) and window.session.idle and not window.session.status.busy)
+    return said
+
+
+def particles(window) -> bytes:
+    state = window.session.scene.snapshot.state
+    return b"".join(getattr(state.particles, name).tobytes() for name in ("position", "velocity", "identity"))
+
+
+def lines(window) -> list[bytes]:
+    return [item.contour.points.tobytes() for item in window.session.scene.contours.items]
+
+
+def test_what_was_seen_is_there_again(steered, hand, tmp_path) -> None:
+    before, contours = particles(steered), lines(steered)
+    figures = steered.session.scene.snapshot.metrics
+    names = [(branch.name, branch.first) for branch in navigation(steered).outline.branches]
+    assert [name for name, _ in names] == ["Run 1", "Branch 1", "Run 2"]
+    reopened(steered, hand, saved(steered, hand, tmp_path / "a.cpm"))
+    assert particles(steered) == before
+    assert lines(steered) == contours
+    assert [(branch.name, branch.first) for branch in navigation(steered).outline.branches] == names
+    status = steered.session.status
+    assert (status.phase, status.stale, status.steered) == ("finished", False, False)
+    np.testing.assert_array_equal(steered.session.scene.snapshot.metrics.epsilon, figures.epsilon)
+    assert not file_of(steered).unsaved
+
+
+def test_every_step_and_its_steering_can_be_gone_back_to(steered, hand, tmp_path) -> None:
+    places = [(1, 10), (1, 25), (2, 12), (2, 30), (3, 3)]
+
+    def at(branch: int, step: int) -> bytes:
+        navigation(steered).go(branch, step)
+        hand.wait(lambda: steered.session.idle and navigation(steered).place == (branch, step))
+        hand.wait(lambda: steered.session.status.step == step)
+        return particles(steered)
+
+    before = [at(*place) for place in places]
+    saved(steered, hand, tmp_path / "a.cpm")
+    reopened(steered, hand, tmp_path / "a.cpm")
+    assert navigation(steered).place == places[-1]
+    assert [at(*place) for place in places] == before
+
+
+def test_a_paused_run_goes_on_as_if_the_window_had_stayed_open(ready, hand, tmp_path) -> None:
+    for _ in range(13):
+        ready.session.step()
+    hand.wait(lambda: ready.session.idle)
+    saved(ready, hand, tmp_path / "a.cpm")
+    run_to_the_end(ready, hand)
+    end = particles(ready)
+    reopened(ready, hand, tmp_path / "a.cpm")
+    assert (ready.session.status.phase, ready.session.status.step) == ("paused", 13)
+    run_to_the_end(ready, hand)
+    assert particles(ready) == end
+
+
+def test_an_intervention_is_repeated_after_opening(ready, hand, tmp_path) -> None:
+    session = ready.session
+    for _ in range(8):
+        session.step()
+    session.edit("draw", lambda document: edits.add_shape(document, Circle((20.0, 20.0), 5.0)))
+    session.edit("erase", lambda _: session.live.erase(((32.0, 42.0), (34.0, 42.0)), 3.0))
+    for _ in range(8):
+        session.step()
+    hand.wait(lambda: session.idle)
+    before = particles(ready)
+    content = json.loads(saved(ready, hand, tmp_path / "a.cpm").read_text())
+    assert {"step", "join", "erase"} <= {key for one in content["runs"]["runs"][0]["actions"] for key in one}
+    content["runs"]["states"] = []
+    (tmp_path / "b.cpm").write_text(json.dumps(content))
+    reopened(ready, hand, tmp_path / "b.cpm")
+    assert particles(ready) == before
+    assert not session.status.stale
+
+
+def test_a_run_that_was_reset_is_on_the_timeline_after_opening(ready, hand, tmp_path) -> None:
+    run_to_the_end(ready, hand)
+    hand.key(KEY.Key_R)
+    hand.wait(lambda: ready.session.idle)
+    reopened(ready, hand, saved(ready, hand, tmp_path / "a.cpm"))
+    assert ready.session.status.phase == "ready"
+    assert [branch.name for branch in navigation(ready).outline.branches] == ["Run 1"]
+
+
+def test_a_skeleton_is_there_again(ready, hand, tmp_path) -> None:
+    hand.key(KEY.Key_3, Qt.KeyboardModifier.AltModifier)
+    run_to_the_end(ready, hand)
+    length = ready.session.scene.skeleton.length
+    reopened(ready, hand, saved(ready, hand, tmp_path / "a.cpm"))
+    assert ready.session.scene.skeleton.length == length
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "left"),
+    [
+        (("runs", 0, "branches", 0, "steps"), [[[99], 4]], ["Run 2"]),
+        (("runs", 0, "branches", 0, "steps"), [[[], 1], [[0], 10**12]], ["Run 2"]),
+        (("runs", 0, "branches", 1, "parent"), 77, ["Run 2"]),
+        (("runs", 0, "document"), "no document", ["Run 2"]),
+        (("runs", 1, "actions", 0, "step", "beta"), -5.0, ["Run 1", "Branch 1"]),
+        (("states", 0, "state", "position", "data"), "AAAA", ["Run 1", "Branch 1", "Run 2"]),
+        (("runs",), 3, []),
+    ],
+)
+def test_a_damaged_piece_is_one_sentence_and_the_rest_is_opened(steered, hand, tmp_path, path, value, left) -> None:
+    content = json.loads(saved(steered, hand, tmp_path / "a.cpm").read_text())
+    at = content["runs"]
+    for key in path[:-1]:
+        at = at[key]
+    at[path[-1]] = value
+    (tmp_path / "b.cpm").write_text(json.dumps(content))
+    said = reopened(steered, hand, tmp_path / "b.cpm")
+    assert len([text for text in said if "damaged" in text]) == 1
+    assert [branch.name for branch in navigation(steered).outline.branches] == left
+    assert steered.session.document.shapes == (Circle((30.0, 28.0), 6.0),)
+
+
+def test_runs_that_are_no_mapping_leave_the_document(ready, hand, tmp_path) -> None:
+    content = json.loads(saved(ready, hand, tmp_path / "a.cpm").read_text())
+    (tmp_path / "b.cpm").write_text(json.dumps({**content, "runs": [1], "truth": {"path": ""}}))
+    said = reopened(ready, hand, tmp_path / "b.cpm")
+    assert "recorded runs were left out" in said[0]
+    assert "ground truth was left out" in said[0]
+    assert ready.session.document.shapes
+
+
+def test_the_size_is_bounded_and_what_is_left_out_is_computed_again(steered, hand, tmp_path) -> None:
+    before = particles(steered)
+    writer = RunsWriter()
+    saved(steered, hand, tmp_path / "a.cpm")
+    content = json.loads((tmp_path / "a.cpm").read_text())
+    content["runs"] = writer.to_plain(steered.session._worker_thread._run.recorded.stored({}), most=0)
+    assert content["runs"]["states"] == []
+    assert not any("figures" in branch for run in content["runs"]["runs"] for branch in run["branches"])
+    (tmp_path / "b.cpm").write_text(json.dumps(content))
+    reopened(steered, hand, tmp_path / "b.cpm")
+    assert particles(steered) == before
+
+
+def test_runs_on_an_image_that_has_changed_are_not_shown(steered, hand, image_file, tmp_path) -> None:
+    saved(steered, hand, tmp_path / "a.cpm")
+    np.save(image_file, np.load(image_file) + 1.0)
+    reopened(steered, hand, tmp_path / "a.cpm")
+    assert steered.session.scene.snapshot is None
+
+
+def test_the_truth_comes_back(ready, hand, tmp_path) -> None:
+    truth = ready.workspace.truth
+    np.save(tmp_path / "mask.npy", (np.load(tmp_path / "disc.npy") > 100).astype(np.uint8))
+    truth.load(tmp_path / "mask.npy")
+    truth.set_tolerance(3.0)
+    hand.wait(lambda: truth.truth is not None)
+    saved(ready, hand, tmp_path / "a.cpm")
+    assert load_session(tmp_path / "a.cpm").truth.path == "mask.npy"
+    truth.set_tolerance(1.0)
+    reopened(ready, hand, tmp_path / "a.cpm")
+    hand.wait(lambda: truth.truth is not None)
+    assert truth.tolerance == 3.0
+
+
+def test_the_mode_alone_is_no_work(window, hand) -> None:
+    for number in (KEY.Key_2, KEY.Key_3, KEY.Key_1, KEY.Key_2):
+        hand.key(number, Qt.KeyboardModifier.AltModifier)
+        assert file_of(window).lost == ()
+
+
+def test_a_run_that_running_again_gives_is_no_work_and_a_steered_one_is(ready, hand, tmp_path) -> None:
+    saved(ready, hand, tmp_path / "a.cpm")
+    run_to_the_end(ready, hand)
+    assert file_of(ready).lost == ()
+    navigation(ready).go(1, 10)
+    hand.wait(lambda: ready.session.idle and ready.session.status.step == 10)
+    ready.session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.4))
+    run_to_the_end(ready, hand)
+    assert file_of(ready).lost == ("the parameters", "the runs")
+    ready.session.undo()
+    assert file_of(ready).lost == ("the runs",)
+    saved(ready, hand, tmp_path / "a.cpm")
+    assert file_of(ready).lost == ()

@@ -1,0 +1,49 @@
+"""Limits of what is drawn are checked before memory or time is taken for it."""
+
+import json
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import cpm_core as cpm
+from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
+from cpm_core.particles.initialization import starting_points
+from cpm_core.shapes import Grid
+from cpm_core.shapes.areas import FINEST, MOST_PLACES
+
+SQUARE = ((0.0, 0.0), (0.0, 100.0), (100.0, 100.0), (100.0, 0.0))
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e2, 9e3])
+def test_a_grid_of_too_many_particles_is_refused_before_they_are_made(tmp_path, scale):
+    corners = [[row * scale, col * scale] for row, col in SQUARE]
+    save_session(SessionFile(shapes=(Grid(SQUARE, 4.0),)), tmp_path / "a.cpm")
+    content = json.loads((tmp_path / "a.cpm").read_text())
+    content["shapes"][0] |= {"points": corners, "spacing": 0.01 * scale}
+    (tmp_path / "a.cpm").write_text(json.dumps(content))
+    tracemalloc.start()
+    with pytest.raises(ValueError, match=r"spacing|far|coordinate"):
+        load_session(tmp_path / "a.cpm")
+    assert tracemalloc.get_traced_memory()[1] < 20e6
+    tracemalloc.stop()
+
+
+@pytest.mark.parametrize("side", [50.0, 4000.0, 9000.0])
+def test_a_grid_is_made_finer_only_as_far_as_its_area_allows(side):
+    grid = Grid(((0.0, 0.0), (0.0, side), (side, side), (side, 0.0)), 40.0)
+    for _ in range(60):
+        grid = grid.resized(-1.0)
+    assert grid.spacing >= FINEST
+    assert (side / grid.spacing + 1.0) ** 2 <= MOST_PLACES
+
+
+def test_starts_that_crowd_a_pixel_are_thinned_and_others_are_not():
+    spread = cpm.uniform_grid((40, 40), 1.0)
+    assert starting_points(spread, (40, 40), None) is not None
+    assert np.array_equal(starting_points(spread, (40, 40), None), spread)
+    crowd = np.random.default_rng(0).uniform(10.0, 14.0, (40_000, 2))
+    found = starting_points(np.concatenate([spread, crowd]), (40, 40), None)
+    assert len(found) <= len(spread) + 16 * 25
+    assert np.array_equal(found[: len(spread)], spread)
+    assert np.bincount((np.rint(found) @ [40, 1]).astype(int)).max() <= 16
