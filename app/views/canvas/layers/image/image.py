@@ -30,7 +30,7 @@ class ImageLayer(Layer):
     name = "image"
     title = tr("Image")
     tip = tr("The image itself.")
-    shortcut = "Ctrl+0"
+    shortcut = "Alt+0"
     options = (
         Choice(
             "shown",
