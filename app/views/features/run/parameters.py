@@ -45,14 +45,15 @@ class ParametersFeature(Feature):
                             do=lambda: context.preferences.choose(MOTION, not self._animated),
                             tip=tr("Animate the illustrations of the parameters."), group=STATE,
                             checked=self._animated, holds=lambda _: self._animated)  # fmt: skip
-        channels = Submenu(name="channels", menu="Run", text=tr("C&hannel"), fill=self._fill_channels)
+        channels = Submenu(name="channels", menu="Run", text=tr("C&hannel"), fill=self.fill_channels)
         return (presets, channels, *self._wordings(), motion)
 
     def panels(self) -> Sequence[Panel]:
         """The sliders."""
         return (Panel(name="parameters", title=tr("Parameters"), widget=self.panel, tab="settings", shortcut="F7"),)
 
-    def _fill_channels(self, menu: QMenu) -> None:
+    def fill_channels(self, menu: QMenu) -> None:
+        """Fill a menu with the channels; a gray image has none."""
         session = self.context.session
         colored = session.image is not None and session.image.colors is not None
         for value, title, about in self.panel.choices[CHANNEL].control.choices:
