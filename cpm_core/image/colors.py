@@ -48,7 +48,7 @@ def gray_levels(luminance: Array, colors: Colors | None, channel: str) -> Array:
     Returns
     -------
     ndarray of float64
-        In the range of the file, but in 256 steps at most, those of the colors for display.
+        In the range of the file, computed from the colors for display: 8 bits each, also where the file has 16.
     """
     if colors is None or channel == "luminance":
         return luminance
