@@ -13,8 +13,8 @@ VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
 LEFT_OUT = tr("✗ as learned")
 """Verdict that is shown for a contour that resembles rejected ones."""
 REACHED: Mapping[Reached, str] = {
-    "flight": tr("on flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
-    "launched": tr("launched"), "": "–",
+    "flight": tr("in free flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
+    "launched": tr("inserted elsewhere"), "": "–",
 }  # fmt: skip
 """Words for the ways in which particles come to a contour, the nearest first."""
 
