@@ -19,6 +19,8 @@ from app.views.window.dialogs import Button, Question, ask_for_one, ask_for_text
 from app.views.window.feature import FeatureContext
 from app.views.window.file_dialogs import Files, all_files
 
+_TOPIC = "preset"
+
 
 class PresetFiles(QObject):
     """Connects the gallery of presets, their files and the session."""
@@ -65,10 +67,12 @@ class PresetFiles(QObject):
         return action
 
     def _try(self, do: Callable[[], None]) -> None:
+        session = self._context.session
+        session.attempt(_TOPIC)
         try:
             do()
         except (ValueError, OSError) as error:
-            self._context.session.say(str(error), True)
+            session.say(str(error), True, _TOPIC)
 
     def _list(self) -> None:
         self.gallery.show_presets(self.store.presets)

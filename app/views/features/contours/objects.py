@@ -36,6 +36,7 @@ class ObjectsFeature(Feature):
         self.name_field = NameField(context.canvas_area.canvas, tr("Name of the object"))
         self._keys = _CanvasKeys(self)
         context.canvas_area.canvas.installEventFilter(self._keys)
+        self.panel.table.zoom_wanted.connect(context.canvas_area.zoom_to_selection)
         self._list.selection_changed.connect(context.refresh)
         self._selection.changed.connect(context.refresh)
         self._selection.taken.connect(self._name_taken)
