@@ -16,6 +16,7 @@ from app.session.core_functions import Core
 from app.session.document.editing import Editing
 from app.session.document.live_edits import Live
 from app.session.exchange.pacing import Pacer
+from app.session.signals import RUNNING
 from app.session.tasks.tasks import Tasks
 from app.session.updates import Progress
 from app.session.worker.commands.run import Command, RunCall, Start
@@ -110,6 +111,7 @@ class RunControl(Editing):
     def reset(self) -> None:
         """Take the particles away and go back to the initialization; the run stays on the timeline."""
         if self.status.started:
+            self.attempt(RUNNING)
             kept = self.status.step > 0
             self._generation = self._next_generation()
             self._progress.forget()
@@ -148,11 +150,12 @@ class RunControl(Editing):
         self._worker_thread.close()
 
     def _ready(self) -> bool:
+        self.attempt(RUNNING)
         if self.document.image is None:
-            self.say(tr("There is no image to run on: open one first."), True)
+            self.say(tr("There is no image to run on: open one first."), True, RUNNING)
             return False
         if needs_start(self.document.mode) and not self.document.starts:
-            self.say(NOTHING_TO_START_FROM, True)
+            self.say(NOTHING_TO_START_FROM, True, RUNNING)
             return False
         return True
 

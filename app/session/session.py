@@ -20,6 +20,7 @@ from app.session.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.run_control import RunControl
 from app.session.scene import Scene
+from app.session.signals import EXPORTING, OPENING
 from app.session.tasks.opening import Opener, Wanted
 from app.session.worker.commands.run import Copy, Export, RunCall, WarmUp
 from app.session.worker.commands.stored_runs import RestoreRuns, RunsRestored
@@ -77,6 +78,7 @@ class Session(RunControl):
 
     def begin(self, wanted: Wanted) -> None:
         """Open an image or a session; see `open`."""
+        self.attempt(OPENING)
         self._opener.open(wanted)
 
     def use(self, opened: Opened) -> None:
@@ -93,6 +95,7 @@ class Session(RunControl):
     def export(self, path: str | Path, order: ExportOrder | None = None) -> None:
         """Write the contours that are shown, by default all but the rejected ones; the suffix gives the format."""
         path = Path(path)
+        self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
         scene, document = self.scene, self.document
         order = order or ExportOrder()
@@ -101,6 +104,7 @@ class Session(RunControl):
 
     def copy_contours(self, suffix: str) -> None:
         """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""
+        self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Copying contours…"))
         self.post(Copy(task, self.scene.reconstruction, self.document.marks, self.document.learning, suffix))
 
@@ -146,9 +150,9 @@ class Session(RunControl):
 
     def _keep_or_open_otherwise(self, refused: NotOpened) -> None:
         """Keep what is open, unless there is another file to open."""
-        self.say(refused.sentence, True)
         if refused.otherwise is not None:
             self.open(refused.otherwise)
+        self.say(refused.sentence, True, OPENING)
 
 
 def _document(opened: Opened, mode: Mode) -> Document:

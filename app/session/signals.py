@@ -13,6 +13,10 @@ from cpm_core.image.image import Image
 
 R = TypeVar("R", bound=Report)
 
+OPENING, RUNNING, EDITING, SAVING = "opening", "running", "editing", "saving"
+EXPORTING, FILMING = "exporting", "filming"
+"""Kinds of attempts that messages belong to."""
+
 
 class SessionSignals(QObject):
     """The scene, the signals that views follow, and the reports for single features."""
@@ -25,8 +29,10 @@ class SessionSignals(QObject):
     """The document has been replaced: Document."""
     status_changed = Signal()
     """`resolved` may have changed."""
-    said = Signal(str, bool)
-    """A sentence for the user, and whether it is an error message."""
+    said = Signal(str, bool, str)
+    """A sentence for the user, whether it is an error message, and the kind of attempt that it belongs to, or ""."""
+    attempted = Signal(str)
+    """Something of this kind is attempted again: what was said about the last attempt no longer applies."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -77,6 +83,11 @@ class SessionSignals(QObject):
         for take in tuple(self._listeners.get(type(report), ())):
             take(report)
 
-    def say(self, sentence: str, trouble: bool = False) -> None:
-        """Show one sentence to the user."""
-        self.said.emit(sentence, trouble)
+    def say(self, sentence: str, trouble: bool = False, topic: str = "") -> None:
+        """Show one sentence to the user; it belongs to an attempt of a kind, such as `EXPORTING`."""
+        self.said.emit(sentence, trouble, topic)
+
+    def attempt(self, *topics: str) -> None:
+        """Announce that something is attempted again; see `attempted`."""
+        for topic in topics:
+            self.attempted.emit(topic)

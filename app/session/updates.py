@@ -23,7 +23,7 @@ from app.session.exchange.messages import (
     WentOn,
 )
 from app.session.scene import NO_CONTOURS, ReviewedContours
-from app.session.signals import SessionSignals
+from app.session.signals import EDITING, EXPORTING, RUNNING, SessionSignals
 from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.intensity_window import Shaded, WindowFound
 from app.session.worker.commands.stored_runs import RunsRestored
@@ -145,21 +145,21 @@ class Progress:
                 self._busy.pop("restoring", None)
                 if generation == self._session.generation:
                     self._known = replace(self._known, phase="paused" if self._known.count else "ready")
-                    self._session.say(sentence, True)
+                    self._session.say(sentence, True, RUNNING)
             case WentOn(generation):
                 if generation == self._session.generation:
                     self._known = replace(self._known, phase="running")
             case SeedsFound(generation, image_seeds, sentence):
                 self._busy.pop("seeding", None)
                 if sentence:
-                    self._session.say(sentence, True)
+                    self._session.say(sentence, True, EDITING)
                 if generation == self._session.image_generation:
                     self._show(image_seeds=image_seeds)
             case Exported(path, counts):
                 written = tr("Written: {path}").format(path=path)
-                self._session.say(written if counts is None else f"{written} ({in_words(counts)})")
-            case CommandFailed(sentence):
-                self._session.say(sentence, True)
+                self._session.say(written if counts is None else f"{written} ({in_words(counts)})", topic=EXPORTING)
+            case CommandFailed(sentence, topic):
+                self._session.say(sentence, True, topic)
             case WarmedUp():
                 self._busy.pop("preparing", None)
         self._show_answer(report)

@@ -9,6 +9,7 @@ from app.session.features.hand_editing import HandEditing
 from app.session.features.objects.object_fitting import ObjectFitting
 from app.session.features.objects.object_list import ObjectList
 from app.session.features.objects.object_selection import ObjectSelection
+from app.session.features.other_result import OtherResult
 from app.session.features.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
 from app.session.features.timeline_navigation import TimelineNavigation
@@ -30,6 +31,7 @@ class Workspace:
         self.object_fitting = ObjectFitting(self.session, self.object_selection.partitions)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
+        self.other_result = OtherResult(self.session, self.navigation)
         self.sweep = Sweep(self.session, self.truth)
 
     def close(self) -> None:

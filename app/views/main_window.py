@@ -17,7 +17,8 @@ from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.session.workspace import Workspace
 from app.views.canvas.canvas_area import CanvasArea
-from app.views.canvas.pointer_readout import PointerReadout
+from app.views.canvas.strip.pointer_readout import PointerReadout
+from app.views.canvas.strip.zoom_field import ZoomField
 from app.views.features import FEATURES
 from app.views.features.file.folder import FolderFeature
 from app.views.features.file.open_save import OpenSaveFeature
@@ -87,7 +88,9 @@ class MainWindow(QMainWindow):
         self.context_menus = self._add_menus(specs)
         self._palette_of_tools = self._add_bars()
         self.pointer_readout = PointerReadout(session, self.canvas_area.canvas)
+        self.zoom_field = ZoomField(self.canvas_area.canvas)
         self.statusBar().addPermanentWidget(self.pointer_readout)
+        self.statusBar().addPermanentWidget(self.zoom_field)
         session.status_changed.connect(self._show)
         self.use_theme(self.feature(AppearanceFeature).theme())
         self._show()

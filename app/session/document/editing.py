@@ -14,7 +14,7 @@ from app.model.document.naming import describe
 from app.model.text.language import tr
 from app.session.document.undo_history import Change, History
 from app.session.scene import ReviewedContours
-from app.session.signals import SessionSignals
+from app.session.signals import EDITING, RUNNING, SessionSignals
 
 
 class Editing(SessionSignals):
@@ -59,7 +59,7 @@ class Editing(SessionSignals):
         try:
             after = edit(before)
         except ValueError as error:
-            self.say(str(error), True)
+            self.say(str(error), True, EDITING)
             return
         if after != before:
             self._history.push(Change(name, before, after, gesture))
@@ -118,6 +118,7 @@ class Editing(SessionSignals):
         before, scene = self.document, self.scene
         if document is None or document == before:
             return
+        self.attempt(EDITING, RUNNING)  # an edit may be the remedy for why a run did not begin
         selected = scene.selected
         if selected is not None and selected >= len(document.shapes):
             selected = None

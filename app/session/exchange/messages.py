@@ -194,9 +194,10 @@ class Exported(Report):
 
 @dataclass(frozen=True, slots=True)
 class CommandFailed(Report):
-    """A command failed and nothing changed."""
+    """A command failed and nothing changed; the sentence belongs to an attempt of the kind `topic`."""
 
     sentence: str
+    topic: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
@@ -11,7 +12,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.display.differences import Difference, differences
 from app.model.text.language import tr
 from app.session.exchange.mailbox import Latest
-from app.session.exchange.messages import Report
+from app.session.exchange.messages import CommandFailed, Report
 from app.session.features.contour_review import ContourReview
 from app.session.session import Session
 from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
@@ -19,6 +20,8 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats.ground_truth_file import load_truth
 from cpm_core.formats.sessions.beside_document import TruthFile
+
+_TOPIC = "truth"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -76,8 +79,9 @@ class GroundTruth(QObject):
     def load(self, path: str | Path) -> None:
         """Read a mask or contours as the ground truth of the current image."""
         image = self._session.document.image
+        self._session.attempt(_TOPIC)
         if image is None:
-            self._session.say(tr("There is no image to compare with: open one first."), True)
+            self._session.say(tr("There is no image to compare with: open one first."), True, _TOPIC)
             return
         file, generation, holes, shape = Path(path), self._session.image_generation, self.holes, image.shape
         self._path = file
@@ -85,6 +89,7 @@ class GroundTruth(QObject):
             tr("Reading {name}…").format(name=file.name),
             lambda task: TruthRead(generation, load_truth(file, shape, holes=holes)),
             f"reading {file.name}",
+            partial(CommandFailed, topic=_TOPIC),
         )
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
@@ -11,8 +12,9 @@ from PySide6.QtCore import QObject, Signal
 from app.model.document.document import Document
 from app.model.document.saving import View, changed_parts, to_file
 from app.model.text.language import tr
-from app.session.exchange.messages import Opened, Report
+from app.session.exchange.messages import CommandFailed, Opened, Report
 from app.session.session import Session
+from app.session.signals import SAVING
 from app.session.storage.run_keeping import RunKeeping
 from app.session.tasks.tasks import Task
 from cpm_core.formats.sessions.beside_document import TruthFile
@@ -89,6 +91,7 @@ class DocumentFile(QObject):
             self._next = path  # one write at a time
             return
         self._next = None
+        self._session.attempt(SAVING)
         task = self._saving = self._session.tasks.begin(tr("Saving {name}…").format(name=path.name), cancellable=False)
         file, document = self.file, self._session.document
         self.runs.collect(lambda runs: self._write(path, task, replace(file, runs=runs.plain), document, runs.edition))
@@ -100,7 +103,9 @@ class DocumentFile(QObject):
             save_session(file, path)
             return Written(path, file, document, edition)
 
-        self._saving = self._session.tasks.start(waiting.name, work, f"saving {path.name}", cancellable=False)
+        self._saving = self._session.tasks.start(
+            waiting.name, work, f"saving {path.name}", partial(CommandFailed, topic=SAVING), cancellable=False
+        )
         waiting.end()
 
     def save_at_once(self, path: Path) -> bool:
@@ -110,7 +115,7 @@ class DocumentFile(QObject):
         try:
             save_session(file, path)
         except ValueError as error:
-            self._session.say(str(error), True)
+            self._session.say(str(error), True, SAVING)
             return False
         self._use_written(Written(path, file, document, self.runs.edition))
         return True
@@ -137,7 +142,7 @@ class DocumentFile(QObject):
     def _use_written(self, written: Written) -> None:
         self.path, self._file, self._known = written.path, written.file, written.document
         self.runs.saved(written.edition)
-        self._session.say(tr("Saved: {path}").format(path=written.path))
+        self._session.say(tr("Saved: {path}").format(path=written.path), topic=SAVING)
         self._announce()
 
     def _announce(self) -> None:

@@ -1,19 +1,22 @@
-"""The canvas with message bar and hint; it follows the session."""
+"""The canvas with the line below it; it follows the session."""
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
+import numpy as np
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.model.document import edits
 from app.model.document.naming import describe
 from app.model.text.language import tr
+from app.session.signals import OPENING
 from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
-from app.views.canvas.message_bar import MessageBar
 from app.views.canvas.pointed import Pointed
+from app.views.canvas.selected_places import selected_places
+from app.views.canvas.strip.strip import Strip
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext
@@ -32,8 +35,6 @@ _SIZES = {Qt.Key.Key_Less: -1.0, Qt.Key.Key_Greater: 1.0}
 _DRAFT_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Backspace)
 _PAN = 40.0
 _MIDDLE_FRACTION = 0.2
-_BESIDE_HINT = 16
-"""Least space on either side of the hint [px]."""
 
 
 class CanvasArea(QWidget):
@@ -41,16 +42,14 @@ class CanvasArea(QWidget):
 
     def __init__(self, workspace: Workspace) -> None:
         super().__init__()
+        self._workspace = workspace
         self._session = session = workspace.session
         self._review = review = workspace.review
         self._selection = workspace.object_selection
         self.canvas = Canvas(session)
+        self.strip = Strip(self.canvas.layers.legend)
+        self.messages, self.hint = self.strip.messages, self.strip.hint
         self._pointed = Pointed(workspace)
-        self.messages = MessageBar(self.canvas)
-        self.hint = QLabel(self.canvas)
-        self.hint.setObjectName("hint")
-        self.hint.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.hint.hide()
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
@@ -58,6 +57,7 @@ class CanvasArea(QWidget):
         """Lines above the canvas, which features add."""
         layout.addLayout(self.offers)
         layout.addWidget(self.canvas, 1)
+        layout.addWidget(self.strip)
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
         drawing = self.canvas.layers.drawing
@@ -75,8 +75,13 @@ class CanvasArea(QWidget):
         self.canvas.installEventFilter(self)
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
+        session.attempted.connect(self.messages.attempt)
+        session.image_changed.connect(lambda: self.messages.keep_only(OPENING))
+        for layer in self.canvas.layers:
+            layer.changed.connect(self.strip.refresh_legend)
         session.status_changed.connect(self.refresh)
         session.scene_changed.connect(self._draw)
+        workspace.other_result.changed.connect(self._draw)
         self._selection.changed.connect(self.refresh)
         workspace.object_list.selection_changed.connect(self.refresh)
         self.canvas.layers.contours.changed.connect(self._follow_contours)
@@ -109,8 +114,10 @@ class CanvasArea(QWidget):
             self.canvas.cancel()
         elif self.crosshair.at is not None:
             self.crosshair.hide()
+        elif self._workspace.other_result.chosen is not None:
+            self._workspace.other_result.choose(None)
         else:
-            self.messages.hide()
+            self.messages.dismiss()
             self._session.select(None)
             self._review.select(())
             self._selection.dismiss()
@@ -120,16 +127,21 @@ class CanvasArea(QWidget):
         self.show_hint(self._session.resolved.hint)
 
     def show_hint(self, text: str) -> None:
-        """Show what to do next at the bottom of the canvas; advice of the tool has priority."""
+        """Show what to do next below the canvas; advice of the tool has priority."""
         self._hint = text
         tool = self.canvas.tool
         if tool is not None and self._session.document.image is not None:
             offered = OFFERED if self._selection.proposals and not self._selection.selecting else ""
             text = self.crosshair.advice or tool.advice or offered or text
-        if self.hint.text() != text or self.hint.isHidden() == bool(text):
-            self.hint.setText(text)
-            self.hint.setVisible(bool(text))
-            self._place_hint()
+        self.strip.say_next(text)
+
+    def zoom_to_selection(self) -> None:
+        """Show what is selected as large as possible."""
+        places = selected_places(self._workspace)
+        if places:
+            corners = np.concatenate(places)
+            (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
+            self.canvas.show_part(QRectF(left, top, right - left, bottom - top))
 
     def add_circle(self) -> None:
         """Add a circle in the middle of the visible part."""
@@ -145,10 +157,7 @@ class CanvasArea(QWidget):
         self._session.select(len(self._session.document.shapes) - 1)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle keys for the selected shape, and place bar and hint when the canvas is resized."""
-        if event.type() == QEvent.Type.Resize:
-            self.messages.place()
-            self._place_hint()
+        """Handle keys for the selected shape."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and self._wants(event):
             event.accept()
             return True
@@ -157,7 +166,8 @@ class CanvasArea(QWidget):
         return super().eventFilter(watched, event)
 
     def _draw(self) -> None:
-        self.canvas.draw(self._session.scene)
+        self.canvas.draw(self._workspace.other_result.near(self._session.scene))
+        self.strip.refresh_legend()
 
     def _follow_contours(self) -> None:
         """Contours that are not visible cannot be selected."""
@@ -211,13 +221,3 @@ class CanvasArea(QWidget):
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
         name, resized = verb.format(shape=describe(shape)), shape.resized(by)
         self._session.edit(name, lambda document: edits.replace_shape(document, index, resized), f"grow {index}")
-
-    def _place_hint(self) -> None:
-        size = self.canvas.size()
-        room = size.width() - 2 * _BESIDE_HINT
-        self.hint.setWordWrap(False)
-        self.hint.adjustSize()
-        if self.hint.width() > room:
-            self.hint.setWordWrap(True)
-            self.hint.resize(room, self.hint.heightForWidth(room))
-        self.hint.move((size.width() - self.hint.width()) // 2, size.height() - self.hint.height() - 14)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,6 +18,12 @@ from app.views.theme import theme
 from cpm_core.numerics.types import Position
 
 _MARGIN = 0.04
+
+LEAST, MOST = 0.01, 64.0
+"""Bounds of the magnification."""
+
+_AROUND, _SMALLEST = 0.15, 12.0
+"""Margin around a part that is shown, as a fraction of it, and the least extent of such a part [px of the image]."""
 
 
 class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hints
@@ -53,12 +60,31 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
             self.view.setRange(image_rectangle(self.shape), padding=_MARGIN)
             self._fitted = True
 
+    @property
+    def magnification(self) -> float:
+        """Pixels of the screen per pixel of the image."""
+        return float(self.devicePixelRatioF() / max(self.view.viewPixelSize()[0], 1e-12))
+
     def zoom(self, factor: float, around: QPointF | None = None) -> None:
         """Enlarge by `factor` around a point of the widget, by default its center."""
+        now = self.magnification
+        factor = min(max(factor, min(LEAST / now, 1.0)), max(MOST / now, 1.0))
         point = around if around is not None else QPointF(self.rect().center())
         self.view.scaleBy(
             (1.0 / factor, 1.0 / factor), center=self.view.mapSceneToView(self.mapToScene(point.toPoint()))
         )
+        self._fitted = False
+
+    def zoom_to(self, magnification: float) -> None:
+        """Show so many pixels of the screen per pixel of the image, around the center."""
+        if math.isfinite(magnification) and magnification > 0.0:
+            self.zoom(min(max(magnification, LEAST), MOST) / self.magnification)
+
+    def show_part(self, part: QRectF) -> None:
+        """Show a part of the image as large as possible, with a margin."""
+        wide = max(_SMALLEST - part.width(), 0.0) / 2 + _AROUND * part.width()
+        high = max(_SMALLEST - part.height(), 0.0) / 2 + _AROUND * part.height()
+        self.view.setRange(part.adjusted(-wide, -high, wide, high), padding=0.0)
         self._fitted = False
 
     def pan(self, right: float, down: float) -> None:

@@ -26,6 +26,7 @@ from app.views.features.run.tasks import TasksFeature
 from app.views.features.run.timeline import TimelineFeature
 from app.views.features.view.animation import AnimationFeature
 from app.views.features.view.appearance import AppearanceFeature
+from app.views.features.view.comparing import ComparingFeature
 from app.views.features.view.keyboard import KeyboardFeature
 from app.views.features.view.layers import LayersFeature
 from app.views.features.view.mosaic import MosaicFeature
@@ -57,6 +58,7 @@ FEATURES: tuple[type[Feature], ...] = (
     MosaicFeature,
     HistoryFeature,
     LayersFeature,
+    ComparingFeature,
     KeyboardFeature,
     AppearanceFeature,
     PreferencesFeature,

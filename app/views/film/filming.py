@@ -8,6 +8,7 @@ from PySide6.QtCore import QObject, QTimer
 
 from app.model.text.language import tr
 from app.session.session import Session
+from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
 from app.session.worker.commands.frames import FrameTaken, TakeFrame
 from app.views.film.frame_renderer import FrameRenderer
@@ -103,7 +104,7 @@ class Filming(QObject):
         if report.moment is None:
             self._task.cancel()
             gone = tr("The run of the film is gone, so nothing has been written.")
-            self._session.say(report.sentence or gone, True)
+            self._session.say(report.sentence or gone, True, FILMING)
             self.stop()
             return
         self._take(self._renderer.draw(report))

@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import QPoint, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
 from app.views.canvas.layers import Layers, form_of
 from app.views.canvas.layers.layer import Layer
-from app.views.theme import theme
 from app.views.theme.icons import swatch
 from app.views.widgets.action_spec import LAYER
 from app.views.widgets.key_text import native
@@ -39,11 +38,6 @@ class LayersPanel(QWidget):
         for row in self.rows.values():
             column.addWidget(row)
             row.unfolded.connect(self._bring_into_view)
-        self._entries = (
-            _Entry(theme.JUNCTION, tr("Junctions"), tr("Points where contours meet.")),
-            _Entry(theme.BRIDGE, tr("Bridged gaps"), tr("Parts of contours that bridge a gap in the edge.")),
-        )
-        column.addLayout(_side_by_side(self._entries))
         column.addStretch(1)
         self._area = area = QScrollArea()
         area.setWidget(scrolled)
@@ -57,8 +51,6 @@ class LayersPanel(QWidget):
         """Show the colors in use, which the preferences change."""
         for row in self.rows.values():
             row.show_color()
-        for entry in self._entries:
-            entry.show_color()
 
     def show_keys(self, keys: Mapping[str, Sequence[str]]) -> None:
         """Name the keys of layers, by their names, in the tooltips."""
@@ -70,36 +62,6 @@ class LayersPanel(QWidget):
         if isinstance(row, LayerRow):
             # the position of the settings is known only after the layout has been updated
             QTimer.singleShot(0, row, lambda: self._area.ensureWidgetVisible(row, 0, 4))
-
-
-class _Entry(QWidget):
-    """An entry of the legend for marks on contours that have no layer of their own."""
-
-    def __init__(self, color: str, title: str, tip: str) -> None:
-        super().__init__()
-        self._color = color
-        self._mark = QLabel()
-        self.setToolTip(tip)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.setSpacing(4)
-        row.addWidget(self._mark)
-        row.addWidget(QLabel(title))
-        self.show_color()
-
-    def show_color(self) -> None:
-        """Show the color in use."""
-        self._mark.setPixmap(swatch(self._color).pixmap(16, 14))
-
-
-def _side_by_side(entries: Sequence[QWidget]) -> QHBoxLayout:
-    row = QHBoxLayout()
-    row.setContentsMargins(20, 4, 0, 0)
-    row.setSpacing(16)
-    for entry in entries:
-        row.addWidget(entry)
-    row.addStretch(1)
-    return row
 
 
 class LayerRow(QWidget):

@@ -19,6 +19,8 @@ from app.views.window.dialogs import Button, Question, ask_for_one, ask_for_text
 from app.views.window.feature import FeatureContext
 from app.views.window.file_dialogs import Files, all_files
 
+_TOPIC = "preset"
+
 
 class PresetFiles(QObject):
     """Connects the gallery of presets, their files and the session."""
@@ -27,7 +29,7 @@ class PresetFiles(QObject):
         super().__init__(context.window)
         self._context = context
         self.store = store
-        self.save = self._make(tr("&Save as…"), self._save, tr("Save the present parameters under a name."))
+        self.save = self._make(tr("&Save as…"), self._save, tr("Save the current parameters under a name."))
         self.rename = self._make(tr("&Rename…"), self._rename, tr("Rename one of your presets."))
         self.delete = self._make(tr("&Delete…"), self._delete, tr("Delete one of your presets."))
         self.import_action = self._make(tr("&Import…"), self._import, tr("Import a preset from a file."))
@@ -65,10 +67,12 @@ class PresetFiles(QObject):
         return action
 
     def _try(self, do: Callable[[], None]) -> None:
+        session = self._context.session
+        session.attempt(_TOPIC)
         try:
             do()
         except (ValueError, OSError) as error:
-            self._context.session.say(str(error), True)
+            session.say(str(error), True, _TOPIC)
 
     def _list(self) -> None:
         self.gallery.show_presets(self.store.presets)

@@ -170,6 +170,9 @@ def _bars(theme: Theme) -> str:
     QWidget#segments QToolButton:focus {{ border: 1px solid {theme.accent}; }}
     QStatusBar {{ border-top: 1px solid {theme.line}; }}
     QStatusBar::item {{ border: none; }}
+    QComboBox#zoom {{ background: transparent; border: 1px solid transparent; border-radius: 4px; padding: 0 4px; }}
+    QComboBox#zoom:hover, QComboBox#zoom:focus {{ background: {theme.base}; border-color: {theme.line}; }}
+    QComboBox#zoom QLineEdit {{ background: transparent; border: none; }}
     """
 
 
@@ -249,12 +252,13 @@ def _controls(theme: Theme) -> str:
 
 
 def _canvas(theme: Theme) -> str:
-    """Message bar and hint on the canvas."""
+    """The line below the canvas."""
     return f"""
+    QFrame#strip {{ background: {theme.window}; border: none; border-top: 1px solid {theme.line}; }}
+    QLabel#over_image {{ background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 3px 9px; }}
     QFrame#error {{ background: {theme.error}; border: none; }}
-    QFrame#error QLabel {{ color: {theme.error_text}; }}
+    QFrame#error QLabel, QFrame#error QToolButton {{ color: {theme.error_text}; }}
     QFrame#message {{ background: {theme.message}; border: none; }}
-    QFrame#message QLabel {{ color: {theme.message_text}; }}
+    QFrame#message QLabel, QFrame#message QToolButton {{ color: {theme.message_text}; }}
     QFrame#offer {{ background: {theme.panel}; border: none; border-bottom: 1px solid {theme.line}; }}
-    QLabel#hint {{ background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 6px 12px; }}
     """

@@ -79,6 +79,7 @@ class Actions:
         if spec.group:
             action.setCheckable(True)
             action.setChecked(spec.checked)
+            action.setAutoRepeat(False)  # a key that is held must not switch back and forth
         if spec.group and spec.group not in (TOGGLE, STATE):
             self._groups.setdefault(spec.group, QActionGroup(parent)).addAction(action)
         if spec.group == TOGGLE:

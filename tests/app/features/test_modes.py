@@ -71,7 +71,7 @@ def test_modes_are_switched_with_mouse_and_keys_and_undone_in_one_step(ready, ha
     assert button.isChecked()
     hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert button.isChecked()
-    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
     assert session.document.mode == "skeleton"
     session.undo()
     session.undo()
@@ -81,7 +81,7 @@ def test_modes_are_switched_with_mouse_and_keys_and_undone_in_one_step(ready, ha
 
 
 def test_automatic_segmentation_needs_no_drawing(window, hand) -> None:
-    hand.key(Qt.Key.Key_2, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F2, Qt.KeyboardModifier.ControlModifier)
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: window.session.idle)
@@ -89,7 +89,7 @@ def test_automatic_segmentation_needs_no_drawing(window, hand) -> None:
 
 
 def test_the_mode_stays_when_another_image_is_opened(window, hand, image_file) -> None:
-    hand.key(Qt.Key.Key_2, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F2, Qt.KeyboardModifier.ControlModifier)
     generation = window.session.image_generation
     window.open_image(str(image_file))
     hand.wait(lambda: window.session.image_generation != generation)
@@ -99,7 +99,7 @@ def test_the_mode_stays_when_another_image_is_opened(window, hand, image_file) -
 
 def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path) -> None:
     session, layer = window.session, window.canvas_area.canvas.layers["skeleton"]
-    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
     assert not window.actions_by_name["export"].isEnabled()
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
@@ -131,14 +131,14 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path)
     assert session.status.step == 6
     session.edit("sure edge", lambda document: edits.set_parameter(document, "sure_edge", 0.5))
     hand.wait(lambda: session.status.step == 9 and session.idle)
-    hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
     assert session.scene.skeleton is None
     assert layer.counts == (0, 0)
 
 
 def test_the_skeleton_of_a_previous_image_is_not_shown(window, hand, image_file) -> None:
     session = window.session
-    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
     generation = session.image_generation
     hand.key(Qt.Key.Key_Space)
     window.open_image(str(image_file))
@@ -165,7 +165,7 @@ def test_disks_have_the_radii_of_the_branch_and_do_not_crowd() -> None:
 
 def test_a_skeleton_run_is_stepped_rewound_and_paused_like_any_run(window, hand) -> None:
     session = window.session
-    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
     shown = []
     for step in (1, 2, 3):
         hand.key(Qt.Key.Key_Period)
@@ -190,13 +190,13 @@ def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, 
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
     assert session.status.closed == 1
-    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
     assert session.status.stale
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     assert session.scene.contours.items == ()
     assert not session.status.stale
-    hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
     assert session.status.stale
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.status.phase == "finished" and session.idle)
@@ -205,7 +205,7 @@ def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, 
 
 def find_skeleton(window, hand):
     """Find the skeleton by keys."""
-    hand.key(Qt.Key.Key_3, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: window.session.scene.skeleton is not None and window.session.idle)
     return window.session.scene.skeleton
@@ -249,7 +249,7 @@ def test_only_what_matters_for_a_skeleton_is_shown(window, hand) -> None:
     assert not {"Particles", "ε", "Scale"} & set(names)
     assert window.actions_by_name["export"].isEnabled()
     assert "skeleton" in window.actions_by_name["export"].text()
-    hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
+    hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
     hand.wait(lambda: panel.plots.isVisibleTo(panel))
     names = [label.text() for label in panel.status.findChildren(QLabel) if label.isVisibleTo(panel)]
     assert {"Particles", "ε", "Scale"} <= set(names)

@@ -17,6 +17,7 @@ from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
 
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
+ALT = Qt.KeyboardModifier.AltModifier
 
 
 @pytest.fixture
@@ -114,7 +115,7 @@ def test_a_charge_acts_at_the_next_step_of_a_paused_run(begun, hand, shown) -> N
 
 def test_the_field_is_shown_with_the_charge_that_is_dragged(begun, hand, record) -> None:
     fields = record("overlays")
-    hand.key(KEY.Key_5, CONTROL)
+    hand.key(KEY.Key_9, ALT)
     hand.wait(lambda: len(fields) == 1)
     hand.key(KEY.Key_A)
     hand.press(32, 10)
@@ -326,5 +327,5 @@ def test_charges_drawn_before_the_run_act_from_its_first_step_and_stay_visible(r
     discs = hand.canvas.layers.drawing._charges._discs
     assert discs.isVisible()
     assert discs.opacity() == 1.0
-    hand.key(KEY.Key_3, CONTROL)
+    hand.key(KEY.Key_6, ALT)
     assert not discs.isVisible()

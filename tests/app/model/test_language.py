@@ -37,7 +37,7 @@ NAMING = {"edit"}
 WORDS = {"text", "tip", "title", "short", "about", "hint", "label", "note"}
 """Arguments of any call that the user reads."""
 
-NOT_READ = {"opening", "preparing", "seeding"}
+NOT_READ = {"opening", "preparing", "restoring", "seeding"}
 """Literals that are names in code."""
 
 

@@ -77,7 +77,7 @@ def test_layers_are_switched_from_panel_menu_and_key_alike(window, hand) -> None
     box, action = window.panels["layers"].boxes["particles"], window.actions_by_name["layer_particles"]
     box.click()
     assert not action.isChecked()
-    hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.ControlModifier)
+    hand.key(Qt.Key.Key_1, Qt.KeyboardModifier.AltModifier)
     assert box.isChecked()
     assert action.isChecked()
 

@@ -123,7 +123,8 @@ def test_a_reset_and_other_parameters_begin_another_run(rested, hand) -> None:
 
 def test_a_run_of_another_mode_is_left_and_found_again(rested, hand) -> None:
     first = shown(rested)
-    hand.key(KEY.Key_3, Qt.KeyboardModifier.AltModifier)
+    hand.key(KEY.Key_F3, Qt.KeyboardModifier.ControlModifier)
+    assert rested.session.document.mode == "skeleton"
     run_to_the_end(rested, hand)
     assert rested.session.status.method == "skeleton"
     assert names(rested) == ["Run 1", "Run 2"]

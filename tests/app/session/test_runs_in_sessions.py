@@ -148,7 +148,7 @@ def test_a_run_that_was_reset_is_on_the_timeline_after_opening(ready, hand, tmp_
 
 
 def test_a_skeleton_is_there_again(ready, hand, tmp_path) -> None:
-    hand.key(KEY.Key_3, Qt.KeyboardModifier.AltModifier)
+    hand.key(KEY.Key_F3, Qt.KeyboardModifier.ControlModifier)
     run_to_the_end(ready, hand)
     length = ready.session.scene.skeleton.length
     reopened(ready, hand, saved(ready, hand, tmp_path / "a.cpm"))
@@ -224,8 +224,10 @@ def test_the_truth_comes_back(ready, hand, tmp_path) -> None:
 
 
 def test_the_mode_alone_is_no_work(window, hand) -> None:
-    for number in (KEY.Key_2, KEY.Key_3, KEY.Key_1, KEY.Key_2):
-        hand.key(number, Qt.KeyboardModifier.AltModifier)
+    modes = {KEY.Key_F2: "automatic", KEY.Key_F3: "skeleton", KEY.Key_F1: "shape"}
+    for key, mode in [*modes.items(), *modes.items()]:
+        hand.key(key, Qt.KeyboardModifier.ControlModifier)
+        assert window.session.document.mode == mode
         assert file_of(window).lost == ()
 
 

@@ -187,7 +187,7 @@ def test_an_unusable_session_is_reported_and_everything_stays(
     document_file(ready).save(saved_to)
     hand.wait(lambda: not document_file(ready).unsaved)
     document = ready.session.document
-    ready.canvas_area.messages.hide()
+    ready.canvas_area.messages.clear()
     spoil(saved_to)
     drop(ready, saved_to)
     hand.wait(lambda: said in ready.canvas_area.messages.text)
@@ -198,7 +198,7 @@ def test_an_unusable_session_is_reported_and_everything_stays(
 def test_an_image_that_has_changed_since_is_opened_with_a_warning(ready, hand, saved_to, image_file) -> None:
     document_file(ready).save(saved_to)
     hand.wait(lambda: not document_file(ready).unsaved and ready.session.idle)
-    ready.canvas_area.messages.hide()
+    ready.canvas_area.messages.clear()
     np.save(image_file, np.load(image_file).T[:, ::-1] + 1.0)
     drop(ready, saved_to)
     hand.wait(lambda: "has changed since" in ready.canvas_area.messages.text)

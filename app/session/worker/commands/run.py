@@ -89,6 +89,9 @@ class Command:
     activity: ClassVar[str] = "working"
     """What it does, as it stands after "while" in an error message."""
 
+    topic: ClassVar[str] = ""
+    """The kind of attempt that its error messages belong to; see `app.session.signals`."""
+
     @property
     def kind(self) -> object:
         """Only the newest posted command of a kind is executed; None where each one is."""
@@ -100,7 +103,7 @@ class Command:
 
     def failure_report(self, error: Exception) -> Report:
         """What is reported when the work fails."""
-        return CommandFailed(sentence(error, self.activity))
+        return CommandFailed(sentence(error, self.activity), self.topic)
 
 
 class RunCall(Command):
@@ -263,7 +266,7 @@ class Export(Deliver):
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has been written."""
-        return CommandFailed(sentence(error, f"writing {self.path.name}"))
+        return CommandFailed(sentence(error, f"writing {self.path.name}"), "exporting")
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,6 +284,7 @@ class Copy(Deliver):
     suffix: str = ""
 
     activity = "copying contours"
+    topic = "exporting"
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
         """Prepare the contours."""

@@ -57,6 +57,7 @@ class Discs(OverImage):
         self._own = (color,)
         self._colors: Sequence[str] = self._own
         self._diameter = diameter
+        self._shrunk = 1.0
         self.position: Array = np.empty((0, 2))
         self._marks: Marks | None = None
         self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)
@@ -71,6 +72,12 @@ class Discs(OverImage):
     def use_palette(self, colors: Sequence[str] = ()) -> None:
         """Set the palette, by default the own color; call `show` afterwards."""
         self._colors = tuple(colors) or self._own
+
+    def shrink(self, factor: float) -> None:
+        """Draw the discs smaller by a factor, 1 for their own size."""
+        if factor != self._shrunk:
+            self._shrunk = factor
+            self.update()
 
     def show(self, position: Array, color: Marks | None = None) -> None:
         """Show discs at (row, col), shape (N, 2); `color`, shape (N,), holds indices into the palette."""
@@ -113,7 +120,7 @@ class Discs(OverImage):
 
     def _stamp_for(self, ratio: float, zoom: float) -> QPixmap:
         """Pixmap of the discs of all colors, for `ratio` device pixels per point and an image enlarged by `zoom`."""
-        diameter = round(ratio * look().points * min(self._diameter, max(_SMALLEST, _SPAN * zoom)), 1)
+        diameter = round(ratio * self._shrunk * look().points * min(self._diameter, max(_SMALLEST, _SPAN * zoom)), 1)
         colors = tuple(look().color(color) for color in self._colors)
         if self._stamped != (diameter, ratio, colors):
             self._stamped = (diameter, ratio, colors)

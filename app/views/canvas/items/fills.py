@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.item import OverImage, cached
+from app.views.theme.look import look
 from cpm_core.numerics.types import Array
 
 _RIM = 4.0
@@ -25,7 +26,7 @@ class Fills(OverImage):
 
     def __init__(self, z: float) -> None:
         super().__init__(z, _RIM)
-        self._areas: list[tuple[QPainterPath, QColor]] = []
+        self._areas: list[tuple[QPainterPath, str, float]] = []
         self.setVisible(False)
         cached(self)
 
@@ -42,23 +43,23 @@ class Fills(OverImage):
     def show(self, areas: Sequence[Area]) -> None:
         """Show areas, in the order in which they lie over each other."""
         if areas or self._areas:
-            self._areas = [_painted(*area) for area in areas]
+            self._areas = [(_path(curves), color, opacity) for curves, color, opacity in areas]
             self.update()
             self.set_shown(self._shown)
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the areas."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        for path, color in self._areas:
-            painter.fillPath(path, color)
+        for path, color, opacity in self._areas:
+            tint = QColor(look().color(color))
+            tint.setAlphaF(opacity)
+            painter.fillPath(path, tint)
 
 
-def _painted(curves: Sequence[Array], color: str, opacity: float) -> tuple[QPainterPath, QColor]:
+def _path(curves: Sequence[Array]) -> QPainterPath:
     path = QPainterPath()
     for curve in curves:
         closed = np.concatenate([curve, curve[:1]])
         path.addPath(pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(closed))))
     path.setFillRule(Qt.FillRule.OddEvenFill)
-    tint = QColor(color)
-    tint.setAlphaF(opacity)
-    return path, tint
+    return path

@@ -21,6 +21,7 @@ from app.views.canvas.layers.image.levels import ImageForm
 from app.views.canvas.layers.image.scale_bar import ScaleBarLayer
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.layer_form import LayerForm
+from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.canvas.layers.particles.forces import ForceLayer
 from app.views.canvas.layers.particles.ghost import GhostLayer
 from app.views.canvas.layers.particles.particles import ParticleLayer
@@ -67,6 +68,12 @@ class Layers:
         """Draw a scene."""
         for layer in self:
             layer.draw(scene)
+
+    def legend(self) -> list[LegendEntry]:
+        """What is shown: what has been found first, then the particles."""
+        first = (self.contours, self["truth"], self["ghost"])
+        rest = [layer for layer in self if layer not in first]
+        return [entry for layer in (*first, *rest) if layer.shown for entry in layer.legend_entries()]
 
     def _of(self, kind: type[L]) -> L:
         layer = self._layers[kind.name]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar, Protocol
 
 import pyqtgraph as pg
@@ -11,6 +12,7 @@ from PySide6.QtWidgets import QGraphicsItem
 from app.session.scene import Scene
 from app.session.worker.commands.run import Command
 from app.views.canvas.items.item import OverImage
+from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.canvas.layers.options import Option, Value
 
 
@@ -95,6 +97,10 @@ class Layer(QObject):
 
     def follow(self, before: Scene) -> None:
         """Draw the parts of `scene` that differ from the scene before."""
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """What the legend says of it while it is shown."""
+        return ()
 
     def set_shown(self, shown: bool) -> None:
         """Show or hide the layer."""

@@ -7,6 +7,7 @@ import math
 from PySide6.QtCore import Qt
 
 from app.model.text.language import tr
+from app.session.signals import EDITING
 from app.views.canvas.tools.tool import ShapeTool, ToolContext
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import SMALLEST_RADIUS, Circle, Ellipse, Points, Shape
@@ -42,7 +43,7 @@ class DraggedTool(ShapeTool):
     def release(self) -> None:
         """Keep the shape."""
         if self._index is not None and self._drawn is None:
-            self._session.say(self.slip)
+            self._session.say(self.slip, topic=EDITING)
         self.used = True
         super().release()
 

@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt
 
 from app.model.text.language import tr
 from app.session.features.hand_editing import Way
+from app.session.signals import EDITING
 from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import polyline
@@ -182,7 +183,7 @@ class OutlineTool(Tool):
             return
         path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
         if closed and polyline.area(path) < _SMALLEST:
-            self._session.say(tr("That is too small for an outline. {advice}").format(advice=self.tip))
+            self._session.say(tr("That is too small for an outline. {advice}").format(advice=self.tip), topic=EDITING)
         elif closed:
             self._editing.add((outline(path[:-1]),))
         else:

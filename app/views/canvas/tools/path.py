@@ -10,6 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.model.text.language import tr
+from app.session.signals import EDITING
 from app.views.canvas.tools.tool import Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import polyline
@@ -192,7 +193,9 @@ class PathTool(Tool):
         path, kind = polyline.thinned(self._corners), self.kind
         self._forget()
         if kind.is_slip(path):
-            self._session.say(tr("That is too small for a {shape}. {advice}").format(shape=kind.title, advice=kind.tip))
+            self._session.say(
+                tr("That is too small for a {shape}. {advice}").format(shape=kind.title, advice=kind.tip), topic=EDITING
+            )
             return
         shape = kind.make(path)
         self._session.edit(

@@ -36,6 +36,7 @@ class ContoursFeature(Feature):
         self.name_field = NameField(canvas, tr("Name of the contour"))
         self._keys = _CanvasKeys(self)
         canvas.installEventFilter(self._keys)
+        self.panel.table.zoom_wanted.connect(context.canvas_area.zoom_to_selection)
         canvas.pointed.connect(lambda at: self._review.hover(None) if at is None else None)
         self._review.selection_changed.connect(context.refresh)
         self.panel.buttons["keep"].clicked.connect(lambda: self._review.judge("kept"))

@@ -12,7 +12,7 @@ from app.model.text.language import tr
 from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature
 
-_KEYS = {"shape": "Alt+1", "automatic": "Alt+2", "skeleton": "Alt+3"}
+_KEYS = {"shape": "Ctrl+F1", "automatic": "Ctrl+F2", "skeleton": "Ctrl+F3"}
 
 
 class ModesFeature(Feature):

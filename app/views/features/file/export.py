@@ -14,6 +14,7 @@ from app.model.export.order import ExportOrder, can_be_exported
 from app.model.state.situation import Situation, has_contours, has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Opened
+from app.session.signals import EXPORTING
 from app.session.worker.commands.run import Copied
 from app.views.export.dialog import ExportDialog
 from app.views.widgets.action_spec import ActionSpec
@@ -133,11 +134,11 @@ class ClipboardFeature(Feature):
 
     def _copy_view(self) -> None:
         QApplication.clipboard().setImage(self.context.canvas_area.canvas.grab().toImage())
-        self.context.session.say(tr("The view is on the clipboard."))
+        self.context.session.say(tr("The view is on the clipboard."), topic=EXPORTING)
 
     def _put_contours(self, report: Copied) -> None:
         data = QMimeData()
         data.setText(report.content.decode())  # most programs take text only
         data.setData(_MIME[report.suffix], report.content)
         QApplication.clipboard().setMimeData(data)
-        self.context.session.say(tr("The contours are on the clipboard."))
+        self.context.session.say(tr("The contours are on the clipboard."), topic=EXPORTING)

@@ -16,6 +16,7 @@ from app.model.state.situation import has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.features.import_points import PointsRead, read_points
+from app.session.signals import OPENING
 from app.session.storage.session_file import DocumentFile, Written
 from app.views.files.recent_files import RecentFiles
 from app.views.widgets.action_spec import ActionSpec, Submenu
@@ -69,7 +70,7 @@ class OpenSaveFeature(Feature):
 
         An image that `resumes` is opened with the session beside it.
         """
-        self.context.canvas_area.messages.hide()
+        self.context.canvas_area.messages.clear()
         documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
         for path in paths:
             if path.suffix.lower() == PRESET:
@@ -80,7 +81,7 @@ class OpenSaveFeature(Feature):
             self.context.session.open(documents[0], resumes=resumes)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
-                self.context.session.say(message.format(count=len(documents), name=documents[0].name))
+                self.context.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
 
     def take_dropped(self, urls: Sequence[QUrl]) -> None:
         """Open files that were dropped on the window."""
@@ -88,7 +89,7 @@ class OpenSaveFeature(Feature):
         self.take([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
         if elsewhere:
             message = tr("{place} is not a file on this computer. Save it first, then open it.")
-            self.context.session.say(message.format(place=elsewhere[0].toDisplayString()), True)
+            self.context.session.say(message.format(place=elsewhere[0].toDisplayString()), True, OPENING)
 
     def ask_for_file(self) -> None:
         """Ask for a file and open it."""
@@ -165,7 +166,9 @@ class OpenSaveFeature(Feature):
 
     def _draw(self, path: Path) -> None:
         if self.context.session.document.image is None:
-            self.context.session.say(tr("Open an image first. Then {name} can be drawn.").format(name=path.name), True)
+            self.context.session.say(
+                tr("Open an image first. Then {name} can be drawn.").format(name=path.name), True, OPENING
+            )
         else:
             read_points(self.context.session, path)
 

@@ -13,6 +13,7 @@ from PySide6.QtCore import QRectF
 from app.model.state.situation import has_particles
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
+from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
 from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.film.filming import Filming
@@ -86,10 +87,11 @@ class AnimationFeature(Feature):
     def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
         """Write an animation; None if it cannot be written, which is reported."""
         session = self.context.session
+        session.attempt(FILMING)
         try:
             check_animation(path)
         except ValueError as error:
-            session.say(str(error), True)
+            session.say(str(error), True, FILMING)
             return None
         frames: queue.Queue[Pixels | None] = queue.Queue()
         task = session.tasks.start(

@@ -12,6 +12,7 @@ from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.particles import ParticleLayer
+from app.views.canvas.selected_places import selected_places
 from app.views.panels.layer_list import LayersPanel
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import LAYER, STATE, ActionSpec
@@ -19,6 +20,9 @@ from app.views.window.feature import Feature, FeatureContext, Panel
 
 _KEY = "layers/{layer}"
 """Preference: the settings of a layer."""
+
+_LEGEND = "legend/folded"
+"""Preference: whether the legend is folded away."""
 
 
 class LayersFeature(Feature):
@@ -33,6 +37,16 @@ class LayersFeature(Feature):
         for layer in layers:
             layer.use_view_state(_kept(context.preferences, layer))
             layer.changed.connect(self._follow)
+        legend = context.canvas_area.strip.legend
+        legend.fold(bool(context.preferences.get(_LEGEND, False)))
+        legend.folded_changed.connect(self._fold_legend)
+        workspace = context.workspace
+        workspace.review.selection_changed.connect(context.refresh)
+        workspace.object_list.selection_changed.connect(context.refresh)
+
+    def _fold_legend(self, folded: bool) -> None:
+        self.context.preferences.put(_LEGEND, folded)
+        self.context.refresh()
 
     def _follow(self) -> None:
         """Refresh the menu, but only if something that it shows has changed."""
@@ -47,14 +61,25 @@ class LayersFeature(Feature):
         canvas = self.context.canvas_area.canvas
         zoom = (
             ActionSpec(name="fit", menu="View", text=tr("&Fit to window"), short=tr("Fit"), do=canvas.fit,
-                       shortcuts=("F",), tip=tr("Show the whole image."), icon="fit", when=has_image),
+                       shortcuts=("F", "Ctrl+0"), tip=tr("Show the whole image."), icon="fit", when=has_image),
+            ActionSpec(name="actual_size", menu="View", text=tr("&Actual size"), do=lambda: canvas.zoom_to(1.0),
+                       shortcuts=("Ctrl+1",), tip=tr("Show one pixel of the image on one pixel of the screen."),
+                       when=has_image),
+            ActionSpec(name="zoom_to_selection", menu="View", text=tr("Zoom to the &selection"),
+                       do=self.context.canvas_area.zoom_to_selection, shortcuts=("Z",),
+                       tip=tr("Show the selected contours, objects or shape as large as possible."),
+                       when=lambda situation: bool(selected_places(self.context.workspace))),
             ActionSpec(name="zoom_in", menu="View", text=tr("Zoom &in"), do=lambda: canvas.zoom(ZOOM),
                        shortcuts=("+", "=", "Ctrl++"), tip=tr("Zoom in.")),
             ActionSpec(name="zoom_out", menu="View", text=tr("Zoom &out"), do=lambda: canvas.zoom(1.0 / ZOOM),
                        shortcuts=("-", "Ctrl+-"), tip=tr("Zoom out.")),
         )  # fmt: skip
+        legend = self.context.canvas_area.strip.legend
+        unfold = ActionSpec(name="legend", menu="View", text=tr("Le&gend"), do=lambda: legend.fold(not legend.folded),
+                            shortcuts=("Alt+L",), tip=tr("Show or hide what the lines and dots mean."), group=STATE,
+                            gap=True, holds=lambda situation: not legend.folded)  # fmt: skip
         toggles = [_toggle(layer, index == 0) for index, layer in enumerate(canvas.layers)]
-        return (*zoom, *toggles, *_colorings(canvas.layers.particles))
+        return (*zoom, unfold, *toggles, *_colorings(canvas.layers.particles))
 
     def panels(self) -> Sequence[Panel]:
         """The layers."""
@@ -63,6 +88,7 @@ class LayersFeature(Feature):
     def use_theme(self, theme: Theme) -> None:
         """Show the colors of layers; the preferences may have changed them."""
         self._panel.show_colors()
+        self.context.canvas_area.strip.legend.update()
 
     def use_keys(self) -> None:
         """Name the keys of layers in their tooltips."""

@@ -7,7 +7,16 @@ from collections.abc import Iterable, Set
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QEvent, QItemSelection, QItemSelectionModel, QModelIndex, QPersistentModelIndex, QPoint, Qt
+from PySide6.QtCore import (
+    QEvent,
+    QItemSelection,
+    QItemSelectionModel,
+    QModelIndex,
+    QPersistentModelIndex,
+    QPoint,
+    Qt,
+    Signal,
+)
 from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QMenu, QStyledItemDelegate, QTableView, QWidget
 
@@ -73,8 +82,13 @@ class ItemTable(QTableView):
         self.setMinimumHeight(LEAST)
         self._lay_out()
         self.entered.connect(lambda index: self.hover(self._key(index)))
-        self.doubleClicked.connect(lambda index: self._edit_name(index.row()))
+        self.doubleClicked.connect(
+            lambda at: self._edit_name(at.row()) if at.column() == rows.name_column else self.zoom_wanted.emit()
+        )
         self.selectionModel().selectionChanged.connect(self._report_selection)
+
+    zoom_wanted = Signal()
+    """The selected items are to be shown as large as possible."""
 
     @abstractmethod
     def hover(self, key: int | None) -> None:
@@ -181,8 +195,6 @@ class ItemTable(QTableView):
         """Clear the highlight when the pointer leaves."""
         self.hover(None)
         super().leaveEvent(event)
-
-    # Internal
 
     def _lay_out(self) -> None:
         self.verticalHeader().hide()

@@ -78,7 +78,7 @@ class BranchForm(QWidget):
             self.compare.clear()
             for name, identity in choices:
                 self.compare.addItem(name, identity)
-        self.compare.setEnabled(bool(others))
+        self.compare.setEnabled(bool(branch and others))
         self.in_menu[1].setEnabled(bool(others))
         numbers = [identity for _, identity in choices]
         compared = self._navigation.comparison.branch

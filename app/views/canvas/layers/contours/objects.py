@@ -34,7 +34,7 @@ class ObjectLayer(Layer):
     name = "objects"
     title = tr("Objects")
     tip = tr("Objects that have been selected, and the one that is being selected.")
-    shortcut = "Ctrl+Shift+2"
+    shortcut = "Alt+5"
     colors = (theme.CLOSED, theme.CHOSEN)
     options = (
         Amount("fill", tr("Area"), 0.0, 1.0, 0.05, 0.25, tr("Opacity of the areas.")),

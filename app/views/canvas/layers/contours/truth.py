@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -12,6 +13,7 @@ from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.layers.layer import Layer, Requests
+from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.theme import theme
 
 
@@ -20,7 +22,7 @@ class TruthLayer(Layer):
 
     name = "truth"
     title = tr("Ground truth")
-    tip = tr("True boundaries; missing contours dashed, wrong contours broad.")
+    tip = tr("True boundaries; missing contours dashed, wrong contours wide.")
     colors = (theme.TRUTH, theme.MISSING, theme.WRONG)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -34,6 +36,15 @@ class TruthLayer(Layer):
     def counts(self) -> tuple[int, int, int]:
         """Numbers of boundaries, missing and wrong pieces shown."""
         return self._boundary.count, self._missing.count, self._wrong.count
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """Boundaries and differences."""
+        true, missing, wrong = self.counts
+        return (
+            LegendEntry(true, tr("true"), tr("Boundaries of the ground truth."), theme.TRUTH, "line", 1.6),
+            LegendEntry(missing, tr("missing"), tr("True boundaries without a contour."), theme.MISSING, "dashed", 3.4),
+            LegendEntry(wrong, tr("wrong"), tr("Contours away from true boundaries."), theme.WRONG, "line", 4.0),
+        )
 
     def follow(self, before: Scene) -> None:
         """Show another truth, or other differences."""

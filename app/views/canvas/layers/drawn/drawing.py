@@ -50,6 +50,9 @@ _Line = Circle | Ellipse | Polygon | Stroke
 _Area = Grid | Threshold
 """Starts that are shown as areas with their particles."""
 
+_Drafted = tuple[tuple[Position, ...], tuple[Position, ...], str, bool]
+"""Corners and path of a draft, its color, and whether it is closed."""
+
 
 class DrawingLayer(Layer):
     """Shapes of the document; starts are opaque before a run and faint behind one."""
@@ -57,7 +60,7 @@ class DrawingLayer(Layer):
     name = "drawing"
     title = tr("Drawing")
     tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
-    shortcut = "Ctrl+3"
+    shortcut = "Alt+6"
     colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -75,6 +78,8 @@ class DrawingLayer(Layer):
         self._limits = Limits(view)
         self._charges = Charges(view)
         self._draft = Draft(view)
+        self.drafted: _Drafted = ((), (), theme.DRAWING, False)
+        self.ringed: tuple[Position | None, float, str] = (None, 0.0, theme.DRAWING)
         self._image_starts: tuple[ImageStart, ...] = ()
         self._curves = (self._lines, self._areas, self._chosen)
         self._marks: tuple[QGraphicsItem, ...] = (
@@ -114,11 +119,20 @@ class DrawingLayer(Layer):
 
     def show_draft(self, corners: tuple[Position, ...], path: tuple[Position, ...], color: str, closed: bool) -> None:
         """Show the draft of a path."""
-        self._draft.show(corners, path, color, closed)
+        self.drafted = (corners, path, color, closed)
+        self._draft.show(*self.drafted)
 
     def show_ring(self, center: Position | None, radius: float, color: str) -> None:
         """Show the ring of a tool; None hides it."""
-        self._draft.show_ring(center, radius, color)
+        self.ringed = (center, radius, color)
+        self._draft.show_ring(*self.ringed)
+
+    def copy_draft(self, other: DrawingLayer) -> None:
+        """Show the same draft and ring on another canvas."""
+        if self.drafted != other.drafted:
+            other.show_draft(*self.drafted)
+        if self.ringed != other.ringed:
+            other.show_ring(*self.ringed)
 
     def _show(self, document: Document, selected: int | None, started: bool) -> None:
         chosen = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None

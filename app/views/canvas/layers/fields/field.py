@@ -38,7 +38,7 @@ class FieldLayer(Layer):
     name = "field"
     title = tr("Field")
     tip = tr("Direction in which edges pull.")
-    shortcut = "Ctrl+5"
+    shortcut = "Alt+9"
     initially = False
     colors = (theme.FIELD,)
     options = (

@@ -84,7 +84,7 @@ class EdgeMapLayer(ScalarOverlay):
     name = "edge_map"
     title = tr("Edge map")
     tip = tr("Strength of the edges that attract the particles.")
-    shortcut = "Ctrl+4"
+    shortcut = "Alt+7"
     colors = ("#f98c0a",)
     options = (
         _maps(
@@ -105,7 +105,7 @@ class PotentialLayer(ScalarOverlay):
     name = "potential"
     title = tr("Potential")
     tip = tr("Potential of the edges and of placed charges: particles slide down, from bright to dark.")
-    shortcut = "Ctrl+6"
+    shortcut = "Alt+8"
     colors = ("#7c7b78",)
     options = (
         _maps(

@@ -29,7 +29,7 @@ class ImageLayer(Layer):
     name = "image"
     title = tr("Image")
     tip = tr("The image itself.")
-    shortcut = "Ctrl+0"
+    shortcut = "Alt+0"
     options = (
         Choice("map", tr("Colors"), color_maps.MAPS, color_maps.GRAY, tr("Colors from dark to bright.")),
         Choice(

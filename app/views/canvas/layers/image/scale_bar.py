@@ -25,7 +25,7 @@ class ScaleBarLayer(Layer):
     name = "scale_bar"
     title = tr("Scale bar")
     tip = tr("A bar of round length, when the size of a pixel is known.")
-    shortcut = "Ctrl+9"
+    shortcut = "Alt+Shift+0"
     options = (
         Switch("pixels", tr("In px when the size of a pixel is not known"), False, tr("Show the bar for any image.")),
     )

@@ -52,7 +52,7 @@ class ForceLayer(Layer):
     name = "forces"
     title = tr("Forces under the pointer")
     tip = tr("Coulomb, Lorentz and damping force on the particle nearest to the pointer.")
-    shortcut = "Ctrl+8"
+    shortcut = "Alt+3"
     initially = False
     colors = (theme.COULOMB, theme.LORENTZ, theme.DAMPING)
     options = (Amount("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)

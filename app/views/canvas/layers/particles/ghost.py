@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pyqtgraph as pg
 
 from app.model.text.language import tr
@@ -9,6 +11,7 @@ from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
 from app.views.canvas.layers.layer import Layer, Requests
+from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.theme import theme
 from cpm_core.numerics.types import Array
 
@@ -42,6 +45,11 @@ class GhostLayer(Layer):
     def contours(self) -> int:
         """Number of contours shown."""
         return self._contours.count
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """Contours of the compared branch."""
+        tip = tr("Contours of the compared branch.")
+        return (LegendEntry(self.contours, tr("compared"), tip, theme.GHOST, "dashed"),)
 
     def follow(self, before: Scene) -> None:
         """Show the branch as it is at this step."""

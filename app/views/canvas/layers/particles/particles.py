@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -13,22 +14,33 @@ from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
 from app.views.canvas.layers.layer import Layer, Requests
+from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.canvas.layers.options import Choice
 from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN, ColorLegend
 from app.views.theme import color_maps, theme
 from cpm_core.numerics.types import Array
+
+_SMALL, _SAME, _HIDDEN = "small", "same", "hidden"
+_RECEDING, _PALE = 0.55, 0.4
+"""Factors of the diameter and of the opacity of particles after the end of a run."""
+
+_ABOVE, _BELOW = 6.0, 3.1
+"""Places in the stack of the moving particles: above the contours during a run, and below them after its end."""
 
 _STATE = "state"
 _COLORS = ("viridis", "cividis", "magma")
 
 
 class ParticleLayer(Layer):
-    """The particles, colored by state (moving or at rest) or by a quantity."""
+    """The particles, colored by state (moving or at rest) or by a quantity.
+
+    They lead during a run; after its end they recede behind what has been found.
+    """
 
     name = "particles"
     title = tr("Particles")
     tip = tr("Moving, and nearly at rest.")
-    shortcut = "Ctrl+1"
+    shortcut = "Alt+1"
     colors = (theme.MOVING, theme.RESTING)
     ways: ClassVar = {_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
     """Names and titles of what the color can show."""
@@ -41,13 +53,20 @@ class ParticleLayer(Layer):
             "viridis",
             tr("Colors from low to high."),
         ),
+        Choice(
+            "done",
+            tr("After a run"),
+            {_SMALL: tr("Small and pale"), _SAME: tr("As during the run"), _HIDDEN: tr("Hidden")},
+            _SMALL,
+            tr("How particles are shown when a run has ended."),
+        ),
     )
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
         # Contours lie above the particles at rest and below those that still move.
         self._resting = Discs(theme.RESTING, 7.0, 3.0)
-        self._moving = Discs(theme.MOVING, 6.0, 6.0)
+        self._moving = Discs(theme.MOVING, 6.0, _ABOVE)
         self.legend = ColorLegend(view)
         self.add(self._resting, self._moving)
         self.pin(self.legend)
@@ -62,17 +81,46 @@ class ParticleLayer(Layer):
         """Number of particles shown."""
         return self._resting.count + self._moving.count
 
+    @property
+    def receding(self) -> bool:
+        """Whether the run has ended, and the particles are shown less than during the run."""
+        return _ended(self.scene) and self.word("done") != _SAME
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """Particles by state during a run; those colored by a quantity have a legend on the canvas."""
+        if _ended(self.scene) or self.word("colour") != _STATE:
+            return ()
+        kinds = (
+            (self._moving, tr("moving"), tr("Particles that move."), theme.MOVING),
+            (self._resting, tr("at rest"), tr("Particles that hardly move."), theme.RESTING),
+        )
+        return [LegendEntry(discs.count, text, tip, color, "dot", 6.0) for discs, text, tip, color in kinds]
+
     def show_or_hide(self) -> None:
         """Show or hide the particles and the legend."""
         super().show_or_hide()
+        hidden = self.receding and self.word("done") == _HIDDEN
+        for discs in (self._resting, self._moving):
+            discs.set_shown(self.shown and not hidden)
         self._show_legend()
+
+    def fade(self) -> None:
+        """Set opacity, size and place in the stack."""
+        small = self.receding
+        for discs in (self._resting, self._moving):
+            discs.setOpacity(self.opacity * (_PALE if small else 1.0))
+            discs.shrink(_RECEDING if small else 1.0)
+        self._moving.setZValue(_BELOW if small else _ABOVE)
 
     def acts(self, name: str) -> bool:
         """Colors from low to high act only where a quantity is shown."""
         return name != "map" or self.word("colour") != _STATE
 
     def follow_choice(self, name: str) -> None:
-        """Change the colors."""
+        """Change the colors, or how the particles are shown after a run."""
+        if name == "done":
+            self._recede()
+            return
         palette = [] if self.word("colour") == _STATE else _palette(self.word("map"))
         for discs in (self._resting, self._moving):
             discs.use_palette(palette)
@@ -82,6 +130,8 @@ class ParticleLayer(Layer):
         """Show the newest particles."""
         if self.scene.snapshot is not before.snapshot:
             self._show()
+            if _ended(self.scene) != _ended(before):
+                self._recede()
 
     def _show(self) -> None:
         snapshot = self.scene.snapshot
@@ -100,8 +150,16 @@ class ParticleLayer(Layer):
             self.legend.show_range(quantity.title, shown.low, shown.high, self.word("map"), partly)
         self._show_legend()
 
+    def _recede(self) -> None:
+        self.fade()
+        self.show_or_hide()
+
     def _show_legend(self) -> None:
         self.legend.setVisible(self.shown and self.scene.snapshot is not None and self.word("colour") != _STATE)
+
+
+def _ended(scene: Scene) -> bool:
+    return scene.snapshot is not None and bool(scene.snapshot.state.stop_reason)
 
 
 def _palette(name: str) -> list[str]:

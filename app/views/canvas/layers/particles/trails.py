@@ -37,7 +37,7 @@ class TrailLayer(Layer):
     name = "trails"
     title = tr("Trails")
     tip = tr("The latest positions of each particle.")
-    shortcut = "Ctrl+7"
+    shortcut = "Alt+2"
     initially = False
     colors = (theme.TRAIL,)
     options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Number of moments that a trail shows.")),)

@@ -1,0 +1,72 @@
+"""Messages to the user: which one is shown, and when it no longer applies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """One message.
+
+    Attributes
+    ----------
+    text : str
+        One sentence or several.
+    error : bool
+        Whether it reports an error.
+    topic : str
+        The kind of attempt that it belongs to, such as ``"export"``; empty for none.
+    """
+
+    text: str
+    error: bool = False
+    topic: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Messages:
+    """All messages that still apply.
+
+    The newest is shown. News gives way to errors after a while; an error stays until it is dismissed, or until what it
+    belongs to is attempted again.
+
+    Attributes
+    ----------
+    errors : tuple of Message
+        Errors, the newest last, one for each topic.
+    news : Message or None
+        The last good news.
+    """
+
+    errors: tuple[Message, ...] = ()
+    news: Message | None = None
+
+    @property
+    def shown(self) -> Message | None:
+        """The message that is shown."""
+        return self.news or (self.errors[-1] if self.errors else None)
+
+    def said(self, message: Message) -> Messages:
+        """With another message, which replaces all news and errors of its topic; news of no topic replaces no error."""
+        replacing = message.error or message.topic
+        others = tuple(error for error in self.errors if not replacing or error.topic != message.topic)
+        return Messages((*others, message)) if message.error else Messages(others, message)
+
+    def without(self, *topics: str) -> Messages:
+        """Without the messages of some topics, which are attempted again."""
+        errors = tuple(error for error in self.errors if error.topic not in topics)
+        return Messages(errors, None if self.news is not None and self.news.topic in topics else self.news)
+
+    def only(self, topic: str) -> Messages:
+        """Without the messages of all other topics."""
+        kept = self.news if self.news is not None and self.news.topic == topic else None
+        return Messages(tuple(error for error in self.errors if error.topic == topic), kept)
+
+    def faded(self) -> Messages:
+        """Without the news."""
+        return replace(self, news=None)
+
+    def dismissed(self) -> Messages:
+        """Without the message that is shown."""
+        return self.faded() if self.news is not None else Messages(self.errors[:-1])

@@ -1,0 +1,53 @@
+"""A view that shows the image with the same layers as a canvas."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QWidget
+
+from app.session.scene import Scene
+from app.session.worker.commands.run import Command
+from app.views.canvas.image_view import ImageView
+from app.views.canvas.layers.layer import Layer
+
+
+class _NoRequests:
+    """Ignores requests: the layers of the canvas have already made them."""
+
+    def post(self, command: Command) -> None:
+        """Do nothing."""
+
+    def want_overlay(self, name: str, wanted: bool) -> None:
+        """Do nothing."""
+
+
+class Mirror(ImageView):
+    """Follows the settings of all layers of a canvas; the pointer goes through it."""
+
+    def __init__(self, canvas: ImageView, parent: QWidget) -> None:
+        super().__init__(_NoRequests())
+        self.setParent(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setMinimumSize(1, 1)
+        self.setFrameStyle(0)
+        self._canvas = canvas
+        self._fitted = False
+        for layer in canvas.layers:
+            layer.changed.connect(partial(self._copy, layer))
+
+    def draw(self, scene: Scene) -> None:
+        """Draw a scene, with the settings of the canvas where the image is another one."""
+        if scene.image is not self._scene.image:
+            super().draw(Scene(scene.image, scene.display, document=scene.document))
+            for layer in self._canvas.layers:
+                self._copy(layer)
+        super().draw(scene)
+
+    def fit(self) -> None:
+        """Do nothing: the place is that of the canvas."""
+
+    def _copy(self, layer: Layer) -> None:
+        self.layers[layer.name].use_view_state(layer.view_state())

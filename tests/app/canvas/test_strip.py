@@ -1,0 +1,125 @@
+"""The line below the image: messages, hints and the legend."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFrame, QLabel
+
+from app.model.document import edits
+from app.session.scene import Item, ReviewedContours
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.measurements import measure
+from cpm_core.contours.review import Mark, ReviewedContour
+from cpm_core.shapes import Circle
+
+KEY = Qt.Key
+LONG = "Something is wrong with this file, " * 12 + "so nothing was written."
+
+
+@pytest.fixture
+def rested(ready, hand):
+    """A window with a finished run."""
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: ready.session.scene.contours.result is not None and ready.session.idle)
+    ready.canvas_area.strip.legend.show_now()
+    return ready
+
+
+def test_a_message_neither_covers_nor_moves_the_image(ready) -> None:
+    area = ready.canvas_area
+    place, seen = area.canvas.geometry(), area.canvas.view.viewRect()
+    for text, error in (("By the way.", False), (LONG, True), ("", False)):
+        ready.session.say(text, error)
+        assert area.canvas.geometry() == place
+        assert area.canvas.view.viewRect() == seen
+        assert not area.canvas.geometry().intersects(area.strip.geometry())
+        assert area.strip.height() < 2 * area.fontMetrics().height()
+
+
+def test_a_long_message_has_one_line_and_details(ready, qtbot) -> None:
+    messages = ready.canvas_area.messages
+    ready.session.say("Short.", True)
+    assert not messages.details.isVisible()
+    ready.session.say(LONG, True)
+    qtbot.waitUntil(messages.details.isVisible)
+    qtbot.mouseClick(messages.details, Qt.MouseButton.LeftButton)
+    popups = [frame for frame in ready.findChildren(QFrame) if frame.windowType() == Qt.WindowType.Popup]
+    (popup,) = [frame for frame in popups if frame.isVisible()]
+    assert [label.text() for label in popup.findChildren(QLabel)] == [LONG]
+    popup.close()
+
+
+def test_what_a_run_lacked_is_forgotten_when_it_is_drawn(window, hand) -> None:
+    hand.key(KEY.Key_Space)
+    assert "draw a circle" in window.canvas_area.messages.text
+    hand.drag((32.0, 32.0), (32.0, 40.0), (32.0, 44.0))
+    assert window.canvas_area.messages.text == ""
+
+
+def test_a_success_after_an_error_is_announced_and_ends_it(ready, tmp_path, hand) -> None:
+    ready.session.edit("draw", lambda document: edits.add_shape(document, Circle((20.0, 20.0), 5.0)))
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: ready.session.idle)
+    ready.session.export(tmp_path / "a.nonsense")
+    hand.wait(lambda: ready.canvas_area.messages.error)
+    ready.session.export(tmp_path / "a.svg")
+    hand.wait(lambda: "a.svg" in ready.canvas_area.messages.text)
+    ready.canvas_area.messages.dismiss()
+    assert ready.canvas_area.messages.text == ""
+
+
+def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> None:
+    layers, legend = rested.canvas_area.canvas.layers, rested.canvas_area.strip.legend
+    closed, opened = layers.contours.counts
+    assert {entry.text: entry.count for entry in legend.entries} == {
+        text: count for text, count in (("closed", closed), ("open", opened)) if count
+    }
+    rested.workspace.review.select(item.key for item in rested.workspace.review.items)
+    rested.workspace.review.judge("rejected")
+    legend.show_now()
+    assert {entry.text for entry in legend.entries} == {"rejected"}
+    layers.contours.set_shown(False)
+    legend.show_now()
+    assert legend.entries == ()
+    assert legend.isHidden()
+
+
+def test_the_legend_drops_its_words_where_there_is_no_room_and_can_be_folded(rested, hand, qtbot) -> None:
+    legend = rested.canvas_area.strip.legend
+    whole = legend.sizeHint().width()
+    legend.fit(10)
+    qtbot.waitUntil(lambda: legend.sizeHint().width() < whole)
+    legend.fit(10_000)
+    qtbot.waitUntil(lambda: legend.sizeHint().width() == whole)
+    hand.key(KEY.Key_L, Qt.KeyboardModifier.AltModifier)
+    assert legend.folded
+    assert rested.preferences.get("legend/folded", False)
+    hand.key(KEY.Key_L, Qt.KeyboardModifier.AltModifier)
+    assert not legend.folded
+
+
+def test_particles_lead_during_a_run_and_recede_after_it(rested) -> None:
+    particles = rested.canvas_area.canvas.layers.particles
+    assert particles.receding
+    assert not rested.canvas_area.canvas.layers.contours.marks_junctions
+    particles.choose("done", "same")
+    assert not particles.receding
+    rested.session.reset()
+    assert not particles.receding
+
+
+def test_short_open_contours_recede_and_kept_ones_do_not(rested) -> None:
+    layer, session = rested.canvas_area.canvas.layers.contours, rested.session
+    half = rested.workspace.review.items[0].contour.points[:3]
+    contour = Contour(half, False)
+    (row,) = measure((contour,), (1.0, 1.0), contrast=False)
+    for mark, short in ((None, 1), (Mark((1.0, 1.0), "kept"), 0)):
+        items = (Item(1, ReviewedContour(contour, mark, 0), row),)
+        shown = ReviewedContours(items, None, session.scene.contours.result)
+        rested.canvas_area.canvas.draw(replace(session.scene, contours=shown))
+        assert layer.short == short
