@@ -32,7 +32,7 @@ _WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
     {
         ".svg": ("contours as a vector drawing", svg.encode),
         ".csv": ("contours as a table of vertices", contour_csv.encode),
-        ".measures.csv": ("a table with one row a contour", contour_csv.encode_measures),
+        ".measures.csv": ("a table with one row per contour", contour_csv.encode_measures),
         ".json": ("everything: contours, their measures, bridges, and the outcome of the run", contour_json.encode),
         ".geojson": ("contours as annotations for QuPath", geojson.encode),
         ".zip": ("contours as a set of selections of ImageJ and Fiji", imagej.encode_set),
@@ -72,7 +72,7 @@ WRITABLE: dict[str, str] = {suffix: text for suffix, (text, _) in _WRITERS.items
 FOR_SKELETONS: dict[str, str] = {
     ".svg": "branches as a vector drawing, with their thickness",
     ".csv": "branches as a table of vertices, with their radii",
-    ".measures.csv": "a table with one row a branch",
+    ".measures.csv": "a table with one row per branch",
     ".json": "everything: branches and their radii",
     ".geojson": "branches as annotations for QuPath",
     ".zip": "branches as a set of selections of ImageJ and Fiji",

@@ -57,7 +57,7 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
             tr("Start everywhere and find all objects; nothing has to be drawn."),
             "automatic",
             "cpm",
-            tr("Press Space to let the particles go from everywhere."),
+            tr("Press Space to run; particles start everywhere."),
         ),
         "skeleton": ModeInfo(
             tr("S&keleton"),

@@ -37,8 +37,8 @@ _KNOWN = (
     Format(".coco.json", tr("COCO"), _ANNOTATIONS),
     Format(".zip", tr("ImageJ, all selections"), _ANNOTATIONS),
     Format(".roi", tr("ImageJ, one selection"), _ANNOTATIONS),
-    Format(".measures.csv", tr("CSV, one row a contour"), _TABLES),
-    Format(".csv", tr("CSV, one row a vertex"), _TABLES),
+    Format(".measures.csv", tr("CSV, one row per contour"), _TABLES),
+    Format(".csv", tr("CSV, one row per vertex"), _TABLES),
     Format(".json", tr("JSON with everything"), _TABLES),
 )
 

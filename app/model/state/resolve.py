@@ -127,7 +127,7 @@ def _hint(situation: Situation) -> str:
         return tr("Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G).")
     if shape is not None:
         return _what_can_be_done_to(shape)
-    return MODES[document.mode].hint or tr("Press Space to let the particles go.")
+    return MODES[document.mode].hint or tr("Press Space to run.")
 
 
 def _hint_on_run(status: RunStatus) -> str:
@@ -143,7 +143,7 @@ def _hint_on_run(status: RunStatus) -> str:
 def _what_can_be_done_to(shape: Shape) -> str:
     name = describe(shape)
     if isinstance(shape, Everywhere):
-        return tr("Press Space to let the particles go; Delete takes back the {shape}.").format(shape=name)
+        return tr("Press Space to run; Delete removes the {shape}.").format(shape=name)
     message = {
         Grid: tr("Arrow keys or the select tool (S) move the {shape}, < and > change its spacing; Delete removes it."),
         Threshold: tr(

@@ -29,7 +29,7 @@ KeyTable = Sequence[tuple[tuple[str, ...], str]]
 """Rows of equivalent keys and their effect."""
 
 _POINTER: KeyTable = (
-    ((tr("left"),), tr("present tool")),
+    ((tr("left"),), tr("current tool")),
     ((tr("right"),), tr("menu of what lies there")),
     ((tr("right drag, middle drag"),), tr("move the image")),
     ((tr("wheel"),), tr("zoom")),

@@ -38,7 +38,7 @@ _FIRST = Page(
        "each other along the edges and into every bay until they come to rest. You can watch and steer the run."),
     (
         Step(tr("<b>Open</b> an image: {open}, or drop a file on the window.")),
-        Step(tr("<b>Draw</b> an initialization: drag a circle in or around an object, draw a stroke, or place points. "
+        Step(tr("<b>Draw</b> a start: drag a circle in or around an object, draw a stroke, or place points. "
                 "Or choose {mode_automatic}, which needs no drawing.")),
         Step(tr("<b>Run</b>: {run}. Particles are yellow while they move and green at rest; closed contours are blue, "
                 "open contours are orange.")),
@@ -59,7 +59,7 @@ _ARTERY = Page(
     tr("An angiogram shows an artery with its branches. One part is narrower than the rest. How narrow is it?"),
     (
         Step(tr("<a href='sample:artery.png'>Open the artery</a>. A short stroke along the vessel is the "
-                "initialization: the particles start there."), "artery_start.jpg"),
+                "start: the particles begin there."), "artery_start.jpg"),
         Step(tr("{run}. The particles move along both walls and into every branch."), "artery_midway.jpg"),
         Step(tr("At rest the walls are found. Their contours are orange (open), because the vessel leaves the image."),
              "artery_end.jpg"),
@@ -101,7 +101,7 @@ _HAND = Page(
     tr("A hand"),
     tr("A radiograph of a hand. The outline of the hand is one shape with five long bays, and the bones lie inside."),
     (
-        Step(tr("<a href='sample:hand.png'>Open the hand</a>. The initialization is one circle in the palm."),
+        Step(tr("<a href='sample:hand.png'>Open the hand</a>. The start is one circle in the palm."),
              "hand_start.jpg"),
         Step(tr("{run}. Some particles find the outline and move up every finger; others stay at the bones."),
              "hand_midway.jpg"),
@@ -120,18 +120,22 @@ _HAND = Page(
 _CANVAS = Page(
     "canvas",
     tr("On the canvas"),
-    tr("Left button: the present tool. Middle or right button: drag to move the image; a right "
+    tr("Left button: the current tool. Middle or right button: drag to move the image; a right "
        "click opens a menu of what lies there. Wheel: zoom at the pointer."),
     (),
     (
+        tr("{fit} shows the whole image, {actual_size} one pixel of it on one pixel of the screen, {zoom_to_selection} "
+           "what is selected. {magnifier} shows what is under the pointer four times as large."),
+        tr("The line below the image says what to do next, and shows messages. The legend beside it explains the lines "
+           "and dots on the image."),
         tr("Arrow keys move the selected shape by 1 px, with Shift by 10 px; &lt; and &gt; make a selected circle "
            "smaller and larger."),
         tr("Strokes, regions of interest and barriers are drawn freehand by dragging, or corner by corner by clicking. "
            "Enter or a double-click ends the path, Backspace removes the last corner, Esc cancels."),
         tr("Particles stay inside a region of interest and do not cross a barrier."),
-        tr("Shapes that are drawn during a run act at once: new initializations add their particles; regions of "
-           "interest, barriers and placed charges act at the next step, and a run at rest goes on. An initialization "
-           "that is moved or removed acts from the next start."),
+        tr("Shapes that are drawn during a run act at once: new starts add their particles; regions of interest, "
+           "barriers and placed charges act at the next step, and a run at rest goes on. A start that is moved or "
+           "removed acts from the next run."),
         tr("Changed parameters act at once; a run at rest goes on with them after Resume."),
         tr("Enter on the image shows a cross-hair, which arrow keys move: every tool can be used by keys."),
         tr("The keyboard belongs to the image: Enter or Esc in a field gives it back, Space runs and letters choose "
@@ -156,12 +160,18 @@ _FURTHER = Page(
            "shows the forces on a particle."),
         tr("<b>Review.</b> {contour_table} lists the contours; {reject} excludes contours from exports, {keep} keeps "
            "them through all sliders and runs, {learn} sorts the others like them. The contour tool selects several by "
-           "a frame or a stroke. {load_truth} measures the agreement with a reference, and shows the differences."),
+           "a frame or a stroke. {load_truth} measures the agreement with a ground truth, and shows the "
+           "differences."),
         tr("<b>Mend by hand.</b> {edit_contours}: drag an end of a contour to another end to join them along the edge, "
            "drag a stretch to where it belongs, Alt-click to cut. {close_contours} closes the selected contours. "
            "{outline} draws a contour that follows the edges from click to click. All of this stays through further "
            "runs."),
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
+        tr("<b>Compare.</b> {wipe} shows two branches, or a result and the ground truth, on both sides of a divider "
+           "that you can drag. {keep_result} keeps a result to compare later ones with it."),
+        tr("<b>Next image.</b> {next_image} opens the next image of the folder, with the session beside it; {start} "
+           "shows recent work. Each image begins with fresh parameters; {former_parameters} takes those of the last "
+           "one."),
         tr("<b>Save.</b> {save} stores all that you see in one file, also the runs and their branches. It runs without "
            "a window, too: "
            "<code>cpm run --session FILE</code> for one image, <code>cpm batch</code> for many."),

@@ -29,7 +29,7 @@ class PresetFiles(QObject):
         super().__init__(context.window)
         self._context = context
         self.store = store
-        self.save = self._make(tr("&Save as…"), self._save, tr("Save the present parameters under a name."))
+        self.save = self._make(tr("&Save as…"), self._save, tr("Save the current parameters under a name."))
         self.rename = self._make(tr("&Rename…"), self._rename, tr("Rename one of your presets."))
         self.delete = self._make(tr("&Delete…"), self._delete, tr("Delete one of your presets."))
         self.import_action = self._make(tr("&Import…"), self._import, tr("Import a preset from a file."))

@@ -128,6 +128,6 @@ def test_an_export_names_the_objects_and_tells_what_was_bridged(document) -> Non
     text = encoded(result, ".geojson").decode()
     assert "nucleus 2" in text
     assert "ridged" in text
-    assert "Area mm^2" in text
+    assert "Net area mm^2" in text
     hidden = objects.hide(document, (1, 2), True)
     assert objects.objects_result(hidden) is None

@@ -50,10 +50,11 @@ class ObjectsFeature(Feature):
                           tip=tr("Make an object of what is offered; Enter does the same on the image."), gap=True,
                           when=lambda situation: bool(self._selection.proposals))  # fmt: skip
         change = ActionSpec(name="change_object", menu="Objects", text=tr("&Change by clicks"), do=self._change,
-                            tip=tr("Select the object anew, beginning with what it is."), when=self._one)  # fmt: skip
+                            tip=tr("Select the object again, beginning with what it is."), when=self._one)  # fmt: skip
         fit = ActionSpec(name="fit_objects", menu="Objects", text=tr("F&it to the contours"),
                          do=lambda: self.context.workspace.object_fitting.fit(self._list.chosen),
-                         tip=tr("Select the chosen objects anew by their own clicks, on the contours of the last run."),
+                         tip=tr("Select the chosen objects again by their own clicks, on the contours of the last "
+                                "run."),
                          when=self._any_chosen)  # fmt: skip
         alike = ActionSpec(name="objects_alike", menu="Objects", text=tr("All &like this"),
                            do=lambda: self.context.workspace.object_fitting.find_like(self._list.items[0].number),

@@ -35,7 +35,7 @@ class TruthFeature(Feature):
         return (
             ActionSpec(name="load_truth", menu="Contours", text=tr("Compare with ground &truth…"), do=self._load,
                        shortcuts=("Ctrl+Shift+T",),
-                       tip=tr("Load a reference mask or reference contours and measure the agreement."),
+                       tip=tr("Load a mask or contours as ground truth, and measure the agreement."),
                        gap=True, when=has_image),
             ActionSpec(name="worst_place", menu="Contours", text=tr("Sho&w largest difference"),
                        do=self.panel.jump_to_worst,

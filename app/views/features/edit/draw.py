@@ -60,7 +60,7 @@ class DrawFeature(Feature):
             menu="Draw",
             text=tr("Draw by &keys"),
             do=self.context.canvas_area.crosshair.toggle,
-            tip=tr("Draw with the present tool by a cross-hair that arrow keys move; or press Enter on the image."),
+            tip=tr("Draw with the current tool by a cross-hair that arrow keys move; or press Enter on the image."),
             when=has_image,
         )
         return middle, keyed

@@ -31,7 +31,7 @@ class UndoSelectionFeature(Feature):
                        shortcuts=("N",), tip=tr("Select the next shape."), gap=True, when=has_shapes),
             ActionSpec(name="escape", menu="Edit", text=tr("Cance&l"), do=self.context.canvas_area.escape,
                        shortcuts=("Escape",),
-                       tip=tr("Cancel the present drawing, or clear the selection and hide messages.")),
+                       tip=tr("Cancel the current drawing, or clear the selection and hide messages.")),
             ActionSpec(name="delete", menu="Edit", text=tr("&Delete"), do=session.delete_selected,
                        shortcuts=("Delete", "Backspace"), tip=tr("Remove the selected shape."), gap=True,
                        when=has_selection),

@@ -56,7 +56,7 @@ class RunControlFeature(Feature):
                        tip=tr("Take a single step."), icon="step", when=can_step),
             ActionSpec(name="reset", menu="Run", text=tr("&Reset"), short=tr("Reset"), do=session.reset,
                        shortcuts=("R",), icon="reset",
-                       tip=tr("Go back to the initialization; the run stays on the timeline."), when=is_started),
+                       tip=tr("Go back to the start; the run stays on the timeline."), when=is_started),
             ActionSpec(name="faster", menu="Run", text=tr("&Faster"), do=self.speed.faster, shortcuts=("]",),
                        tip=tr("Allow more steps per second."), gap=True),
             ActionSpec(name="slower", menu="Run", text=tr("S&lower"), do=self.speed.slower, shortcuts=("[",),

@@ -13,8 +13,8 @@ VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
 LEFT_OUT = tr("✗ as learned")
 """Verdict that is shown for a contour that resembles rejected ones."""
 REACHED: Mapping[Reached, str] = {
-    "flight": tr("on flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
-    "launched": tr("launched"), "": "–",
+    "flight": tr("in free flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
+    "launched": tr("inserted elsewhere"), "": "–",
 }  # fmt: skip
 """Words for the ways in which particles come to a contour, the nearest first."""
 
@@ -60,7 +60,7 @@ COLUMNS: tuple[Column[Item], ...] = (
     Column("length", tr("Length [{unit}]"), tr("Length along the contour."),
            lambda i: number_text(i.measures.length_in_units), lambda i: i.measures.length_in_units, "000,000",
            power=1),
-    Column("area", tr("Area [{unit}²]"), tr("Enclosed area, including the area of contours inside."),
+    Column("area", tr("Area [{unit}²]"), tr("Gross area: all that it encloses, including contours inside."),
            lambda i: number_text(i.measures.area_in_units) if i.contour.closed else "–",
            lambda i: i.measures.area_in_units, "00,000,000", power=2),
     Column("likely", tr("Likely"), tr("Probability that it counts, as learned from kept and rejected contours."),
@@ -75,7 +75,7 @@ COLUMNS: tuple[Column[Item], ...] = (
            _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
     Column("by_hand", tr("By hand [{unit}]"), tr("Length that was drawn by hand."),
            lambda i: number_text(_by_hand(i)) if i.contour.by_hand else "–", _by_hand, "000.0", power=1),
-    Column("reached", tr("Reached"), tr("How particles came to it: on free flight from the start, beyond a weak edge, "
+    Column("reached", tr("Reached"), tr("How particles came to it: in free flight from the start, beyond a weak edge, "
            "along edges over a junction, or by being inserted elsewhere."), lambda i: REACHED[i.contour.reached],
            lambda i: float(list(REACHED).index(i.contour.reached)), "beyond a weak edge", False),
 )  # fmt: skip

@@ -55,7 +55,7 @@ OBJECT_COLUMNS: tuple[Column[Row], ...] = (
            lambda r: r.item.bridged(r.spacing), "0,000"),
     Column("confidence", tr("Confidence"), tr("How sure the boundary is, from 0 to 1."),
            lambda r: f"{r.item.confidence:.2f}", lambda r: r.item.confidence, "0.00"),
-    Column("state", tr("State"), tr("Frozen objects hold particles back and are not found anew."),
+    Column("state", tr("State"), tr("Frozen objects hold particles back and are not found again."),
            lambda r: r.state or "–", lambda r: r.state, "frozen", False),
 )  # fmt: skip
 """All columns in the order shown."""

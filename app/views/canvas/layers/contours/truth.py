@@ -22,7 +22,7 @@ class TruthLayer(Layer):
 
     name = "truth"
     title = tr("Ground truth")
-    tip = tr("True boundaries; missing contours dashed, wrong contours broad.")
+    tip = tr("True boundaries; missing contours dashed, wrong contours wide.")
     colors = (theme.TRUTH, theme.MISSING, theme.WRONG)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
