@@ -183,17 +183,8 @@ class ObjectSelection(QObject):
 
     @property
     def _starts(self) -> tuple[Array, ...]:
-        """Seeds of the starts drawn on the image, once the run from them has ended; none when they were dismissed.
-
-        On a large image there are none either: objects are found only for who uses the tool for them.
-        """
-        result, document = self._result, self._session.document
-        ended = result is not None and bool(result.stop_reason) and result is not self._dismissed
-        if not ended or document.mode != "shape":
-            return ()
-        if result is not None and math.prod(result.shape) > MOST_OFFERED and not self._in_use:
-            return ()
-        return tuple(start.seeds() for start in document.starts if not isinstance(start, Everywhere | ImageStart))
+        """Seeds of the starts drawn on the image whose objects are offered; none when they were dismissed."""
+        return seeds_of_starts(self._session.document, self._result, self._in_use, self._dismissed)
 
     @property
     def _wanted(self) -> bool:
@@ -270,6 +261,19 @@ class ObjectSelection(QObject):
     def _forget(self) -> None:
         self._latest.forget()
         self._selector = self._asked = self._pointed = self._dismissed = None
+
+
+def seeds_of_starts(
+    document: Document, result: Result | None, in_use: bool, dismissed: Result | None
+) -> tuple[Array, ...]:
+    """Seeds of the starts drawn on the image, once the run from them has ended with a result, unless it was dismissed.
+
+    On a large image there are none, unless the tool for objects is in use.
+    """
+    ended = result is not None and result is not dismissed and bool(result.stop_reason) and document.mode == "shape"
+    if result is None or not ended or (math.prod(result.shape) > MOST_OFFERED and not in_use):
+        return ()
+    return tuple(start.seeds() for start in document.starts if not isinstance(start, Everywhere | ImageStart))
 
 
 def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:
