@@ -13,6 +13,7 @@ from pathlib import Path
 
 from cpm_core.formats import WRITABLE
 from cpm_core.parameters import PARAMETERS
+from cpm_core.parameters.choices import CHOICES
 from cpm_core.shapes import SHAPES
 
 HERE = Path(__file__).parent
@@ -39,6 +40,9 @@ def in_core() -> Iterator[tuple[str, str]]:
     """Sentences of the core and of the samples that the window shows."""
     for name, info in PARAMETERS.items():
         for said in (info.title, info.meaning, info.more, info.equation, info.unit):
+            yield said, f"parameter {name}"
+    for name, choice in CHOICES.items():
+        for said in (choice.title, choice.meaning, *choice.choices.values()):
             yield said, f"parameter {name}"
     for name, kind in SHAPES.items():
         if isinstance(kind.title, str):
