@@ -8,6 +8,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 from cpm_core.formats import READABLE, WRITABLE, check_export
+from cpm_core.formats.images.decoded import LUMINANCE_NOTE
 from cpm_core.formats.sessions.session_file import SUFFIX
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
@@ -102,6 +103,17 @@ def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, tuple[s
     if parameters.scales <= most:
         return parameters, ()
     return replace(parameters, scales=most), (f"The image is small: scales is set to {most}.",)
+
+
+def notes_on(image: Image, parameters: Parameters) -> tuple[str, ...]:
+    """What was changed between the file of an image and the gray levels that a run with these parameters takes."""
+    wanted = parameters.channel
+    if wanted == "luminance":
+        return image.notes
+    if image.colors is None:
+        return (*image.notes, f"The image is gray: it has no channel {wanted}.")
+    taken = f"The channel {wanted} of its colors was taken."
+    return tuple(taken if note == LUMINANCE_NOTE else note for note in image.notes)
 
 
 def check_exports(paths: Sequence[str], image: str, session: str | None = None) -> None:

@@ -50,7 +50,7 @@ def choose(result: Result, image: Image, arguments: argparse.Namespace) -> tuple
     )
     if not chosen.mask.any():
         raise ValueError(f"There is no object at {', '.join(arguments.object)}: name another place inside one.")
-    return chosen, objects_result([chosen], image)
+    return chosen, objects_result([chosen], image, channel=result.channel)
 
 
 def facts_of_object(chosen: Selection) -> dict[str, object]:

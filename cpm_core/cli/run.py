@@ -22,6 +22,7 @@ from cpm_core.cli.arguments import (
     as_number,
     as_steps,
     check_exports,
+    notes_on,
     parameters_of,
     with_room,
 )
@@ -98,7 +99,8 @@ def _run(arguments: argparse.Namespace) -> None:
     small: tuple[str, ...] = ()
     if arguments.scales is None:
         parameters, small = with_room(parameters, image)
-    for note in (*session.notes, *notes, *(f"{image.source}: {note}" for note in (*image.notes, *small))):
+    of_image = (f"{image.source}: {note}" for note in (*notes_on(image, parameters), *small))
+    for note in (*session.notes, *notes, *of_image):
         print(f"cpm: {note}", file=sys.stderr)
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
@@ -120,10 +122,9 @@ def _run(arguments: argparse.Namespace) -> None:
     whole = with_kept(edited, session.marks) if own else edited
     result = apply(whole, session.marks, learning=session.learning, found=edited.contours)
     if arguments.close is not None:
-        edges = edge_map(image.values, parameters.smoothing) if arguments.close == "edges" else None
+        edges = edge_map(image.gray(parameters.channel), parameters.smoothing) if arguments.close == "edges" else None
         result = close_contours(result, edges)
-    chosen = None
-    shown = result
+    chosen, shown = None, result
     if arguments.object:
         chosen, shown = choose(result, image, arguments)
     seconds = time.perf_counter() - started
@@ -152,11 +153,12 @@ def _seeds(
     drawn: list[NDArray[np.float64]],
 ) -> NDArray[np.float64]:
     """All seeds on an image: those drawn, those of the session, and those that are placed by themselves."""
-    seeds = [seeds_on(image, session.shapes, parameters.smoothing), *drawn]
+    seen = parameters.smoothing, parameters.channel
+    seeds = [seeds_on(image, session.shapes, *seen), *drawn]
     if arguments.auto:
-        seeds.append(seeds_on(image, (Everywhere(arguments.auto),), parameters.smoothing))
+        seeds.append(seeds_on(image, (Everywhere(arguments.auto),), *seen))
     elif arguments.object and not any(map(len, seeds)):
-        seeds.append(seeds_on(image, (Everywhere("grid"),), parameters.smoothing))
+        seeds.append(seeds_on(image, (Everywhere("grid"),), *seen))
     return np.concatenate(seeds)
 
 

@@ -14,6 +14,7 @@ from cpm_core.cli.arguments import (
     add_json,
     add_parameters,
     check_exports,
+    notes_on,
     parameters_of,
 )
 from cpm_core.cli.terminal import counted, written
@@ -34,6 +35,7 @@ _PARAMETERS = (
     "min_strength",
     "min_length",
     "edges",
+    "channel",
 )
 _OF = ("auto", "dark", "light")
 
@@ -68,7 +70,7 @@ def _skeleton(arguments: argparse.Namespace) -> None:
     parameters = parameters_of(arguments, PRESETS[_PRESET])
     check_exports(arguments.export, arguments.image)
     image = load_image(arguments.image)
-    for note in image.notes:
+    for note in notes_on(image, parameters):
         print(f"cpm: {image.source}: {note}", file=sys.stderr)
     mask = None if arguments.within is None else load_image(arguments.within).values > 0.0
     started = time.perf_counter()

@@ -48,6 +48,8 @@ class Result:
         The image in which the contours were found; None for contours that were not found in one.
     regions : Regions or None
         Regions of interest and barriers of the run.
+    channel : str
+        Channel of a color image in which the contours were found, one of `Parameters.channel`.
     """
 
     particles: NDArray[np.float64]
@@ -63,6 +65,7 @@ class Result:
     bridges: tuple[Bridge, ...] = ()
     image: Image | None = field(default=None, repr=False)
     regions: Regions | None = None
+    channel: str = "luminance"
 
 
 def remaining(result: Result, stays: Sequence[bool]) -> Result:

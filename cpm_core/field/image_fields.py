@@ -51,7 +51,7 @@ class ImageFields:
         self.regions = regions
         if regions is not None:
             regions.check(array.shape)
-        self._scale_space = ScaleSpace(array, parameters.scales, regions)
+        self._scale_space = ScaleSpace(array, parameters.scales, regions, self.image.colors)
         self._scale_space.prepare(parameters)
         self._charged = PlacedChargeCache(array.shape)
         self._latest = parameters

@@ -14,14 +14,15 @@ from threading import Lock
 from cpm_core.field.scale_field import LARGE, ScaleField, build_scale_field
 from cpm_core.field.source_images import SourceImages
 from cpm_core.image.barriers import NO_BARRIERS, BarrierMap, build_barrier_map
+from cpm_core.image.colors import Colors
 from cpm_core.image.regions import Line, Regions
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
-_Key = tuple[int, str, float | str, float | str, float, float]
+_Key = tuple[int, str, str, float | str, float | str, float, float]
 
-_SOURCE = 4
+_SOURCE = 5
 """Entries of a key that say where and what the edges are taken from."""
 
 _KEPT_SETTINGS = 2
@@ -31,13 +32,14 @@ _KEPT_SETTINGS = 2
 class ScaleSpace:
     r"""Scale fields of an image, shape (\*shape), for any parameters; threads may share it.
 
-    `scales` is the number of scales; `regions` holds regions of interest and barriers in px of the image.
+    `scales` is the number of scales; `regions` holds regions of interest and barriers in px of the image;
+    `colors` those of a color image, whose luminance `image` is.
     """
 
-    def __init__(self, image: Array, scales: int, regions: Regions | None = None) -> None:
+    def __init__(self, image: Array, scales: int, regions: Regions | None = None, colors: Colors | None = None) -> None:
         self._image = image
         self._regions = regions
-        self._sources = SourceImages(image, scales)
+        self._sources = SourceImages(image, scales, colors)
         self._kept: OrderedDict[_Key, ScaleField] = OrderedDict()
         self._former: OrderedDict[_Key, ScaleField] = OrderedDict()
         self._lock = Lock()
@@ -123,5 +125,5 @@ def _interest(regions: Regions | None) -> tuple[Line, ...]:
 
 def _key(scale: int, parameters: Parameters) -> _Key:
     """What a scale field depends on."""
-    own = parameters.edges, parameters.gamma, parameters.smoothing
+    own = parameters.channel, parameters.edges, parameters.gamma, parameters.smoothing
     return scale, *own, parameters.edge_floor, parameters.max_border

@@ -11,6 +11,7 @@ from threading import RLock
 from typing import NamedTuple
 
 from cpm_core.field.edge_map import automatic_smoothing, prepared
+from cpm_core.image.colors import Colors, gray_levels
 from cpm_core.image.denoising import Cleaned
 from cpm_core.image.pyramid import pyramid
 from cpm_core.image.tone import toned
@@ -50,11 +51,15 @@ class _Images:
 
 
 class SourceImages:
-    r"""The images of an image of shape (\*shape) at `scales` scales, for any parameters; threads may share it."""
+    r"""The images of an image of shape (\*shape) at `scales` scales, for any parameters; threads may share it.
 
-    def __init__(self, image: Array, scales: int) -> None:
+    `image` is its luminance where it has `colors`, whose channels are taken if asked.
+    """
+
+    def __init__(self, image: Array, scales: int, colors: Colors | None = None) -> None:
         self._original = _Images(pyramid(image, scales))
-        self._kept: OrderedDict[tuple[str, float | str], _Images] = OrderedDict()
+        self._colors = colors
+        self._kept: OrderedDict[tuple[str, str, float | str], _Images] = OrderedDict()
         self._lock = RLock()
 
     def __len__(self) -> int:
@@ -65,7 +70,7 @@ class SourceImages:
         return self._original.images[scale].shape
 
     def at(self, scale: int, parameters: Parameters) -> Source:
-        """Source of a scale, for `edges`, `gamma` and `smoothing`."""
+        """Source of a scale, for `channel`, `edges`, `gamma` and `smoothing`."""
         with self._lock:
             made = self._of(parameters)
             if parameters.smoothing != "auto":
@@ -74,18 +79,25 @@ class SourceImages:
             return Source(images[scale], self._smoothing(made, scale), cleaned.floor)
 
     def _of(self, parameters: Parameters) -> _Images:
-        key = parameters.edges, parameters.gamma
+        channel = "luminance" if self._colors is None else parameters.channel
+        key = channel, parameters.edges, parameters.gamma
         if key not in self._kept:
-            image = self._original.images[0]
-            values = toned(image, parameters.gamma)
+            values = toned(self._channel(channel), parameters.gamma)
             if parameters.edges == "vessels":
                 values = vesselness(values)
-            made = self._original if values is image else _Images(pyramid(values, len(self)))
+            made = self._original if values is self._original.images[0] else _Images(pyramid(values, len(self)))
             self._kept[key] = made
         self._kept.move_to_end(key)
         while len(self._kept) > _KEPT:
             self._kept.popitem(last=False)
         return self._kept[key]
+
+    def _channel(self, name: str) -> Array:
+        """Gray levels of a channel; ValueError when they are the same everywhere."""
+        values = gray_levels(self._original.images[0], self._colors, name)
+        if values is not self._original.images[0] and values.min() == values.max():
+            raise ValueError(f"The channel {name} is the same everywhere and has no edges: choose another channel.")
+        return values
 
     def _cleaned(self, made: _Images) -> tuple[tuple[Array, ...], Cleaned]:
         """The image as the automatic smoothing prepares it, at all scales."""

@@ -51,6 +51,8 @@ class Skeleton:
         -1 if it is of what is dark, 1 of what is light, 0 of both.
     width : float
         Largest width that counted [px]; 0 for any.
+    channel : str
+        Channel of a color image in which it was found, one of `Parameters.channel`.
     """
 
     contours: tuple[Contour, ...]
@@ -61,6 +63,7 @@ class Skeleton:
     source: str
     polarity: int = 0
     width: float = 0.0
+    channel: str = "luminance"
 
     @property
     def thickness(self) -> float:

@@ -193,9 +193,8 @@ class SkeletonMethod(ImageFields):
         """The skeleton of a state; without branches until the first is found."""
         image, found = self.image, state.structure
         polarity, width = (found.polarity, found.width) if found is not None else (0, 0.0)
-        return Skeleton(
-            state.contours, state.radii, image.shape, image.spacing, image.unit, image.source, polarity, width
-        )
+        place = image.shape, image.spacing, image.unit, image.source
+        return Skeleton(state.contours, state.radii, *place, polarity, width, image.channel(parameters.channel))
 
     def measures(self, state: SkeletonState, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
         """Metrics of a state by name; see `Method.measures`."""
@@ -226,7 +225,7 @@ class SkeletonMethod(ImageFields):
                 continued = middle.clip(0.0, np.array(self.image.shape) - 1.0)  # objects continue beyond the border
                 axis = axis.chosen(inside_outlines(self._outlines, continued))
         else:
-            found = with_axis(found, self.image.values, parameters)
+            found = with_axis(found, self.image.gray(parameters.channel), parameters)
             axis = found.axis or medial_axis(found.boundary, self.image.shape)
         if self.regions is not None:
             axis = axis.chosen(np.asarray(self.regions.contains(axis.points)[axis.edges].all(axis=1)))

@@ -17,7 +17,9 @@ from cpm_core.objects.outline.outline import SMOOTHING
 from cpm_core.objects.selection import Selection
 
 
-def objects_result(selections: Sequence[Selection], image: Image, names: Sequence[str] = ()) -> Result:
+def objects_result(
+    selections: Sequence[Selection], image: Image, names: Sequence[str] = (), channel: str = "luminance"
+) -> Result:
     """Make a result whose contours are the boundaries of objects.
 
     Parameters
@@ -28,6 +30,8 @@ def objects_result(selections: Sequence[Selection], image: Image, names: Sequenc
         The image.
     names : sequence of str, optional
         Name of each object; ``"object 1"``, ``"object 2"`` and so on by default.
+    channel : str, optional
+        Channel of a color image whose edges the objects follow.
 
     Returns
     -------
@@ -43,13 +47,13 @@ def objects_result(selections: Sequence[Selection], image: Image, names: Sequenc
         for number, (selection, title) in enumerate(zip(selections, titles, strict=True), start=1)
         for contour in selection.contours
     ]
-    strength = edge_map(image.values, SMOOTHING)
+    strength = edge_map(image.gray(channel), SMOOTHING)
     bridges = []
     for gap in (gap for selection in selections for gap in selection.gaps):
         mean = float(interpolate(strength[None], polyline.sampled(gap, 1.0)).mean())
         bridges.append(Bridge(gap, polyline.length(gap), mean))
     place = (image.shape, image.spacing, image.unit, image.source)
-    return replace(boundaries_result(contours, bridges, *place), image=image)
+    return replace(boundaries_result(contours, bridges, *place), image=image, channel=image.channel(channel))
 
 
 def boundaries_result(

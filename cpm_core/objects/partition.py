@@ -66,7 +66,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
         return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE))
     if values.image is None:
         raise ValueError("the result does not know its image: make a partition of the image itself.")
-    return Partition(values.image, tuple(values.contours), values.regions)
+    return Partition(values.image, tuple(values.contours), values.regions, values.channel)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,11 +81,14 @@ class Partition:
         The contours along which it is cut.
     regions : Regions or None
         Outside the regions of interest nothing is selected; barriers are boundaries.
+    channel : str
+        Channel of a color image that is cut.
     """
 
     image: Image
     contours: tuple[Contour, ...]
     regions: Regions | None = None
+    channel: str = "luminance"
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -147,8 +150,13 @@ class Partition:
         return Selection(mask, contours, gaps, confidence_of(found, self._ground), inside, outside, remark)
 
     @cached_property
+    def values(self) -> Array:
+        """Gray levels that are cut, shape (H, W)."""
+        return self.image.gray(self.channel)
+
+    @cached_property
     def _ground(self) -> Ground:
-        values = self.image.values
+        values = self.values
         paths = [contour.path for contour in self.contours]
         return ground(values, edge_map(values, SMOOTHING), paths, self.regions)
 

@@ -75,7 +75,7 @@ def similar(partition: Partition, selection: Selection) -> tuple[Selection, ...]
 
 def _alike(partition: Partition, selection: Selection, radius: float) -> Mask:
     """Pixels of the faces whose gray level is like that of the chosen object, without small holes."""
-    values, mask = partition.image.values, selection.mask
+    values, mask = partition.values, selection.mask
     away = scipy.ndimage.distance_transform_edt(~mask)
     ring = (away > 1.0) & (away <= max(2.0, _AROUND * radius) + 1.0)
     own, around = float(np.median(values[mask])), float(np.median(values[ring])) if ring.any() else 0.0

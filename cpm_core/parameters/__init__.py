@@ -12,7 +12,7 @@ from typing import Literal, cast
 
 import numpy as np
 
-from cpm_core.parameters.choices import CHOICES, Edges, check_choice
+from cpm_core.parameters.choices import CHOICES, Channel, Edges, check_choice
 from cpm_core.parameters.table import (
     AUTOMATIC,
     OF_SKELETONS,
@@ -100,6 +100,8 @@ class Parameters:
         How far a shape may extend beyond the one that its skeleton represents [px].
     edges : {"gradient", "vessels"}
         What the edges are taken from: the gray levels, or a vessel measure.
+    channel : {"luminance", "red", "green", "blue", "hematoxylin", "eosin", "dab"}
+        What gives the gray levels of a color image; of no effect on a gray one.
 
     Raises
     ------
@@ -130,6 +132,7 @@ class Parameters:
     max_width: float = 0.0
     pruning: float = 1.0
     edges: Edges = "gradient"
+    channel: Channel = "luminance"
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -7,6 +7,7 @@ from typing import Literal
 
 Invalidates = Literal["nothing", "contours", "field", "run"]
 Edges = Literal["gradient", "vessels"]
+Channel = Literal["luminance", "red", "green", "blue", "hematoxylin", "eosin", "dab"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +42,19 @@ CHOICES: dict[str, ChoiceInfo] = {
             "gradient": "Finds the edges of the gray levels.",
             "vessels": "Finds the edges of a vessel measure, which is large in what is long and thin, darker or "
             "brighter than what is around it.",
+        },
+        "field",
+    ),
+    "channel": ChoiceInfo(
+        "channel", "Channel", "What of a color image the edges are found in; gray images have no channels.",
+        {
+            "luminance": "Takes how bright the colors are to the eye.",
+            "red": "Takes the red channel.",
+            "green": "Takes the green channel.",
+            "blue": "Takes the blue channel.",
+            "hematoxylin": "Takes the light that hematoxylin alone lets through, which stains nuclei blue.",
+            "eosin": "Takes the light that eosin alone lets through, which stains what is around nuclei pink.",
+            "dab": "Takes the light that DAB alone lets through, which stains what antibodies mark brown.",
         },
         "field",
     ),

@@ -205,7 +205,7 @@ class State:
         particles, mesh = self.particles, self.mesh
         return [
             *(particles.position, particles.velocity, particles.force, particles.distance, particles.identity),
-            *self.coverage,
+            *self.coverage.tiles,
             *(() if mesh is None else (mesh.force,)),
         ]
 

@@ -64,6 +64,7 @@ def reconstruction(
         bridges=bridges,
         image=image,
         regions=state.regions,
+        channel=image.channel(parameters.channel),
     )
 
 

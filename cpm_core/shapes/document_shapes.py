@@ -41,11 +41,12 @@ def seeds_of(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -> Arr
     return np.concatenate([np.empty((0, 2)), *found])
 
 
-def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str) -> Array:
+def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str, channel: str = "luminance") -> Array:
     """Positions of the particles of shapes on an image, shape (N, 2).
 
     `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it.
+    `channel` says what gives the gray levels of a color image.
     """
     drawn = tuple(shapes)
     dependent = [shape for shape in drawn if isinstance(shape, ImageStart)]
-    return seeds_of(drawn, SeedCache(image).seeds_for(dependent, smoothing, regions_of(drawn)))
+    return seeds_of(drawn, SeedCache(image).seeds_for(dependent, smoothing, regions_of(drawn), channel))

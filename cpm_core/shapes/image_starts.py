@@ -25,17 +25,24 @@ class SeedCache:
 
     def __init__(self, image: Image) -> None:
         self._image = image
+        self._channel, self._values = "luminance", image.values
         self._automatic: float | None = None
         self._kept: dict[ImageStart, tuple[float, Array]] = {}
         self._strength: tuple[float, Array] | None = None
 
     def seeds_for(
-        self, starts: Iterable[ImageStart], smoothing: float | str, regions: Regions | None = None
+        self,
+        starts: Iterable[ImageStart],
+        smoothing: float | str,
+        regions: Regions | None = None,
+        channel: str = "luminance",
     ) -> ImageSeeds:
         """Positions for each of the starts, only those in the regions of interest.
 
-        `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it.
+        `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it;
+        `channel` says what gives the gray levels of a color image.
         """
+        self._use(channel)
         sigma = self._smoothing(smoothing)
         found = {start: self._positions(start, sigma) for start in starts}
         # Starts all over the image are switched on and off; others that are gone are not needed again soon.
@@ -44,21 +51,27 @@ class SeedCache:
         }
         return {s: p if regions is None else p[regions.contains(p)] for s, p in found.items()}
 
+    def _use(self, channel: str) -> None:
+        """Forget what has been found in another channel."""
+        if channel != self._channel:
+            self._channel, self._values = channel, self._image.gray(channel)
+            self._automatic, self._strength, self._kept = None, None, {}
+
     def _positions(self, start: ImageStart, smoothing: float) -> Array:
         key = smoothing if start.follows_smoothing else 0.0
         if start not in self._kept or self._kept[start][0] != key:
-            self._kept[start] = (key, start.seeds_for(self._image.values, lambda: self._edges(smoothing)))
+            self._kept[start] = (key, start.seeds_for(self._values, lambda: self._edges(smoothing)))
         return self._kept[start][1]
 
     def _edges(self, smoothing: float) -> Array:
         """Edge strength of the image, cached because dragging an area does not change the smoothing."""
         if self._strength is None or self._strength[0] != smoothing:
-            self._strength = (smoothing, edge_map(self._image.values, smoothing))
+            self._strength = (smoothing, edge_map(self._values, smoothing))
         return self._strength[1]
 
     def _smoothing(self, smoothing: float | str) -> float:
         if not isinstance(smoothing, str):
             return smoothing
         if self._automatic is None:
-            self._automatic = automatic_smoothing(self._image.values)
+            self._automatic = automatic_smoothing(self._values)
         return self._automatic

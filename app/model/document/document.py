@@ -102,7 +102,8 @@ class Document:
         limits = tuple(shape for shape in self.shapes if isinstance(shape, Region))
         followed = any(start.follows_smoothing for start in self.image_starts)
         barriers = self.objects.barriers
-        return (self.image, self.image_starts, limits, barriers, self.parameters.smoothing if followed else None)
+        smoothing = self.parameters.smoothing if followed else None
+        return (self.image, self.image_starts, limits, barriers, self.parameters.channel, smoothing)
 
     def fitting(self, parameters: Parameters) -> Parameters:
         """The parameters with no more scales than the image has room for."""

@@ -92,6 +92,11 @@ def set_parameter(document: Document, name: str, value: float | str) -> Document
     return replace(document, parameters=controls.with_value(document.parameters, name, value))
 
 
+def use_preset(document: Document, parameters: Parameters) -> Document:
+    """The document with the parameters of a preset; the channel stays, because it belongs to the image."""
+    return set_parameters(document, replace(parameters, channel=document.parameters.channel))
+
+
 def set_parameters(document: Document, parameters: Parameters) -> Document:
     """The document with all parameters replaced, and as many scales as the image has room for."""
     return replace(document, parameters=document.fitting(parameters))

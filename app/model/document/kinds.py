@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 
 from app.model.document.document import Document
+from app.model.document.edits import use_preset
 from app.model.document.modes import use_mode
 from app.model.text.language import tr
 from cpm_core.image.kind import Kind
@@ -40,5 +41,4 @@ ADVICE: Mapping[Kind, Advice] = MappingProxyType(
 
 def use_kind(document: Document, kind: Kind) -> Document:
     """The document in the mode Automatic with the settings for a kind of image."""
-    parameters = document.fitting(PRESETS[ADVICE[kind].preset])
-    return replace(use_mode(document, "automatic"), parameters=parameters)
+    return use_preset(use_mode(document, "automatic"), PRESETS[ADVICE[kind].preset])

@@ -92,12 +92,13 @@ def mode_called(name: object) -> Mode:
 
 
 def use_mode(document: Document, mode: Mode) -> Document:
-    """The document in another mode, with its preset and its starts; regions, barriers and charges stay.
+    """The document in another mode, with its preset and its starts; channel, regions, barriers and charges stay.
 
     Shape recovery removes starts all over the image; automatic segmentation removes all others; skeletons, which need
     no start, keep all shapes.
     """
-    shapes, parameters = starting(mode, document.shapes), document.fitting(fresh_parameters(mode))
+    fresh = replace(fresh_parameters(mode), channel=document.parameters.channel)
+    shapes, parameters = starting(mode, document.shapes), document.fitting(fresh)
     return replace(document, mode=mode, shapes=shapes, parameters=parameters, outlined=Outlined())
 
 
@@ -105,7 +106,7 @@ def is_only_in_another_mode(document: Document, known: Document) -> bool:
     """Whether a document is what another one becomes when nothing but the mode is changed, once or several times."""
     began = {known.shapes, starting("automatic", known.shapes), starting("shape", known.shapes)}
     shapes = {starting(document.mode, before) for before in began}
-    parameters = PRESETS[MODES[document.mode].preset]
+    parameters = replace(fresh_parameters(document.mode), channel=known.parameters.channel)
     return document.shapes in shapes and document == replace(
         known, mode=document.mode, shapes=document.shapes, parameters=parameters, outlined=Outlined()
     )

@@ -161,7 +161,8 @@ def closed(result: Result | Skeleton, order: ExportOrder, image: Image, paramete
     """The result with open contours closed as ordered."""
     if not order.closing or isinstance(result, Skeleton) or not any(map(can_be_closed, result.contours)):
         return result
-    return close_contours(result, edge_map(image.values, parameters.smoothing) if order.closing == "edges" else None)
+    gray = image.gray(parameters.channel)
+    return close_contours(result, edge_map(gray, parameters.smoothing) if order.closing == "edges" else None)
 
 
 @dataclass(frozen=True, slots=True)

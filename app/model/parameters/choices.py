@@ -8,7 +8,20 @@ from app.model.parameters.controls import acts
 from app.model.text.language import tr
 from cpm_core.parameters.choices import CHOICES
 
-_TITLES = {"gradient": tr("gray levels"), "vessels": tr("vessels")}
+CHANNEL = "channel"
+"""Name of the choice that only color images have."""
+
+_TITLES = {
+    "gradient": tr("gray levels"),
+    "vessels": tr("vessels"),
+    "luminance": tr("luminance"),
+    "red": tr("red"),
+    "green": tr("green"),
+    "blue": tr("blue"),
+    "hematoxylin": tr("hematoxylin"),
+    "eosin": tr("eosin"),
+    "dab": tr("DAB"),
+}
 """Names of the values in the window."""
 
 

@@ -18,7 +18,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import HandEdit, Path
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Position
-from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.parameters import Parameters, invalidating
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge, on_ridge
 from cpm_core.reconstruction.by_hand.operations import Contact, chain, cut, deletion, pull, wire_from
 
@@ -230,7 +230,7 @@ class HandEditing(QObject):
 
 def _deciding(parameters: Parameters) -> tuple[object, ...]:
     """The parameters that the fields of the image depend on."""
-    return tuple(getattr(parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "field")
+    return tuple(getattr(parameters, name) for name in invalidating("field"))
 
 
 def _place(point: Array) -> Position:

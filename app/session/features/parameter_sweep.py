@@ -142,7 +142,9 @@ class _Runs:
     def _result(self, tile: Tile) -> Result | None:
         parameters, document = tile.parameters, self._document
         with self._lock:  # seeds and engine are kept for the other tiles
-            image_seeds = self._seed_cache.seeds_for(document.image_starts, parameters.smoothing, document.regions)
+            image_seeds = self._seed_cache.seeds_for(
+                document.image_starts, parameters.smoothing, document.regions, parameters.channel
+            )
             if parameters.scales not in self._engines:
                 self._engines[parameters.scales] = Engine(self._image, parameters, document.regions)
             engine = self._engines[parameters.scales]

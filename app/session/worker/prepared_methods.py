@@ -62,4 +62,5 @@ class PreparedMethods:
         """Seeds of the starts of a document that depend on the image."""
         if self._seed_cache is None:
             return NO_SEEDS
-        return self._seed_cache.seeds_for(document.image_starts, document.parameters.smoothing, document.regions)
+        seen = document.parameters
+        return self._seed_cache.seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)

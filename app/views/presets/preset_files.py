@@ -44,7 +44,7 @@ class PresetFiles(QObject):
     def use(self, preset: Preset) -> None:
         """Set the parameters of a preset."""
         name = tr("preset “{name}”").format(name=preset.name)
-        self._context.session.edit(name, lambda document: edits.set_parameters(document, preset.parameters))
+        self._context.session.edit(name, lambda document: edits.use_preset(document, preset.parameters))
 
     def fill(self, menu: QMenu) -> None:
         """Fill a menu with the presets and the actions on them."""
@@ -82,7 +82,8 @@ class PresetFiles(QObject):
         self._show(self._context.session.document)
 
     def _show(self, document: Document) -> None:
-        same = [preset for preset in self.store.presets if document.fitting(preset.parameters) == document.parameters]
+        used = [edits.use_preset(document, preset.parameters) for preset in self.store.presets]
+        same = [preset for preset, after in zip(self.store.presets, used, strict=True) if after == document]
         self.gallery.show_current(same[0] if same else None)
 
     def _save(self) -> None:

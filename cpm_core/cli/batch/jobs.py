@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cpm_core.cli.arguments import with_room
+from cpm_core.cli.arguments import notes_on, with_room
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image, omission
@@ -48,7 +48,7 @@ def do(job: Job) -> Done:
         began = time.perf_counter()
         image, shapes = load_image(job.path), job.session.shapes
         parameters, small = with_room(job.parameters, image)
-        seeds = seeds_on(image, shapes, parameters.smoothing)
+        seeds = seeds_on(image, shapes, parameters.smoothing, parameters.channel)
         found = segment(
             image,
             seeds,
@@ -61,7 +61,7 @@ def do(job: Job) -> Done:
         result = apply(edited, job.session.marks, learning=job.session.learning)
         facts = facts_of(result, time.perf_counter() - began)
         files, notes = _files(result, job.suffixes)
-        return Done(job.number, facts, files, notes=(*image.notes, *small, *notes), sha256=sha256)
+        return Done(job.number, facts, files, notes=(*notes_on(image, parameters), *small, *notes), sha256=sha256)
     except ValueError as error:
         return Done(job.number, error=str(error), sha256=sha256)
     except MemoryError:

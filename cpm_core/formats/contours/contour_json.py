@@ -22,10 +22,13 @@ def encode(result: Result | Skeleton) -> bytes:
     where there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]; ``reached`` tells
     how particles came to a contour, where it is known. Where the size of a pixel is known, length and areas are given
     in its unit as well. The boundaries of an object have its number as ``object``, and as ``bridged`` the length
-    without an edge that was found. Of a skeleton the branches are contours with ``radii`` [px], and there is no run.
+    without an edge that was found. The image has the ``channel`` of its colors in which the contours were
+    found, unless it is the luminance. Of a skeleton the branches are contours with ``radii`` [px], and there is no run.
     """
     image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
+    if result.channel != "luminance":
+        image["channel"] = result.channel
     content: dict[str, Any] = {"format": FORMAT, "version": 1, "image": image}
     if isinstance(result, Result):
         content["run"] = {

@@ -18,7 +18,7 @@ from cpm_core.image.pyramid import shape_of_scale
 from cpm_core.numerics.types import Array
 from cpm_core.particles.coulomb.mesh_force import PITCH, mesh_shape, softening
 from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH
-from cpm_core.particles.coverage import Coverage, no_coverage
+from cpm_core.particles.coverage import coverage_of, no_coverage
 from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.mesh import MeshForce
 from cpm_core.particles.state import MEMORY, Particles, State
@@ -27,6 +27,7 @@ _COUNTS = (
     *("step", "step_of_scale", "reactivated", "next_identity", "born", "deleted", "moving", "idle", "quiet"),
     "reseedings",
 )
+_COVERAGE = ("found", "latest")
 _MEASURES = ("annealed", "epsilon", "displacement")
 _MOST = 2**40
 _PARTICLES: Mapping[str, tuple[int, ...]] = {
@@ -46,7 +47,7 @@ def state_to_plain(state: State) -> dict[str, Any]:
     particles = state.particles
     plain |= {name: array_to_plain(getattr(particles, name)) for name in (*_PARTICLES, "identity")}
     plain["start"] = array_to_plain(state.start)
-    plain |= {"found": array_to_plain(state.coverage.found), "latest": array_to_plain(state.coverage.latest)}
+    plain |= {name: array_to_plain(getattr(state.coverage, name).whole()) for name in _COVERAGE}
     if state.mesh is not None:
         far = math.isfinite(state.mesh.reach)
         plain["mesh"] = {"reach": state.mesh.reach, "force": array_to_plain(state.mesh.force)} if far else {}
@@ -67,7 +68,7 @@ def state_from_plain(plain: object, shape: tuple[int, ...], scales: int) -> Stat
     if not isinstance(reason, str):
         raise ValueError(f"stop_reason of state is {shown(reason)} but must be text.")
     cells = no_coverage(size).found.shape
-    coverage = Coverage(*(array_from_plain(given.get(name), np.int32, cells, name) for name in Coverage._fields))
+    coverage = coverage_of(*(array_from_plain(given.get(name), np.int32, cells, name) for name in _COVERAGE))
     particles, start = _particles(given, size, counts["next_identity"]), _places(given, "start", shape)
     mesh = _mesh(given["mesh"], size) if "mesh" in given else None
     values: dict[str, Any] = {**counts, **{name: _measure(given.get(name), name) for name in _MEASURES}}

@@ -12,12 +12,10 @@ from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array
 from cpm_core.particles.cell_list import cell_of
-
-Steps = NDArray[np.int32]
+from cpm_core.particles.coverage.tiled_steps import NEVER, Steps, TiledSteps
 
 CELL = 4.0
 """Side of the cells of the coverage [px]."""
@@ -25,43 +23,50 @@ CELL = 4.0
 REACH = 4
 """Cells to each side within which a newly covered cell counts as near."""
 
-NEVER = -1
-
 
 class Coverage(NamedTuple):
-    r"""Coverage of an image; a plain tuple for the compiled loops.
+    """Coverage of an image.
 
     Attributes
     ----------
-    found : ndarray of int32, shape (\*cells)
-        Step at which each cell was first covered, -1 for never.
-    latest : ndarray of int32, shape (\*cells)
-        Latest such step among the cells around each, -1 for never.
+    found : TiledSteps
+        Step at which each cell was first covered.
+    latest : TiledSteps
+        Latest such step among the cells around each.
+    size : int
+        Number of covered cells.
     """
 
-    found: Steps
-    latest: Steps
+    found: TiledSteps
+    latest: TiledSteps
+    size: int
 
     @property
-    def size(self) -> int:
-        """Number of covered cells."""
-        return int(np.count_nonzero(self.found != NEVER))
+    def tiles(self) -> tuple[Steps, ...]:
+        """All arrays, many of which other coverages share."""
+        return self.found.tiles + self.latest.tiles
 
 
 def no_coverage(shape: tuple[int, ...]) -> Coverage:
     """Coverage of an image of this shape before any particle has been on an edge."""
-    cells = np.full(tuple(int(n / CELL) + 1 for n in shape), NEVER, np.int32)
-    return Coverage(cells, cells)
+    never = TiledSteps.never(tuple(int(n / CELL) + 1 for n in shape))
+    return Coverage(never, never, 0)
+
+
+def coverage_of(found: Steps, latest: Steps) -> Coverage:
+    r"""Coverage of which the steps are known as arrays of shape (\*cells), -1 for never."""
+    never = TiledSteps.never(found.shape)
+    return Coverage(never.changed_to(found), never.changed_to(latest), int(np.count_nonzero(found != NEVER)))
 
 
 def renewed(coverage: Coverage, step: int) -> Coverage:
     """Coverage as if all covered cells had been newly covered at this step."""
-    return Coverage(*(np.where(cells == NEVER, NEVER, step).astype(np.int32) for cells in coverage))
+    return Coverage(coverage.found.renewed(step), coverage.latest.renewed(step), coverage.size)
 
 
 def renewed_near(coverage: Coverage, places: Array, reach: float, step: int) -> Coverage:
     """Coverage as if all cells within reach of positions, shape (K, D) [px], were near a newly covered cell."""
-    latest = coverage.latest.copy()
+    latest = coverage.latest.whole()
     for place in places:
         parts, away = [], []
         for along, x in zip(latest.shape, place, strict=True):
@@ -70,4 +75,4 @@ def renewed_near(coverage: Coverage, places: Array, reach: float, step: int) -> 
             middle = CELL * (np.arange(first, last + 1) + 0.5) - 0.5
             away.append(np.maximum(np.abs(middle - x) - 0.5 * CELL, 0.0) ** 2)
         latest[tuple(parts)][reduce(np.add.outer, away) < reach**2] = step
-    return Coverage(coverage.found, latest)
+    return coverage._replace(latest=coverage.latest.changed_to(latest))

@@ -96,9 +96,9 @@ def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
 def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
     space = UsedScaleSpace(IMAGE, 1)
     names = [name for name in invalidating("field") if name not in OF_STARTS]
-    assert len(names) == 5
+    assert len(names) == 6
     built = [space.at(0, START), *(space.at(0, changed(name)) for name in names)]
-    assert len({id(scale_field) for scale_field in built}) == 6
+    assert len({id(scale_field) for scale_field in built}) == 7
 
 
 def test_another_smoothing_leaves_pyramid_and_barriers(calls):

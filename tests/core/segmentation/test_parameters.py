@@ -92,8 +92,9 @@ def test_a_choice_takes_its_names_alone_and_the_first_by_itself(name):
     assert getattr(Parameters(), name) == next(iter(info.choices))
     assert all(getattr(Parameters(**{name: value}), name) == value for value in info.choices)
     assert all(sentence[0].isupper() and sentence.endswith(".") for sentence in (info.meaning, *info.choices.values()))
+    names = " or ".join(f'"{value}"' for value in info.choices)
     for bad in ("Vessels", "", 1.0, None, ["gradient"]):
-        with pytest.raises(ValueError, match=rf'^{name} is .* but must be "gradient" or "vessels"\.$'):
+        with pytest.raises(ValueError, match=rf"^{name} is .* but must be {names}\.$"):
             Parameters(**{name: bad})
 
 

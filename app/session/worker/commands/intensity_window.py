@@ -27,6 +27,7 @@ class Shaded(Report):
     image: Image
     window: IntensityWindow
     display: DisplayImage
+    channel: str = "luminance"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -47,14 +48,16 @@ class FindWindow(Command):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Shade(Command):
-    """Make the display image for an intensity window."""
+    """Make the display image of a channel for an intensity window."""
 
     image: Image
     window: IntensityWindow
+    channel: str = "luminance"
 
     latest_only = True
     activity = "changing the levels"
 
     def execute(self, context: CommandContext) -> None:
         """Make the display image."""
-        context.report(Shaded(self.image, self.window, DisplayImage.of(apply_window(self.image.values, self.window))))
+        display = DisplayImage.of(apply_window(self.image.gray(self.channel), self.window))
+        context.report(Shaded(self.image, self.window, display, self.channel))

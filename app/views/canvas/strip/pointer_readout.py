@@ -13,7 +13,10 @@ from cpm_core.numerics.types import Position
 
 
 class PointerReadout(QLabel):
-    """Row, column and gray value; where the size of a pixel is known, also the position in its unit."""
+    """Row, column and gray value, of a color image in the channel of the run.
+
+    Where the size of a pixel is known, also the position in its unit.
+    """
 
     def __init__(self, session: Session, canvas: Canvas) -> None:
         super().__init__()
@@ -27,12 +30,12 @@ class PointerReadout(QLabel):
             row, col = round(position[0]), round(position[1])
             rows, cols = image.shape
             if 0 <= row < rows and 0 <= col < cols:
-                text = self._text(image, row, col)
+                text = self._text(image, row, col, self._session.document.parameters.channel)
         self.setText(text)
 
     @staticmethod
-    def _text(image: Image, row: int, col: int) -> str:
-        value, size = image.values[row, col], shown_in(image.spacing, image.unit)
+    def _text(image: Image, row: int, col: int, channel: str) -> str:
+        value, size = image.gray_at((row, col), channel), shown_in(image.spacing, image.unit)
         if size.unit is None:
             return tr("row {row}, col {col}:  {value:g}").format(row=row, col=col, value=value)
         down, right = (

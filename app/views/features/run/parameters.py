@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
+from PySide6.QtWidgets import QMenu
+
+from app.model.parameters.choices import CHANNEL
 from app.model.preferences.table import MOTION, WORDING
 from app.model.state.situation import Situation
 from app.model.text.language import tr
@@ -42,11 +45,24 @@ class ParametersFeature(Feature):
                             do=lambda: context.preferences.choose(MOTION, not self._animated),
                             tip=tr("Animate the illustrations of the parameters."), group=STATE,
                             checked=self._animated, holds=lambda _: self._animated)  # fmt: skip
-        return (presets, *self._wordings(), motion)
+        channels = Submenu(name="channels", menu="Run", text=tr("C&hannel"), fill=self.fill_channels)
+        return (presets, channels, *self._wordings(), motion)
 
     def panels(self) -> Sequence[Panel]:
         """The sliders."""
         return (Panel(name="parameters", title=tr("Parameters"), widget=self.panel, tab="settings", shortcut="F7"),)
+
+    def fill_channels(self, menu: QMenu) -> None:
+        """Fill a menu with the channels; a gray image has none."""
+        session = self.context.session
+        colored = session.image is not None and session.image.colors is not None
+        for value, title, about in self.panel.choices[CHANNEL].control.choices:
+            action = menu.addAction(title)
+            action.setCheckable(True)
+            action.setChecked(value == session.document.parameters.channel)
+            action.setEnabled(colored)
+            action.setStatusTip(about)
+            action.triggered.connect(lambda _=False, value=value: self.panel.change(CHANNEL, value))
 
     def use_theme(self, theme: Theme) -> None:
         """Color the buttons."""

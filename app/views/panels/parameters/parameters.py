@@ -12,7 +12,7 @@ from app.model.display.filter_counts import FILTERS, GAP, FilterCounts
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.document.modes import acting_in
-from app.model.parameters.choices import choice_controls
+from app.model.parameters.choices import CHANNEL, choice_controls
 from app.model.parameters.controls import Control, controls, value_of
 from app.model.text.language import tr
 from app.model.text.wording import Wording
@@ -51,14 +51,14 @@ class ParametersPanel(QWidget):
         self.explanation = Explanation()
         self.advanced = self._lay_out()
         for row in self.rows.values():
-            row.changed.connect(self._change)
+            row.changed.connect(self.change)
             row.released.connect(session.seal)
             row.explained.connect(self._explain)
             row.slider.sliderPressed.connect(partial(self._hold, row.control.name))
             row.slider.sliderReleased.connect(partial(self._let_go, row.control.name))
         session.scene_changed.connect(self._follow)
         for choice in self.choices.values():
-            choice.changed.connect(self._change)
+            choice.changed.connect(self.change)
         session.document_changed.connect(self.show_document)
         self._explain(next(iter(self.rows.values())).control)
         self.show_document(session.document)
@@ -74,7 +74,7 @@ class ParametersPanel(QWidget):
         if self.explanation.control is not None and self.explanation.control.name not in acting:
             self._explain(next(row.control for name, row in self.rows.items() if name in acting))
         for name, choice in self.choices.items():
-            choice.setVisible(name in acting)
+            choice.setVisible(name in acting and (name != CHANNEL or self._colored()))
             choice.show_value(str(value_of(document.parameters, name)))
         if self.explanation.control is not None:
             self._explain(self.explanation.control)
@@ -107,13 +107,15 @@ class ParametersPanel(QWidget):
         advanced = QWidget()
         rows = QVBoxLayout(advanced)
         rows.setContentsMargins(0, 0, 0, 0)
-        for choice in self.choices.values():
-            rows.addWidget(choice)
+        for name, choice in self.choices.items():
+            if name != CHANNEL:
+                rows.addWidget(choice)
         self._rows = scrolled = QWidget()
         scrolled.setObjectName("scrolled")
         column = QVBoxLayout(scrolled)
         column.setContentsMargins(0, 0, 8, 0)
         column.setSpacing(0)
+        column.addWidget(self.choices[CHANNEL])  # not hidden under "Advanced": a color image needs it first
         for row in self.rows.values():
             (rows if row.control.advanced else column).addWidget(row)
         section = Section(tr("Advanced"), advanced, unfolded=False)
@@ -149,7 +151,8 @@ class ParametersPanel(QWidget):
     def _scroll_to(area: QScrollArea, section: Section, unfolded: bool) -> None:
         area.verticalScrollBar().setValue(section.y() if unfolded else 0)
 
-    def _change(self, name: str, value: float | str) -> None:
+    def change(self, name: str, value: float | str) -> None:
+        """Set a parameter of the document."""
         change = tr("change of {parameter}").format(parameter=self._title(name).lower())
         before = self._session.document
         self._session.edit(change, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
@@ -181,6 +184,10 @@ class ParametersPanel(QWidget):
     def _let_go(self, name: str) -> None:
         self._before.pop(name, None)
         self._show_effects()
+
+    def _colored(self) -> bool:
+        image = self._session.image
+        return image is not None and image.colors is not None
 
     def _title(self, name: str) -> str:
         return (self.rows[name] if name in self.rows else self.choices[name]).control.title

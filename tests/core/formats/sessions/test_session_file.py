@@ -55,7 +55,16 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
 
 def any_of(kind: type) -> st.SearchStrategy[Any]:
     hints = get_type_hints(kind)
-    return st.builds(kind, **{field.name: values(hints[field.name], field.name) for field in fields(kind)})
+    drawn = st.fixed_dictionaries({field.name: values(hints[field.name], field.name) for field in fields(kind)})
+    return drawn.map(lambda given: made(kind, given)).filter(lambda one: one is not None)
+
+
+def made(kind: type, given: dict[str, Any]) -> Any:
+    """A shape; None where it does not allow the values together, as a grid of too many places."""
+    try:
+        return kind(**given)
+    except ValueError:
+        return None
 
 
 shapes = st.one_of(*(any_of(kind) for kind in SHAPES.values()))
@@ -69,9 +78,9 @@ def parameters(draw: st.DrawFn) -> Parameters:
     w2 = draw(st.floats(0.01, 100.0))
     for name in AUTOMATIC:
         drawn[name] = draw(st.just("auto") | st.floats(PARAMETERS[name].low, PARAMETERS[name].high))
-    edges = draw(st.sampled_from(list(CHOICES["edges"].choices)))
+    drawn |= {name: draw(st.sampled_from(list(info.choices))) for name, info in CHOICES.items()}
     w1 = w2 * draw(st.floats(0.0, 0.99))
-    return Parameters(**drawn, w1=w1, w2=w2, edges=edges, scales=draw(st.integers(1, 8)))
+    return Parameters(**drawn, w1=w1, w2=w2, scales=draw(st.integers(1, 8)))
 
 
 plain = st.recursive(

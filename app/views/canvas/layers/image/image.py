@@ -18,6 +18,7 @@ from app.views.theme import color_maps
 from cpm_core.image.image import Image
 
 _WHOLE, _HAND = "0", "hand"
+_IN_COLOR, _CHANNEL = "colors", "channel"
 
 _AT_ONCE = 1 << 22
 """Largest number of pixels for which shades are made at once, within two frames; otherwise the worker makes them."""
@@ -31,6 +32,13 @@ class ImageLayer(Layer):
     tip = tr("The image itself.")
     shortcut = "Alt+0"
     options = (
+        Choice(
+            "shown",
+            tr("Shown"),
+            {_IN_COLOR: tr("In color"), _CHANNEL: tr("Channel of the run")},
+            _IN_COLOR,
+            tr("A color image in its colors, or the channel in which a run finds edges."),
+        ),
         Choice("map", tr("Colors"), color_maps.MAPS, color_maps.GRAY, tr("Colors from dark to bright.")),
         Choice(
             "range",
@@ -73,8 +81,13 @@ class ImageLayer(Layer):
             self._item.use_table(None if self.word("map") == color_maps.GRAY else color_maps.table(self.word("map")))
         elif name == "range":
             self._find_window()
-        else:
+        else:  # what is shown, or gamma
             self._shade()
+
+    def acts(self, name: str) -> bool:
+        """Whether an option has an effect: gray images have no channels, and colors no color map."""
+        colored = self.scene.image is not None and self.scene.image.colors is not None
+        return {"shown": colored, "map": not colored or self.word("shown") == _CHANNEL}.get(name, True)
 
     def view_state(self) -> dict[str, object]:
         """Its state, with the window where it is chosen by hand."""
@@ -98,8 +111,11 @@ class ImageLayer(Layer):
             self._take_window(found)
         # of two pending requests, the older one may not win
         new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
-        if shaded is not None and new and shaded.window == self._chosen_window():
+        wanted = self._chosen_window(), self._channel()
+        if shaded is not None and new and (shaded.window, shaded.channel) == wanted and not self._in_color():
             self._item.show_image(shaded.display)
+        if scene.document.parameters.channel != before.document.parameters.channel and not self._in_color():
+            self._shade()
 
     def _take_window(self, found: WindowFound) -> None:
         if self.word("range") == f"{found.percent:g}":
@@ -114,6 +130,8 @@ class ImageLayer(Layer):
         self._item.show_image(shades)
         if self.word("range") != _WHOLE or self.number("gamma") != 1.0:
             self._find_window()
+        elif image.colors is not None and not self._in_color():
+            self._shade()
         self.changed.emit()
 
     def _find_window(self) -> None:
@@ -136,15 +154,30 @@ class ImageLayer(Layer):
         if image is None or whole is None:
             return
         window, colors = self._chosen_window(), image.colors
-        if colors is not None:
+        if colors is not None and self._in_color():
             self._item.use_curve(None if window == IntensityWindow(*self.ends) else color_curve(window, colors.white))
             self._item.show_image(whole)
+        elif colors is not None:
+            self.requests.post(Shade(image, window, self._channel()))
         elif window == IntensityWindow(*self.ends):
             self._item.show_image(whole)
         elif image.values.size <= _AT_ONCE:
             self._item.show_image(DisplayImage.of(apply_window(image.values, window)))
         else:
             self.requests.post(Shade(image, window))
+
+    def _in_color(self) -> bool:
+        """Whether a color image is shown in its colors."""
+        image = self.scene.image
+        return image is not None and image.colors is not None and self.word("shown") == _IN_COLOR
+
+    def _channel(self) -> str:
+        """Channel that is shown where the image is not shown in color."""
+        return (
+            "luminance"
+            if self.scene.image is None
+            else self.scene.image.channel(self.scene.document.parameters.channel)
+        )
 
     def _chosen_window(self) -> IntensityWindow:
         return IntensityWindow(*self.window, self.number("gamma"))

@@ -1,0 +1,123 @@
+"""The channel of a color image is chosen in the window, undone, kept in a session, and seen."""
+
+from __future__ import annotations
+
+import numpy as np
+import PIL.Image
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QMenu
+
+from app.model.document.edits import use_preset
+from app.model.document.modes import use_mode
+from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.run.parameters import ParametersFeature
+from cpm_core.parameters import PRESETS
+
+
+@pytest.fixture
+def colored(window, hand, tmp_path):
+    """The window on a color image: on the left a disc in red alone, on the right one in blue alone."""
+    row, col = np.indices((60, 80))
+    pixels = np.full((60, 80, 3), 60, np.uint8)
+    pixels[np.hypot(row - 30, col - 20) < 12, 0] = 220
+    pixels[np.hypot(row - 30, col - 60) < 12, 2] = 220
+    PIL.Image.fromarray(pixels).save(tmp_path / "colored.png")
+    window.session.open(tmp_path / "colored.png")
+    hand.wait(lambda: window.session.document.image.name == "colored.png" and window.session.idle)
+    return window
+
+
+def color_at(hand, row: float, col: float) -> tuple[int, int, int]:
+    """Color of the canvas over a position of the image."""
+    color = QColor(hand.canvas.grab().toImage().pixel(hand.at(row, col)))
+    return color.red(), color.green(), color.blue()
+
+
+def test_a_channel_is_taken_with_the_keys_undone_and_named_in_the_history(colored, hand) -> None:
+    row = colored.panels["parameters"].choices["channel"]
+    assert row.isVisible()
+    row.box.setFocus()
+    hand.qtbot.keyClick(row.box, Qt.Key.Key_Down)
+    assert colored.session.document.parameters.channel == "red"
+    assert colored.session.changes[0][-1].text == "Channel luminance → red"
+    colored.actions_by_name["undo"].trigger()
+    assert colored.session.document.parameters.channel == "luminance"
+    assert row.box.currentText() == "luminance"
+
+
+def test_a_gray_image_offers_no_channel(window) -> None:
+    assert not window.panels["parameters"].choices["channel"].isVisible()
+    menu = QMenu()
+    window.feature(ParametersFeature).fill_channels(menu)
+    assert not any(action.isEnabled() for action in menu.actions())
+
+
+def test_the_menu_takes_a_channel(colored) -> None:
+    menu = QMenu()
+    colored.feature(ParametersFeature).fill_channels(menu)
+    assert [action.text() for action in menu.actions() if action.isChecked()] == ["luminance"]
+    next(action for action in menu.actions() if action.text() == "blue").trigger()
+    assert colored.session.document.parameters.channel == "blue"
+
+
+def test_a_session_brings_back_the_channel(colored, hand, image_file, tmp_path) -> None:
+    colored.panels["parameters"].change("channel", "blue")
+    colored.feature(OpenSaveFeature).document_file.save(tmp_path / "kept.cpm")
+    colored.session.open(image_file)
+    hand.wait(lambda: colored.session.document.image.name == image_file.name and colored.session.idle)
+    assert colored.session.document.parameters.channel == "luminance"
+    colored.session.open(tmp_path / "kept.cpm")
+    hand.wait(lambda: colored.session.document.image.name == "colored.png" and colored.session.idle)
+    assert colored.session.document.parameters.channel == "blue"
+    assert colored.panels["parameters"].choices["channel"].box.currentText() == "blue"
+
+
+def test_presets_and_modes_keep_the_channel_of_the_image(colored) -> None:
+    colored.panels["parameters"].change("channel", "blue")
+    document = use_mode(colored.session.document, "automatic")
+    assert document.parameters.channel == "blue"
+    assert use_preset(document, PRESETS["noisy"]).parameters.channel == "blue"
+    gallery = colored.feature(ParametersFeature).preset_files.gallery
+    assert gallery.current is not None
+
+
+def test_the_channel_of_the_run_can_be_seen_and_follows_the_choice(colored, hand) -> None:
+    layer, panel = hand.canvas.layers["image"], colored.panels["parameters"]
+    assert color_at(hand, 30.0, 20.0) == (220, 60, 60)
+    layer.choose("shown", "channel")
+    panel.change("channel", "red")
+    hand.wait(lambda: color_at(hand, 30.0, 20.0)[1] > 200)
+    red, green, blue = color_at(hand, 30.0, 60.0)
+    assert red == green == blue < 100
+    panel.change("channel", "blue")
+    hand.wait(lambda: color_at(hand, 30.0, 60.0)[1] > 200)
+    layer.choose("shown", "colors")
+    assert color_at(hand, 30.0, 20.0) == (220, 60, 60)
+
+
+def test_a_run_finds_what_is_in_the_channel_alone(colored, hand) -> None:
+    colored.panels["parameters"].change("channel", "blue")
+    hand.key(Qt.Key.Key_C)
+    hand.drag((30.0, 60.0), (30.0, 68.0), (30.0, 76.0))
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: len(colored.session.scene.contours.items) == 1)
+    found = colored.session.scene.contours.items[0].contour
+    assert found.closed
+    np.testing.assert_allclose(found.points.mean(axis=0), (30.0, 60.0), atol=1.5)
+    assert colored.session.scene.reconstruction.result.channel == "blue"
+
+
+def test_a_channel_without_edges_is_told_in_words(colored, hand) -> None:
+    said = []
+    colored.session.said.connect(lambda text, wrong: said.append((text, wrong)))
+    hand.key(Qt.Key.Key_C)
+    hand.drag((30.0, 20.0), (30.0, 28.0), (30.0, 36.0))
+    colored.panels["parameters"].change("channel", "green")
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: any("The channel green is the same everywhere" in text for text, _ in said))
+    colored.panels["parameters"].change("channel", "red")
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")

@@ -1,0 +1,146 @@
+"""Channels of color images: what they hold, and that all that looks at gray levels takes the chosen one."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import PIL.Image
+import pytest
+from skimage.color import hed2rgb
+
+from cpm_core import Engine, Parameters, cli, load_image, partition, segment
+from cpm_core.formats import load_contours
+from cpm_core.image.colors import Colors, gray_levels
+from cpm_core.image.image import Image
+from cpm_core.objects import objects_result
+from cpm_core.parameters.choices import CHOICES
+from cpm_core.particles.initialization import circle
+from cpm_core.shapes import Everywhere
+from cpm_core.shapes.image_starts import SeedCache
+
+SIDE = 64
+ROW, COL = np.indices((SIDE, SIDE))
+IN_RED, IN_BLUE = (np.hypot(ROW - 32, COL - col) < 11.0 for col in (18, 46))
+"""A disc that is bright in the red channel alone, and one in the blue channel alone."""
+
+
+def two_discs() -> np.ndarray:
+    samples = np.full((SIDE, SIDE, 3), 60, np.uint8)
+    samples[IN_RED, 0] = samples[IN_BLUE, 2] = 220
+    samples[..., 1] = 40 + COL  # so that the green channel is not the same everywhere
+    return samples
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    made = tmp_path_factory.mktemp("channels") / "discs.png"
+    PIL.Image.fromarray(two_discs()).save(made)
+    return made
+
+
+@pytest.fixture(scope="module")
+def image(path) -> Image:
+    return load_image(path)
+
+
+@pytest.mark.parametrize(("index", "channel"), list(enumerate(("red", "green", "blue"))))
+@pytest.mark.parametrize("white", [255.0, 65535.0, 1.0])
+def test_a_primary_color_is_its_samples_in_the_range_of_the_file(index, channel, white):
+    samples = two_discs()
+    found = gray_levels(np.zeros((SIDE, SIDE)), Colors(samples, white), channel)
+    np.testing.assert_allclose(found, samples[..., index] * (white / 255.0), rtol=1e-12)
+    assert found.dtype == np.float64
+
+
+@pytest.mark.parametrize("channel", CHOICES["channel"].choices)
+def test_a_gray_image_has_its_own_gray_levels_in_every_channel(channel):
+    image = Image(two_discs()[..., 0])
+    assert image.gray(channel) is image.values
+    assert image.channel(channel) == "luminance"
+
+
+@pytest.mark.parametrize(("stain", "name"), list(enumerate(("hematoxylin", "eosin", "dab"))))
+def test_a_stain_darkens_its_own_channel_and_no_other(stain, name):
+    amounts = np.zeros((SIDE, SIDE, 3))
+    amounts[IN_RED, stain] = 0.05
+    colors = Colors(np.rint(255.0 * hed2rgb(amounts)).astype(np.uint8), 255.0)
+    for other in ("hematoxylin", "eosin", "dab"):
+        found = gray_levels(np.zeros((SIDE, SIDE)), colors, other)
+        difference = found[~IN_RED].mean() - found[IN_RED].mean()
+        assert (difference > 100.0) if other == name else abs(difference) < 10.0
+
+
+@pytest.mark.parametrize("channel", CHOICES["channel"].choices)
+def test_a_single_pixel_has_the_gray_level_of_its_channel(image, channel):
+    whole = image.gray(channel)
+    for pixel in ((0, 0), (32, 18), (32, 46), (63, 63)):
+        assert image.gray_at(pixel, channel) == pytest.approx(whole[pixel], rel=1e-12)
+
+
+def found_in(image: Image, channel: str):
+    seeds = np.concatenate([circle((32.0, 18.0), 16.0), circle((32.0, 46.0), 16.0)])
+    return segment(image, seeds, Parameters(scales=1, channel=channel))
+
+
+@pytest.mark.parametrize(("channel", "col"), [("red", 18.0), ("blue", 46.0)])
+def test_a_run_finds_what_is_in_its_channel_and_tells_it(image, channel, col, tmp_path):
+    result = found_in(image, channel)
+    closed = [contour for contour in result.contours if contour.closed]
+    assert len(closed) == 1
+    np.testing.assert_allclose(closed[0].points.mean(axis=0), (32.0, col), atol=1.5)
+    assert result.channel == channel
+    assert result.image is image
+    cut = partition(result)
+    assert cut.values[32, int(col)] == 220.0
+    chosen = cut.select([[32.0, col]])
+    assert abs(chosen.mask.sum() - IN_RED.sum()) < 40
+    assert objects_result([chosen], image, channel=channel).channel == channel
+
+
+def test_a_change_of_the_channel_during_a_run_acts_at_the_next_step(image):
+    engine, red = Engine(image, Parameters(scales=1)), Parameters(scales=1, channel="red")
+    assert engine.steering(red) != engine.steering(replace(red, channel="blue"))
+    assert engine.edge_map(red)[32, 46 - 11] < 0.01 * engine.edge_map(red)[32, 18 - 11]
+    blue = engine.edge_map(replace(red, channel="blue"))
+    assert blue[32, 18 - 11] < 0.01 * blue[32, 46 - 11]
+
+
+def test_seeds_on_edges_are_those_of_the_channel(image):
+    cache, start = SeedCache(image), Everywhere("gradient")
+    for channel, inside in (("red", IN_RED), ("blue", IN_BLUE), ("red", IN_RED)):
+        seeds = cache.seeds_for((start,), 1.0, channel=channel)[start]
+        middle = np.argwhere(inside).mean(axis=0)
+        assert len(seeds) > 10
+        assert np.hypot(*(seeds - middle).T).max() < 16.0
+
+
+def test_a_channel_without_edges_is_refused_in_words():
+    samples = two_discs()
+    samples[..., 1] = 60
+    image = Image(samples @ (0.3, 0.6, 0.1), colors=Colors(samples, 255.0))
+    with pytest.raises(ValueError, match="The channel green is the same everywhere and has no edges: choose another"):
+        Engine(image, Parameters(channel="green"))
+
+
+def test_the_command_line_takes_a_channel_and_tells_it_in_what_it_writes(path, tmp_path, capsys):
+    target = tmp_path / "found.json"
+    asked = ["run", str(path), "--circle", "32,46,16", "--scales", "1", "--export", str(target), "--channel"]
+    assert cli.main([*asked, "blue"]) == 0
+    assert "The channel blue of its colors was taken." in capsys.readouterr().err
+    assert json.loads(target.read_text())["image"]["channel"] == "blue"
+    assert load_contours(target)
+    assert cli.main([*asked, "luminance"]) == 0
+    assert "Color was turned into luminance." in capsys.readouterr().err
+    assert "channel" not in json.loads(target.read_text())["image"]
+    assert cli.main([*asked, "violet"]) == 2
+    assert 'channel is \'violet\' but must be "luminance" or "red"' in capsys.readouterr().err
+
+
+def test_the_command_line_says_that_a_gray_image_has_no_channels(tmp_path, capsys):
+    PIL.Image.fromarray(two_discs()[..., 0]).save(tmp_path / "gray.png")
+    assert (
+        cli.main(["run", str(tmp_path / "gray.png"), "--circle", "32,18,16", "--scales", "1", "--channel", "red"]) == 0
+    )
+    assert "The image is gray: it has no channel red." in capsys.readouterr().err
