@@ -51,7 +51,7 @@ class DisplayImage:
     @staticmethod
     def of(shades: Shades) -> DisplayImage:
         """Reduce shades until the longest side is short."""
-        levels = [shades]
+        levels = [np.ascontiguousarray(shades)]
         while max(levels[-1].shape[:2]) > _OVERVIEW:
             levels.append(_halved(levels[-1]))
         return DisplayImage(tuple(levels))
@@ -127,6 +127,20 @@ def color_curve(window: IntensityWindow, white: float) -> Shades:
     levels = np.linspace(0.0, white, 256)[np.newaxis]
     curve: Shades = apply_window(levels, window)[0]
     return curve
+
+
+def pairs_of(curve: Shades) -> NDArray[np.uint16]:
+    """A curve of 256 values as one of all pairs of bytes, by which an image is drawn in half the time."""
+    wide = curve.astype(np.uint16)
+    return np.ravel(256 * wide[:, np.newaxis] + wide).astype(np.uint16)
+
+
+def by_pairs(shades: Shades, pairs: NDArray[np.uint16]) -> Shades:
+    """Shades of any shape by a curve from `pairs_of`."""
+    flat = np.ascontiguousarray(shades).reshape(-1)
+    if flat.size % 2:
+        return pairs[shades].astype(np.uint8)  # a byte is a pair with zero, and the lower byte of the answer is its own
+    return pairs[flat.view(np.uint16)].view(np.uint8).reshape(shades.shape)
 
 
 def percentile_window(values: Array, percent: float) -> tuple[float, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -44,9 +44,14 @@ class ContourTracker:
         self._seen: list[tuple[int, Position]] = []
         self._numbers = ContourNumbers()
 
-    def begin(self) -> None:
-        """Another image has been opened: its contours are numbered from one again."""
-        self._numbers = ContourNumbers()
+    def begin(self, places: Mapping[int, Position] | None = None) -> None:
+        """Another image has been opened: its contours are numbered from one again, or as `places` tells."""
+        self._numbers = ContourNumbers(places)
+
+    @property
+    def places(self) -> Mapping[int, Position]:
+        """A place of each numbered contour; never changed once returned."""
+        return self._numbers.places
 
     def track(self, result: Result, thorough: bool) -> TrackedContours:
         """Number and measure the contours of a reconstruction.
@@ -75,16 +80,16 @@ class ContourNumbers:
     numbers of a settled one stay, also those of contours that a filter leaves out and later shows again.
     """
 
-    def __init__(self) -> None:
-        self._places: dict[int, Position] = {}
+    def __init__(self, places: Mapping[int, Position] | None = None) -> None:
+        self.places: Mapping[int, Position] = places or {}
 
     def of(self, contours: Sequence[Contour], *, settled: bool) -> tuple[int, ...]:
         """Number of each contour."""
         known = self._found_again(contours)
-        fresh = itertools.count(max(self._places, default=0) + 1)
+        fresh = itertools.count(max(self.places, default=0) + 1)
         numbers = tuple(known[index] if index in known else next(fresh) for index in range(len(contours)))
         if settled:
-            self._places |= zip(numbers, map(middle, contours), strict=True)
+            self.places = {**self.places, **dict(zip(numbers, map(middle, contours), strict=True))}
         return numbers
 
     def _found_again(self, contours: Sequence[Contour]) -> dict[int, int]:
@@ -93,10 +98,10 @@ class ContourNumbers:
         Of several numbers at one contour the oldest wins, so that contours which a filter has cut apart have their
         number again when they are whole again; distances below one pixel are alike.
         """
-        if not contours or not self._places:
+        if not contours or not self.places:
             return {}
-        numbers = list(self._places)
-        near = Neighborhood(contours).pairs(np.array(list(self._places.values())), REACH)
+        numbers = list(self.places)
+        near = Neighborhood(contours).pairs(np.array(list(self.places.values())), REACH)
         pairs = sorted(
             (int(away), numbers[place], -contours[index].length, index)
             for place, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)

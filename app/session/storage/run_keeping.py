@@ -32,6 +32,7 @@ class RunKeeping(QObject):
         self._writer = RunsWriter()
         self._outline: Outline | None = None
         self._collected = self._saved = -1
+        self._recovered = False
         self._then: list[Callable[[RunsCollected], None]] = []
         self._timer = QTimer(self, singleShot=True, interval=_QUIET)
         self._timer.timeout.connect(self._collect)
@@ -114,10 +115,11 @@ class RunKeeping(QObject):
         self.plain, self._collected = collected.plain, collected.edition
 
     def _take_restored(self, restored: RunsRestored) -> None:
-        if restored.generation == self._session.image_generation:
+        if restored.generation == self._session.image_generation and not self._recovered:
             self._saved = restored.edition
 
     def _forget(self, opened: Opened) -> None:
         self._timer.stop()
+        self._recovered = opened.saved is not None and opened.saved.recovered
         self.plain, self._outline = ({} if opened.saved is None else opened.saved.file.runs), None
         self._collected = self._saved = -1

@@ -117,7 +117,7 @@ class DocumentFile(QObject):
         except ValueError as error:
             self._session.say(str(error), True, SAVING)
             return False
-        self._use_written(Written(path, file, document, self.runs.edition))
+        self._session.pass_on(Written(path, file, document, self.runs.edition))
         return True
 
     def forget(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from cpm_core.contours.result import Result
 from cpm_core.field.image_fields import ImageFields
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Position
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.by_hand.operations import carried_out
 from cpm_core.segmentation.method import Method, MethodState
@@ -77,6 +78,7 @@ class Reconstructor:
         self._changed = threading.Condition()
         self._tracker = ContourTracker()
         self._image: Image | None = None
+        self._given: tuple[Image, Mapping[int, Position]] | None = None
         self._requests: Mailbox[Request] = Mailbox()
         self._latest: Reconstruction | None = None
         self._unedited: tuple[Request, Result | Skeleton] | None = None
@@ -95,6 +97,18 @@ class Reconstructor:
         with self._changed:
             self._requests.put(request)
             self._changed.notify_all()
+
+    def numbers(self, image: Image) -> Mapping[int, Position]:
+        """Numbers of the contours of an image, each with a place where its contour passes."""
+        with self._changed:
+            if self._given is not None and self._given[0] is image:
+                return self._given[1]
+            return self._tracker.places if self._image is image else {}
+
+    def number_as(self, image: Image, numbers: Mapping[int, Position]) -> None:
+        """Number the contours of an image by these from now on."""
+        with self._changed:
+            self._given = image, numbers
 
     def forget(self) -> None:
         """Drop the waiting request."""
@@ -148,11 +162,19 @@ class Reconstructor:
         request = self._requests.newest
         return request is not None and request.last
 
+    def _number(self, image: Image) -> None:
+        """Number the contours of another image from one, or as given."""
+        with self._changed:
+            given, self._given = self._given, None
+        if given is not None and given[0] is image:
+            self._tracker.begin(given[1])
+        elif image is not self._image:
+            self._tracker.begin()
+        self._image = image
+
     def _reconstruct(self, request: Request) -> None:
         try:
-            if request.method.image is not self._image:
-                self._image = request.method.image
-                self._tracker.begin()
+            self._number(request.method.image)
             if self._unedited is None or not self._unedited[0].same_state(request):
                 self._unedited = request, request.found()
             result, missed = edited(request.method, self._unedited[1], request.parameters, request.hand_edits)

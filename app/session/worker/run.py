@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Hashable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from app.model.document.document import Document
@@ -62,7 +65,16 @@ class Run(Stepper):
 
     def restore(self, stored: StoredRuns) -> str:
         """Take over the runs of a session, none of which is shown yet; what one of them failed at, if any."""
+        if self.method is not None:
+            self._reconstructor.number_as(self.method.image, stored.numbers)
         return self.recorded.restore(stored, lambda method, document: method.start(self._prepared.seeds(document)))
+
+    def stored(self, drawn: Mapping[int, Counter[Hashable]]) -> StoredRuns:
+        """All runs for a session, with the numbers of their contours; `drawn` as for `RecordedRun.stored`."""
+        stored = self.recorded.stored(drawn)
+        return (
+            stored if self.method is None else replace(stored, numbers=self._reconstructor.numbers(self.method.image))
+        )
 
     def seeds_for(self, document: Document) -> ImageSeeds:
         """Seeds of the starts of a document that depend on the image."""

@@ -87,7 +87,7 @@ class StartScreen(QWidget):
             f"QWidget#start QListView::item {{ border: 2px solid transparent; border-radius: 6px; padding: 4px; }}"
             f"QWidget#start QListView::item:hover {{ background: {theme.button}; }}"
             f"QWidget#start QListView::item:selected {{ background: {theme.button}; color: {theme.text}; }}"
-            f"QWidget#start QListView:focus::item:selected {{ background: {theme.chosen}; color: {theme.text};"
+            f"QWidget#start QListView::item:selected:focus {{ background: {theme.chosen}; color: {theme.text};"
             f" border-color: {theme.accent}; }}"
         )
 

@@ -111,9 +111,12 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     away = scipy.ndimage.distance_transform_edt(~bounds.boundary)
     beside = away <= _BESIDE + bounds.sigma
     if bounds.whole and parameters.weakest_edge > 0.0:
-        ridge &= ~beside | _sense(scale_field, bounds, ridge & beside)
+        along = ridge & beside
+        ridge[along] = _has_sense(scale_field, bounds, along)
     flight = ridge & beside
-    ridge &= scale_field.edge_map >= parameters.weakest_edge * _first_met(scale_field.edge_map, bounds, flight)
+    ridge[ridge] = scale_field.edge_map[ridge] >= parameters.weakest_edge * _first_met(
+        scale_field.edge_map, bounds, flight, ridge
+    )
     flight &= ridge
     coasted = ridge & (away <= parameters.w2 / max(parameters.beta, _LEAST_BETA) ** 2) & ~flight
     if not (flight | coasted).any():
@@ -140,27 +143,33 @@ def _ridge(scale_field: ScaleField) -> Mask:
     return ridge
 
 
-def _first_met(strength: Array, bounds: Bounds, flight: Mask) -> Array:
-    """Median strength of the edges around the part of the enclosed area that is nearest to each pixel."""
+def _first_met(strength: Array, bounds: Bounds, flight: Mask, ridge: Mask) -> Array:
+    """Median strength of the edges around the part of the enclosed area that is nearest to each pixel of a ridge."""
     parts, count = scipy.ndimage.label(bounds.inside)
+    medians = np.zeros(count + 1)
     if not count or not flight.any():
-        return np.zeros(strength.shape)
+        return medians[np.zeros(np.count_nonzero(ridge), int)]
     nearest = scipy.ndimage.distance_transform_edt(parts == 0, return_distances=False, return_indices=True)
-    parts = parts[tuple(nearest)]
-    medians = np.nan_to_num(scipy.ndimage.median(strength, np.where(flight, parts, 0), np.arange(count + 1)))
-    return np.asarray(medians[parts])
+    around = parts[tuple(axis[flight] for axis in nearest)]
+    found = np.unique(around)
+    medians[found] = scipy.ndimage.median(strength[flight], around, found)
+    return np.asarray(medians[parts[tuple(axis[ridge] for axis in nearest)]])
 
 
-def _sense(scale_field: ScaleField, bounds: Bounds, beside: Mask) -> Mask:
-    """Where the image rises across the boundary in the sense in which it does so along most of this closed curve."""
+def _has_sense(scale_field: ScaleField, bounds: Bounds, along: Mask) -> Mask:
+    """Which chosen pixels, K of them, have the sense of most of the boundary: the image rises across it as there.
+
+    Fields of the whole image are made one at a time: at 6000 x 6000 pixels each takes 288 MB.
+    """
     soft = scipy.ndimage.gaussian_filter(bounds.inside.astype(float), 1.0 + bounds.sigma)
-    down, right = np.gradient(soft)
-    across = down * scale_field.gradient[0] + right * scale_field.gradient[1]
+    down, right = np.gradient(soft, axis=0)[along], np.gradient(soft, axis=1)[along]
+    del soft
+    across = down * scale_field.gradient[0][along] + right * scale_field.gradient[1][along]
     curve, count = scipy.ndimage.label(bounds.boundary, np.ones((3, 3), bool))
     nearest = scipy.ndimage.distance_transform_edt(~bounds.boundary, return_distances=False, return_indices=True)
-    curve = curve[tuple(nearest)]
-    sign = np.where(np.bincount(curve[beside], across[beside], minlength=count + 1) < 0.0, -1.0, 1.0)
-    return np.asarray(sign[curve] * across >= _SENSE * np.hypot(down, right) * scale_field.edge_map)
+    curve = curve[tuple(axis[along] for axis in nearest)]
+    sign = np.where(np.bincount(curve, across, minlength=count + 1) < 0.0, -1.0, 1.0)
+    return np.asarray(sign[curve] * across >= _SENSE * np.hypot(down, right) * scale_field.edge_map[along])
 
 
 def _crept(edges: Mask, reached: Mask) -> NDArray[np.float32]:

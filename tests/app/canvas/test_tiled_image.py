@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor
 
-from app.model.display.display_image import DisplayImage
-from app.views.canvas.items.tiled_image import part_of
+from app.model.display.display_image import DisplayImage, by_pairs, pairs_of
+from app.views.canvas.items.tiled_image import TiledImage, part_of
 
 SIDES = st.integers(1, 700)
 MOST_BESIDE = 2 * 256
@@ -47,6 +47,28 @@ def test_a_part_covers_what_is_seen_with_no_more_pixels_than_the_screen_needs(ro
     if level < len(display.levels) - 1:
         assert end - left <= 2.0 * max(zoom, 0.5) * seen.width() + MOST_BESIDE
         assert bottom - top <= 2.0 * max(zoom, 0.5) * seen.height() + MOST_BESIDE
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(1, 9), st.integers(1, 9), st.integers(0, 2**31))
+def test_pairs_of_bytes_are_drawn_by_the_curve_of_each(rows, cols, seed):
+    chance = np.random.default_rng(seed)
+    curve = chance.integers(0, 256, 256, np.uint8)
+    shades = chance.integers(0, 256, (rows + 2, cols + 3, 3), np.uint8)[1 : rows + 1, 2 : cols + 2]
+    np.testing.assert_array_equal(by_pairs(shades, pairs_of(curve)), curve[shades])
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(1, 40), st.integers(1, 40), st.booleans(), st.integers(0, 2**31))
+def test_the_picture_of_a_part_holds_its_very_pixels(rows, cols, colored, seed):
+    shape = (rows + 5, cols + 7, 3) if colored else (rows + 5, cols + 7)
+    pixels = np.random.default_rng(seed).integers(0, 256, shape, np.uint8)
+    item = TiledImage(0.0)
+    item.show_image(DisplayImage.of(pixels))
+    picture = item._picture((0, 3, 2, 3 + rows, 2 + cols))
+    seen = np.frombuffer(picture.constBits(), np.uint8).reshape(rows, -1, 4)[:, :cols, 2::-1]
+    expected = pixels[3 : 3 + rows, 2 : 2 + cols]
+    np.testing.assert_array_equal(seen, expected if colored else np.repeat(expected[..., None], 3, axis=2))
 
 
 @pytest.fixture

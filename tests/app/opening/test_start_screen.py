@@ -20,6 +20,8 @@ from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.start import StartFeature
 from app.views.files.start_screen import StartScreen
 from app.views.main_window import MainWindow
+from app.views.theme.theme import DARK, LIGHT
+from app.views.window import dialogs
 
 KEY, ALT = Qt.Key, Qt.KeyboardModifier.AltModifier
 
@@ -102,6 +104,32 @@ def test_a_saved_session_has_a_picture_at_once(ready, hand, tmp_path, monkeypatc
     hand.key(KEY.Key_S, Qt.KeyboardModifier.ControlModifier)
     hand.wait(lambda: not ready.feature(OpenSaveFeature).document_file.unsaved)
     assert not ready.feature(StartFeature).pictures.get(tmp_path / "work.cpm").isNull()
+
+
+def test_a_session_saved_when_asked_is_recent_work_and_has_a_picture(
+    ready, hand, other, image_file, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda *_: "save")
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "work.cpm"), ""))
+    ready.open_image(str(other))
+    hand.wait(lambda: ready.session.document.image.name == other.name and ready.session.idle)
+    hand.key(KEY.Key_Home, ALT)
+    assert names(ready)[:2] == ["other.npy", "work.cpm"]
+    pictures = ready.feature(StartFeature).pictures
+    assert not pictures.get(tmp_path / "work.cpm").isNull()
+    assert not pictures.get(image_file).isNull()
+
+
+@pytest.mark.parametrize("theme", [LIGHT, DARK], ids=["light", "dark"])
+def test_only_the_marked_picture_is_colored(window, hand, theme) -> None:
+    window.use_theme(theme)
+    hand.key(KEY.Key_Home, ALT)
+    samples_grid = screen(window).samples
+    samples_grid.setFocus()
+    hand.wait(samples_grid.hasFocus)
+    shown = screen(window).grab().toImage()
+    grid = samples_grid.geometry()
+    assert shown.pixelColor(grid.right() - 3, grid.top() + 5) == shown.pixelColor(2, 2)
 
 
 def test_clearing_the_list_of_files_removes_their_pictures(window, hand, other, image_file) -> None:

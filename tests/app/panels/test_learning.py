@@ -160,8 +160,10 @@ def test_what_is_learned_outlives_further_runs_and_files(found, hand, learning, 
     before = left_out(found)
     saved = tmp_path / "learned.cpm"
     assert found.feature(OpenSaveFeature).document_file.save_at_once(saved)
+    shown = found.workspace.review.result
     found.session.open(saved)
-    hand.wait(lambda: found.session.idle and found.workspace.review.result is None)
+    hand.wait(lambda: found.session.idle and found.workspace.review.result not in (None, shown))
+    hand.wait(lambda: left_out(found) == before)
     assert found.session.document.learning
     for _ in range(2):
         found.session.run()

@@ -10,10 +10,14 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
+from app.model.document.contour_editing import add_hand_edits
+from app.session.exchange.messages import Saved
 from app.session.storage.session_file import DocumentFile
+from app.session.tasks.opening import Wanted
 from app.session.timeline.stored.plain_runs import RunsWriter
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.run.timeline import TimelineFeature
+from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 
@@ -90,6 +94,23 @@ def test_what_was_seen_is_there_again(steered, hand, tmp_path) -> None:
     assert not file_of(steered).unsaved
 
 
+def test_contours_have_the_numbers_that_they_had_before(ready, hand, tmp_path) -> None:
+    run_to_the_end(ready, hand)
+    drawn = HandEdit(added=((3.0, 3.0), (3.0, 9.0)))
+    ready.session.edit("draw", lambda document: add_hand_edits(document, (drawn,)))
+    hand.wait(lambda: ready.session.idle and len(numbers(ready)) == 2)
+    before = numbers(ready)
+    assert max(before, key=before.__getitem__) == 2  # the contour drawn by hand is the first one after opening
+    reopened(ready, hand, saved(ready, hand, tmp_path / "a.cpm"))
+    assert numbers(ready) == before
+
+
+def numbers(window) -> dict[int, float]:
+    """The numbers of the contours, and how far up each reaches."""
+    items = window.session.scene.contours.items
+    return {item.contour.number: -float(item.contour.points[:, 0].min()) for item in items}
+
+
 def test_every_step_and_its_steering_can_be_gone_back_to(steered, hand, tmp_path) -> None:
     places = [(1, 10), (1, 25), (2, 12), (2, 30), (3, 3)]
 
@@ -164,6 +185,8 @@ def test_a_skeleton_is_there_again(ready, hand, tmp_path) -> None:
         (("runs", 0, "document"), "no document", ["Run 2"]),
         (("runs", 1, "actions", 0, "step", "beta"), -5.0, ["Run 1", "Branch 1"]),
         (("states", 0, "state", "position", "data"), "AAAA", ["Run 1", "Branch 1", "Run 2"]),
+        (("numbers",), [[1, 5.0, 5.0], [1, 9.0, 9.0]], ["Run 1", "Branch 1", "Run 2"]),
+        (("numbers",), [[2, 5.0, "far"]], ["Run 1", "Branch 1", "Run 2"]),
         (("runs",), 3, []),
     ],
 )
@@ -244,3 +267,13 @@ def test_a_run_that_running_again_gives_is_no_work_and_a_steered_one_is(ready, h
     assert file_of(ready).lost == ("the runs",)
     saved(ready, hand, tmp_path / "a.cpm")
     assert file_of(ready).lost == ()
+
+
+def test_runs_restored_after_a_crash_count_as_unsaved(steered, hand, tmp_path) -> None:
+    path = saved(steered, hand, tmp_path / "a.cpm")
+    file = load_session(path)
+    steered.session.begin(Wanted(path, file.parameters, saved=Saved(path, file, recovered=True)))
+    hand.wait(lambda: steered.session.document.image is not None and file_of(steered).unsaved and steered.session.idle)
+    hand.wait(lambda: "the runs" in file_of(steered).lost)
+    file_of(steered).save(path)
+    hand.wait(lambda: not file_of(steered).unsaved)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
+from app.session.features.objects import object_selection
 from app.session.features.objects.selector import Selector
 from app.session.storage.session_file import DocumentFile
 from cpm_core import circle, partition
@@ -262,6 +263,33 @@ def test_escape_drops_what_is_offered_around_a_start_until_a_run_ends_again(wind
     session.run()
     hand.wait(lambda: bool(selection.proposals))
     assert taken(window) == ()
+
+
+def test_a_run_that_is_reset_or_looked_back_into_offers_nothing_and_its_end_offers_again(window, hand) -> None:
+    selection, session = window.workspace.object_selection, window.session
+    session.edit("draw", lambda d: replace(d, shapes=(Circle(SMALL[0], 4.0),)))
+    session.run()
+    hand.wait(lambda: bool(selection.proposals))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Comma)
+    hand.wait(lambda: session.idle and selection.idle and not selection.proposals)
+    hand.key(KEY.Key_End, Qt.KeyboardModifier.ControlModifier)
+    hand.wait(lambda: bool(selection.proposals))
+    hand.key(KEY.Key_R)
+    hand.wait(lambda: session.idle and selection.idle and not selection.proposals)
+
+
+def test_on_a_large_image_objects_are_found_only_for_who_uses_the_tool(window, hand, monkeypatch) -> None:
+    monkeypatch.setattr(object_selection, "MOST_OFFERED", 64 * 64 - 1)
+    selection, session = window.workspace.object_selection, window.session
+    session.edit("draw", lambda d: replace(d, shapes=(Circle(SMALL[0], 4.0),)))
+    session.run()
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle and selection.idle and session.scene.contours.result is not None)
+    assert not selection.ready and not selection.proposals
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    hand.wait(lambda: bool(selection.proposals))
 
 
 def test_each_start_offers_its_own_object_and_all_are_taken_in_one_step(window, hand) -> None:

@@ -216,7 +216,7 @@ def test_no_two_actions_share_a_key_by_default(window) -> None:
 
 def test_tooltips_of_layers_follow_their_keys(window) -> None:
     box = window.panels["layers"].boxes["contours"]
-    assert box.toolTip().endswith("(Ctrl+2)")
+    assert box.toolTip().endswith("(Alt+4)")
     window.shortcuts.choose("layer_contours", "Ctrl+Shift+F9")
     assert box.toolTip().endswith("(Ctrl+Shift+F9)")
 

@@ -1,5 +1,6 @@
 """What a start reaches, and how reach, weakest edge, damping, weights and annealing decide on it."""
 
+import tracemalloc
 from dataclasses import replace
 from itertools import pairwise
 
@@ -240,3 +241,17 @@ def test_the_area_of_a_start_is_what_it_encloses():
 
 def test_the_area_of_a_single_particle_is_its_pixel():
     assert np.argwhere(drawn_area(np.array([[3.2, 4.7]]), (8, 9))).tolist() == [[3, 5]]
+
+
+def test_a_map_takes_the_memory_of_a_few_images():
+    """Eleven images of 8 bytes a pixel at most, the result included: large images leave no room for more."""
+    row, col = np.ogrid[:800, :800]
+    values = 200.0 * (np.hypot(row - 400.0, col - 400.0) < 200.0)
+    scale_field = build_scale_field(values, 1.0, 0.0)
+    closed, start = closed_map(values.shape), circle((400.0, 400.0), 130.0)
+    tracemalloc.start()
+    try:
+        assert reach_map(scale_field, start, closed, SHAPE) is not None
+        assert tracemalloc.get_traced_memory()[1] < 11 * values.nbytes
+    finally:
+        tracemalloc.stop()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -22,6 +23,9 @@ from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.objects.selection import Selection
 from cpm_core.shapes import Everywhere
 from cpm_core.shapes.image_starts import ImageStart
+
+MOST_OFFERED = 1 << 23
+"""Pixels up to which the objects of the starts are offered; a partition takes some 200 bytes for each, and time."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -81,6 +85,7 @@ class ObjectSelection(QObject):
         self.partitions.changed.connect(self._use_partition)
         session.document_changed.connect(lambda _: self.partitions.look())
         session.document_changed.connect(lambda _: self._follow())
+        session.scene_changed.connect(self._withdraw)
         session.image_changed.connect(self._forget)
 
     # State
@@ -178,12 +183,8 @@ class ObjectSelection(QObject):
 
     @property
     def _starts(self) -> tuple[Array, ...]:
-        """Seeds of the starts drawn on the image, once the run from them has ended; none when they were dismissed."""
-        result, document = self._result, self._session.document
-        ended = result is not None and bool(result.stop_reason) and result is not self._dismissed
-        if not ended or document.mode != "shape":
-            return ()
-        return tuple(start.seeds() for start in document.starts if not isinstance(start, Everywhere | ImageStart))
+        """Seeds of the starts drawn on the image whose objects are offered; none when they were dismissed."""
+        return seeds_of_starts(self._session.document, self._result, self._in_use, self._dismissed)
 
     @property
     def _wanted(self) -> bool:
@@ -193,6 +194,11 @@ class ObjectSelection(QObject):
     def _use_partition(self) -> None:
         self._follow()
         self.changed.emit()
+
+    def _withdraw(self) -> None:
+        """Offer nothing of a run that has been reset or goes on."""
+        if self.proposals and not (self.selecting or self._starts):
+            self._follow()
 
     def _follow(self) -> None:
         """Ask for what has changed."""
@@ -255,6 +261,19 @@ class ObjectSelection(QObject):
     def _forget(self) -> None:
         self._latest.forget()
         self._selector = self._asked = self._pointed = self._dismissed = None
+
+
+def seeds_of_starts(
+    document: Document, result: Result | None, in_use: bool, dismissed: Result | None
+) -> tuple[Array, ...]:
+    """Seeds of the starts drawn on the image, once the run from them has ended with a result, unless it was dismissed.
+
+    On a large image there are none, unless the tool for objects is in use.
+    """
+    ended = result is not None and result is not dismissed and bool(result.stop_reason) and document.mode == "shape"
+    if result is None or not ended or (math.prod(result.shape) > MOST_OFFERED and not in_use):
+        return ()
+    return tuple(start.seeds() for start in document.starts if not isinstance(start, Everywhere | ImageStart))
 
 
 def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:

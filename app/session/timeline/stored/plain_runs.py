@@ -23,8 +23,9 @@ from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, Sto
 from cpm_core.field.placed_charges import in_order
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
-from cpm_core.formats.sessions.plain_values import mapping, shape_from_plain, shape_to_plain, shown
+from cpm_core.formats.sessions.plain_values import mapping, number, shape_from_plain, shape_to_plain, shown
 from cpm_core.formats.sessions.session_file import decode, encode
+from cpm_core.numerics.types import Position
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.particles.state import State
 from cpm_core.shapes import Points, Start
@@ -69,7 +70,9 @@ class RunsWriter:
                 del branch["figures"]
             else:
                 left -= size
-        return {"here": None if stored.here is None else list(stored.here), "runs": runs, "states": states}
+        here = None if stored.here is None else list(stored.here)
+        numbers = [[number, *place] for number, place in stored.numbers.items()]
+        return {"here": here, "runs": runs, "states": states, "numbers": numbers}
 
 
 def from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, str]:
@@ -102,7 +105,24 @@ def from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, str]:
     except ValueError:
         shown_at = None
     there = shown_at if shown_at is not None and shown_at[0] in branches else None
-    return StoredRuns(tuple(runs), there, states), _sentence(*faults[:1])
+    try:
+        places = _numbers(plain.get("numbers", []))
+    except ValueError as error:
+        faults.append(error)
+        places = {}
+    return StoredRuns(tuple(runs), there, states, places), _sentence(*faults[:1])
+
+
+def _numbers(plain: object) -> dict[int, Position]:
+    """Numbers of contours and their places."""
+    places: dict[int, Position] = {}
+    for entry in items(plain):
+        of, *place = entry if isinstance(entry, list) and len(entry) == 3 else (None,)
+        if type(of) is not int or not 0 < of < 2**31 or of in places:
+            raise ValueError(f"{shown(entry)} is not the number of a contour and its place.")
+        row, col = (number(one, f"the place of contour {of}") for one in place)
+        places[of] = row, col
+    return places
 
 
 def _sentence(*faults: Exception) -> str:

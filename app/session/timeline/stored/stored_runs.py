@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from app.model.document.document import Document
 from app.session.timeline.run_actions import RunAction
 from app.session.timeline.state_cache import Place
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Position
 from cpm_core.segmentation.method import MethodState
 
 
@@ -42,8 +42,12 @@ class StoredRun:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class StoredRuns:
-    """All runs, the oldest first, branch and step that are shown, and states that need not be computed again."""
+    """All runs, the oldest first, branch and step that are shown, and states that need not be computed again.
+
+    `numbers` are the numbers of contours, each with a place where its contour passes.
+    """
 
     runs: tuple[StoredRun, ...] = ()
     here: Place | None = None
     states: Mapping[Place, MethodState] = field(default_factory=dict)
+    numbers: Mapping[int, Position] = field(default_factory=dict)

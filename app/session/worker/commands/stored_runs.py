@@ -46,9 +46,9 @@ class CollectRuns(Command):
     def execute(self, context: CommandContext) -> None:
         """Collect them, unless another image has been opened."""
         try:
-            recorded = context.run.recorded
-            plain = self.writer.to_plain(recorded.stored(self.drawn))
-            self.found.append(RunsCollected(self.generation, recorded.timeline.edition, plain))
+            run = context.run
+            plain = self.writer.to_plain(run.stored(self.drawn))
+            self.found.append(RunsCollected(self.generation, run.recorded.timeline.edition, plain))
             context.report(self.found[0])
         finally:
             self.done.set()

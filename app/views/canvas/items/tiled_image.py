@@ -11,7 +11,7 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QImage, QPainter, qRgba
 from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem
 
-from app.model.display.display_image import DisplayImage, Shades
+from app.model.display.display_image import DisplayImage, Shades, by_pairs, pairs_of
 from app.views.canvas.items.item import OverImage
 
 _BLOCK = 256
@@ -36,7 +36,7 @@ class TiledImage(OverImage):
         self.display: DisplayImage | None = None
         """The image that is drawn."""
         self._colors: list[int] | None = None
-        self._curve: NDArray[np.uint8] | None = None
+        self._pairs: NDArray[np.uint16] | None = None
         self._made: tuple[Part, QImage] | None = None
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemUsesExtendedStyleOption)
 
@@ -56,7 +56,7 @@ class TiledImage(OverImage):
 
     def use_curve(self, curve: NDArray[np.uint8] | None) -> None:
         """Draw each channel of colored shades by a curve of 256 values; None leaves them as they are."""
-        self._curve = curve
+        self._pairs = None if curve is None else pairs_of(curve)
         self._renew()
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, *_: Any) -> None:
@@ -87,19 +87,27 @@ class TiledImage(OverImage):
         """The pixels of a part, as the screen has them."""
         assert self.display is not None
         level, top, left, bottom, right = part
-        shades: Shades = np.ascontiguousarray(self.display.levels[level][top:bottom, left:right])
-        rows, cols = shades.shape[:2]
+        shades: Shades = self.display.levels[level][top:bottom, left:right]
+        if shades.ndim == 3 and self._pairs is not None:
+            shades = by_pairs(shades, self._pairs)
         if shades.ndim == 3:
-            shades = shades if self._curve is None else self._curve[shades]
-            picture = QImage(shades.data, cols, rows, shades.strides[0], QImage.Format.Format_RGB888)
+            picture = _view(shades, QImage.Format.Format_RGB888)
         elif self._colors is None:
-            picture = QImage(shades.data, cols, rows, shades.strides[0], QImage.Format.Format_Grayscale8)
+            picture = _view(shades, QImage.Format.Format_Grayscale8)
         else:
-            picture = QImage(shades.data, cols, rows, shades.strides[0], QImage.Format.Format_Indexed8)
+            picture = _view(shades, QImage.Format.Format_Indexed8)
             picture.setColorTable(self._colors)
         opaque = self._colors is None or shades.ndim == 3
         screen = QImage.Format.Format_RGB32 if opaque else QImage.Format.Format_ARGB32_Premultiplied
         return picture.convertToFormat(screen)
+
+
+def _view(shades: Shades, kind: QImage.Format) -> QImage:
+    """Rows of an image, whose bytes stay where they are as long as it is used."""
+    rows, cols = shades.shape[:2]
+    last = (rows - 1) * shades.strides[0] + cols * shades.strides[1]
+    flat = np.lib.stride_tricks.as_strided(shades, (last,), (1,), writeable=False)
+    return QImage(flat.data, cols, rows, shades.strides[0], kind)
 
 
 def part_of(display: DisplayImage, seen: QRectF, zoom: float) -> Part:

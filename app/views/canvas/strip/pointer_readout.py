@@ -22,7 +22,6 @@ class PointerReadout(QLabel):
         super().__init__()
         self._session = session
         canvas.pointed.connect(self._show)
-        session.image_changed.connect(lambda: self._show(None))
 
     def _show(self, position: Position | None) -> None:
         text, image = "", self._session.image

@@ -104,15 +104,16 @@ class StartFeature(Feature):
         return Entry(path, self.pictures.get(path), path.name, f"{path.parent.name} · {when}", str(path))
 
     def _keep_picture(self) -> None:
-        """Keep what the canvas shows as the picture of the session, or of the image where there is none."""
+        """Keep what the canvas shows as the picture of the image, and of its session if there is one."""
         image = self.context.session.document.image
         if image is None or self._files is None:
             return
         session = self._files.document_file.path
-        if session is None and sample_at(Path(image.path)) is not None:
-            return
         canvas = self.context.canvas_area.canvas
-        self.pictures.put(session or Path(image.path), canvas.grab().toImage())
+        picture = canvas.grab().toImage()
+        for path in (Path(image.path), session):
+            if path is not None and sample_at(path) is None:
+                self.pictures.put(path, picture)
 
 
 def _samples() -> list[Entry]:

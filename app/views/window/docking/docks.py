@@ -29,7 +29,7 @@ _FEATURES = (
     | QDockWidget.DockWidgetFeature.DockWidgetFloatable
 )
 
-_WIDTH = 344
+_WIDTH = 330
 """Initial width of the panels beside the canvas [px]."""
 
 _NEXT = 4
