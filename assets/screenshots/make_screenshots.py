@@ -65,14 +65,19 @@ class Stand:
         wait(lambda: session.image_generation != before)
         self.settle()
 
-    def run(self, until: int | None = None) -> None:
-        """Let the particles go until a step, or until they rest."""
+    def run(self) -> None:
+        """Let the particles go until they rest."""
         session = self.window.session
-        session.set_pace(60.0 if until else None)
+        session.set_pace(None)
         session.run()
-        wait(lambda: session.status.phase == "finished" or (until is not None and session.status.step >= until))
-        session.pause()
+        wait(lambda: session.status.phase == "finished")
         self.settle()
+
+    def step_to(self, step: int) -> None:
+        """Take single steps up to this very one, however busy the machine is."""
+        while self.window.session.status.step < step:
+            self.do("step")
+            self.settle()
 
     def do(self, *names: str) -> None:
         """Trigger actions."""
@@ -94,7 +99,7 @@ class Stand:
 
 def midway(stand: Stand) -> None:
     """Half of the U traced."""
-    stand.run(17)
+    stand.step_to(17)
     stand.take("window")
 
 
@@ -141,13 +146,13 @@ def steering(stand: Stand) -> None:
     """A hand with a charge that attracts, one that repels, and a barrier, and the field that follows them."""
     session = stand.window.session
     stand.open("hand.png")
-    stand.run(90)
+    stand.step_to(90)
     shapes = (Charge((120.0, 60.0), 3.0), Charge((330.0, 120.0), -3.0), Barrier(((210.0, 235.0), (235.0, 300.0))))
     for shape in shapes:
         session.edit("place", lambda document, shape=shape: edits.add_shape(document, shape))
     session.select(len(session.document.shapes) - 3)
     stand.do("layer_field")
-    stand.run(120)
+    stand.step_to(120)
     stand.take("steering")
 
 
@@ -158,7 +163,7 @@ def branches(stand: Stand) -> None:
     navigation.go(navigation.outline.branch, 40)
     stand.settle()
     session.edit("damping", lambda document: edits.set_parameter(document, "beta", 2.5))
-    stand.run(90)
+    stand.step_to(90)
     navigation.comparison.compare(navigation.outline.branches[0].identity)
     stand.settle()
     stand.take("branches")
