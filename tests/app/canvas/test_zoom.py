@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
@@ -82,10 +84,12 @@ def test_the_selection_can_fill_the_canvas_by_key_and_by_a_double_click_in_the_t
     assert fills()
 
 
-def test_the_status_bar_forgets_the_pixel_of_another_image(window, hand, tmp_path) -> None:
+def test_the_status_bar_tells_the_pixel_of_the_present_image(window, hand, tmp_path) -> None:
     hand.move(20.0, 20.0)
     assert "row 20" in window.pointer_readout.text()
     np.save(tmp_path / "other.npy", np.eye(48))
     window.session.open(tmp_path / "other.npy")
     hand.wait(lambda: window.session.document.image.name == "other.npy")
-    assert window.pointer_readout.text() == ""
+    row, col = (int(word) for word in re.findall(r"\d+", window.pointer_readout.text())[:2])
+    assert window.pointer_readout.text() == f"row {row}, col {col}:  {float(row == col):g}"
+    assert max(row, col) < 48
