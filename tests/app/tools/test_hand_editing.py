@@ -312,9 +312,12 @@ def test_edits_by_hand_are_saved_and_come_back(gap, hand, tmp_path: Path) -> Non
     edits = gap.session.document.hand_edits
     assert gap.feature(OpenSaveFeature).document_file.save_at_once(path)
     assert load_session(path).hand_edits == edits
+    shown = gap.workspace.review.result
     gap.session.open(path)
-    hand.wait(lambda: gap.session.idle and not gap.session.status.started)
+    hand.wait(lambda: gap.session.idle and gap.workspace.review.result not in (None, shown))
     assert gap.session.document.hand_edits == edits
+    settle(gap, hand)
+    assert [contour.closed for contour in contours(gap)] == [False]
     hand.canvas.setFocus()
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
