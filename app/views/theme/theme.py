@@ -186,7 +186,7 @@ def _panels(theme: Theme) -> str:
     QToolButton#quiet {{ border: 1px solid transparent; border-radius: 4px; padding: 1px; }}
     QToolButton#quiet:hover {{ background: {theme.button}; }}
     QToolButton#quiet:focus {{ border-color: {theme.accent}; }}
-    QTabBar::tab {{ color: {theme.dim}; padding: 5px 5px 4px 5px; border: none; border-bottom: 2px solid transparent;
+    QTabBar::tab {{ color: {theme.dim}; padding: 5px 4px 4px 4px; border: none; border-bottom: 2px solid transparent;
                     background: {theme.window}; }}
     QTabBar::tab:hover {{ color: {theme.text}; background: {theme.button}; }}
     QTabBar::tab:selected {{ color: {theme.text}; border-bottom-color: {theme.accent}; }}
