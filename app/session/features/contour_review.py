@@ -77,7 +77,8 @@ class ContourReview(QObject):
     @property
     def chosen(self) -> tuple[Item, ...]:
         """The selected contours."""
-        return tuple(item for item in self.items if item.key in self.selected)
+        selected = self.selected
+        return tuple(item for item in self.items if item.key in selected) if selected else ()
 
     def under(self, place: Position, reach: float) -> int | None:
         """Key of the shown contour nearest to a place (row, col) within `reach` [px]."""
