@@ -86,7 +86,7 @@ class FilterCounts:
             return ""
         left = distribution.above(value)
         if before is None:
-            return tr("{count} contours").format(count=left)
+            return tr("1 contour") if left == 1 else tr("{count} contours").format(count=left)
         return tr("{before} → {after} contours").format(before=before, after=left)
 
     def _gaps(self, widest: float) -> int:

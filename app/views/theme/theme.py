@@ -246,7 +246,7 @@ def _controls(theme: Theme) -> str:
     QPushButton:disabled, QDockWidget QToolButton#preset:disabled, QFrame#popup QToolButton:disabled {{
         background: {theme.window}; color: {theme.faded}; }}
     QDialogButtonBox, QMessageBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
-    QMessageBox QLabel#qt_msgbox_label {{ font-weight: 600; min-width: 320px; }}
+    QMessageBox QLabel#qt_msgbox_label {{ font-weight: 600; }}
     QMessageBox QLabel#qt_msgbox_informativelabel {{ min-width: 320px; }}
     """
 

@@ -68,11 +68,12 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     Columns: ``contour`` (the number), ``label`` (that in the label mask, 0 when open), ``name``, ``color``, ``closed``
     (TRUE or FALSE), ``junctions`` (how many ends lie on one), ``inside`` (the innermost closed contour around it, 0 for
     none), ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty where there is no image to measure
-    it in), ``length_px``, ``gross_area_px2`` (all that it encloses, 0 when open), ``net_area_px2`` (without the closed
-    contours in it, as in the label mask), the same in the unit of the image where it is known, and where any was edited
-    by hand, ``by_hand_px`` (the length drawn by hand). Where contours are boundaries of objects, also ``object`` (its
-    number, 0 for none), ``hole`` (TRUE or FALSE; the net area of a hole is 0), and ``bridged_px`` (length without an
-    edge that was found). For a skeleton also ``thickness_min_px``, ``thickness_median_px`` and ``thickness_max_px``.
+    it in), ``length_px``, ``gross_area_px2`` (all that it encloses), ``net_area_px2`` (without the closed contours
+    in it, as in the label mask; both areas are empty when it is open), the same in the unit of the image where it is
+    known, and where any was edited by hand, ``by_hand_px`` (the length drawn by hand). Where contours are boundaries
+    of objects, also ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE; the net area of a hole is 0), and
+    ``bridged_px`` (length without an edge that was found). For a skeleton also ``thickness_min_px``,
+    ``thickness_median_px`` and ``thickness_max_px``.
     Where it is known of any contour, ``reached``: how particles came to it (`Contour.reached`).
     """
     header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
@@ -90,9 +91,11 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     for contour, row in zip(result.contours, measure(result.contours, result.spacing), strict=True):
         contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
         line = [row.number, row.label, cell(row.name), row.color, str(row.closed).upper(), row.junctions, row.inside]
-        line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}", f"{row.area:.4f}", f"{row.net_area:.4f}"]
+        line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}"]
+        line += [f"{area:.4f}" if row.closed else "" for area in (row.area, row.net_area)]
         if result.unit:
-            line += [f"{row.length_in_units:.7g}", f"{row.area_in_units:.7g}", f"{row.net_area_in_units:.7g}"]
+            line.append(f"{row.length_in_units:.7g}")
+            line += [f"{area:.7g}" if row.closed else "" for area in (row.area_in_units, row.net_area_in_units)]
         if edited:
             line.append(f"{row.by_hand:.4f}")
         if objects:

@@ -43,6 +43,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     path = tmp_path / "discs.npy"
     np.save(path, values)
     session = window.session
+    window.resize(1600, 900)  # the table has room for most columns
     session.open(path)
     hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
     session.edit("reach", lambda document: replace(document, parameters=Parameters()))
@@ -96,6 +97,31 @@ def exported(hand: Hand, window: MainWindow, tmp_path: Path) -> list[dict]:
     hand.wait(path.exists)
     hand.wait(lambda: window.session.idle)
     return json.loads(path.read_text(encoding="utf-8"))["contours"]
+
+
+@pytest.mark.parametrize("width", [420, 700, 1000, 1600])
+def test_the_columns_that_a_table_shows_fit_into_it_with_their_whole_titles(table, width) -> None:
+    table.resize(width, 200)
+    header = table.horizontalHeader()
+    assert table.horizontalScrollBar().maximum() == 0
+    shown = [index for index in range(len(COLUMNS)) if not table.isColumnHidden(index)]
+    assert shown == list(range(len(shown)))
+    for index in shown:
+        assert header.sectionSize(index) >= header.sectionSizeHint(index)
+
+
+def test_a_column_that_was_asked_for_is_shown_however_narrow_the_table_is(table) -> None:
+    table.resize(420, 200)
+    last = len(COLUMNS) - 1
+    assert table.isColumnHidden(last)
+    header = table.horizontalHeader()
+    header.customContextMenuRequested.emit(QPoint(header.sectionViewportPosition(NAME) + 4, 4))
+    menu = next(menu for menu in table.findChildren(QMenu) if menu.isVisible())
+    menu.actions()[-1].trigger()
+    menu.close()
+    assert not table.isColumnHidden(last)
+    table.resize(440, 200)
+    assert not table.isColumnHidden(last)
 
 
 def test_the_table_shows_the_measures_of_each_contour_drawn(found, table) -> None:

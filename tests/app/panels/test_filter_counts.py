@@ -54,6 +54,7 @@ def test_gaps_are_counted_between_loose_ends_alone() -> None:
         "", "up to 0 gaps", "up to 1 gaps", "up to 1 gaps"
     ]  # fmt: skip
     assert counts.words("min_length", 100.0, 4) == "4 → 0 contours"
+    assert counts.words("min_length", 30.0, None) == "1 contour"
     assert counts.words("beta", 1.0, None) == ""
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QRect, Qt
 
 from app.model.preferences.table import PREFERENCES, TIMELINE_MEMORY
 from app.session.worker.commands.run import Command, CommandContext
@@ -15,6 +15,7 @@ from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.run.timeline import TimelineFeature
+from app.views.panels.timeline.timeline_painter import text_of_none
 from app.views.window.preferences.dialog import PreferencesDialog
 from cpm_core import PRESETS, Engine
 from cpm_core.particles.initialization import circle
@@ -316,6 +317,14 @@ def test_with_very_little_memory_every_step_is_still_exact(rested, hand, fresh) 
         wait_for_step(rested, hand, step)
         np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
     assert navigation(rested).outline.kept <= 2
+
+
+@pytest.mark.parametrize("size", [(120, 44), (160, 50), (220, 44), (700, 44)])
+def test_an_empty_timeline_says_as_much_as_it_has_room_for(window, size) -> None:
+    metrics, area = window.panels["timeline"].view.fontMetrics(), QRect(0, 0, *size)
+    text = text_of_none(metrics, area)
+    assert text, "something is always said"
+    assert area.contains(metrics.boundingRect(area, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, text))
 
 
 def test_every_part_of_the_window_has_the_rows_that_it_brings(rested) -> None:

@@ -11,13 +11,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtWidgets import QMessageBox
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QLabel, QMessageBox
 
 from app.model.document import edits
 from app.session.storage.autosave import KEY, folder_of_journals, lock_of
 from app.session.storage.recovery import left_behind
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
+from app.views.window.dialogs import Button, Question
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 
@@ -56,6 +58,18 @@ def offer(window) -> QMessageBox | None:
 
 def press(box: QMessageBox, text: str) -> None:
     next(button for button in box.buttons() if button.text().replace("&", "").startswith(text)).click()
+
+
+@pytest.mark.parametrize("length", [1, 30, 80])
+def test_the_whole_name_of_the_work_is_in_the_question(window, length) -> None:
+    text = "Restore “" + "long name " * length + "”?"
+    box = Question(window, "Restore", text, "More.", (Button("later", "&Later", "cancel"),))
+    box.open()
+    label = box.findChild(QLabel, "qt_msgbox_label")
+    needed = label.fontMetrics().boundingRect(label.rect(), Qt.TextFlag.TextWordWrap, text)
+    assert label.wordWrap() or label.fontMetrics().horizontalAdvance(text) <= label.width()
+    assert needed.height() <= label.height()
+    box.close()
 
 
 def test_a_change_is_in_the_journal_a_moment_later_by_itself(window, hand) -> None:
@@ -165,6 +179,7 @@ from app.model.document import edits
 from app.views.application import make_application, open_window
 from cpm_core.shapes import Circle
 from app.views.features.file.recovery import RecoveryFeature
+from app.views.window.dialogs import Button, Question
 
 QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, sys.argv[1])
 application = make_application()

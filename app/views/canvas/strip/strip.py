@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from PySide6.QtCore import QSize
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout
 
@@ -47,6 +48,10 @@ class Strip(QFrame):
     def refresh_legend(self) -> None:
         """Show what is on the canvas now."""
         self.legend.refresh()
+
+    def minimumSizeHint(self) -> QSize:
+        """No width: a legend that grows during a run must not make the window wider than the screen."""
+        return QSize(0, super().minimumSizeHint().height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Share the width anew."""

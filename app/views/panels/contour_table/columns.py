@@ -63,8 +63,6 @@ COLUMNS: tuple[Column[Item], ...] = (
     Column("area", tr("Area [{unit}²]"), tr("Gross area: all that it encloses, including contours inside."),
            lambda i: number_text(i.measures.area_in_units) if i.contour.closed else "–",
            lambda i: i.measures.area_in_units, "00,000,000", power=2),
-    Column("likely", tr("Likely"), tr("Probability that it counts, as learned from kept and rejected contours."),
-           _likely, lambda i: -1.0 if i.reviewed.probability is None else i.reviewed.probability, "100%"),
     Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
            lambda i: number_text(i.measures.strength), lambda i: i.measures.strength, "000.0"),
     Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
@@ -73,6 +71,8 @@ COLUMNS: tuple[Column[Item], ...] = (
            lambda i: i.measures.junctions, "0"),
     Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
            _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
+    Column("likely", tr("Likely"), tr("Probability that it counts, as learned from kept and rejected contours."),
+           _likely, lambda i: -1.0 if i.reviewed.probability is None else i.reviewed.probability, "100%"),
     Column("by_hand", tr("By hand [{unit}]"), tr("Length that was drawn by hand."),
            lambda i: number_text(_by_hand(i)) if i.contour.by_hand else "–", _by_hand, "000.0", power=1),
     Column("reached", tr("Reached"), tr("How particles came to it: in free flight from the start, beyond a weak edge, "

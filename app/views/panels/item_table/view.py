@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterable, Set
-from functools import partial
 from typing import Any
 
 from PySide6.QtCore import (
@@ -18,17 +17,15 @@ from PySide6.QtCore import (
     Signal,
 )
 from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
-from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QMenu, QStyledItemDelegate, QTableView, QWidget
+from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
 
-from app.model.text.language import tr
 from app.views.panels.item_table.columns import place
 from app.views.panels.item_table.model import ItemModel, Sorted
+from app.views.panels.item_table.shown_columns import ShownColumns
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
-_PAD = 18
-_ORDERS = ((tr("Smallest first"), Qt.SortOrder.AscendingOrder), (tr("Largest first"), Qt.SortOrder.DescendingOrder))
 LEAST = 48
 """Minimum height of a table, and of what stands beside it [px]."""
 
@@ -80,7 +77,9 @@ class ItemTable(QTableView):
         self.setMouseTracking(True)
         self.setTabKeyNavigation(False)
         self.setMinimumHeight(LEAST)
-        self._lay_out()
+        self.verticalHeader().hide()
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
+        self._columns = ShownColumns(self, rows.columns, rows.name_column)
         self.entered.connect(lambda index: self.hover(self._key(index)))
         self.doubleClicked.connect(
             lambda at: self._edit_name(at.row()) if at.column() == rows.name_column else self.zoom_wanted.emit()
@@ -179,15 +178,14 @@ class ItemTable(QTableView):
             super().keyPressEvent(event)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Give the remaining width to the names."""
-        names = self._rows.name_column
-        others = sum(self.columnWidth(index) for index in range(len(self._rows.columns)) if index != names)
-        self.setColumnWidth(names, max(self._name_width, event.size().width() - others))
+        """Show the columns for which there is room."""
+        self._columns.fit(event.size().width())
         super().resizeEvent(event)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Update the table if items have changed while it was hidden."""
+        """Lay out the columns, and update the table if items have changed while it was hidden."""
         super().showEvent(event)
+        self._columns.measure()
         if self._stale:
             self.show_items()
 
@@ -195,40 +193,6 @@ class ItemTable(QTableView):
         """Clear the highlight when the pointer leaves."""
         self.hover(None)
         super().leaveEvent(event)
-
-    def _lay_out(self) -> None:
-        self.verticalHeader().hide()
-        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
-        header = self.horizontalHeader()
-        header.setHighlightSections(False)
-        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
-        for index, column in enumerate(self._rows.columns):
-            texts = (column.sample, column.title.format(unit="px"))
-            self.setColumnWidth(index, max(map(self.fontMetrics().horizontalAdvance, texts)) + _PAD)
-        self._name_width = self.columnWidth(self._rows.name_column) + 2 * _PAD
-        header.setMinimumSectionSize(44)
-        header.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
-        header.customContextMenuRequested.connect(self._show_columns)
-
-    def _show_columns(self, point: QPoint) -> None:
-        """Open the menu of the header: sort by a column, and choose which columns are shown."""
-        header, columns = self.horizontalHeader(), self._rows.columns
-        menu = QMenu(self)
-        at = header.logicalIndexAt(point)
-        if at >= 0:
-            for text, order in _ORDERS:
-                menu.addAction(text).triggered.connect(partial(self.sortByColumn, at, order))
-            menu.addSeparator()
-        for index, column in enumerate(columns):
-            shown = menu.addAction(str(self.model().headerData(index, Qt.Orientation.Horizontal)))
-            shown.setToolTip(column.tip)
-            shown.setCheckable(True)
-            shown.setChecked(not self.isColumnHidden(index))
-            shown.setEnabled(index != self._rows.name_column)
-            shown.toggled.connect(lambda checked, index=index: self.setColumnHidden(index, not checked))
-        menu.setToolTipsVisible(True)
-        menu.aboutToHide.connect(menu.deleteLater)
-        menu.popup(header.mapToGlobal(point))
 
     def _key(self, index: QModelIndex) -> int:
         return self._rows.key(self._sorted.mapToSource(index).row())

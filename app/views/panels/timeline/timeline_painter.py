@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
-from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QFont, QPainter, QPainterPath, QPalette, QPen, QPolygonF
+from PySide6.QtCore import QPointF, QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetrics, QPainter, QPainterPath, QPalette, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
 from app.model.display.round_numbers import round_up
@@ -17,6 +18,19 @@ from app.views.theme import theme
 
 _FINE_PRINT = 10
 """Height of the labels of scales [px]."""
+
+
+_EMPTY = (
+    tr("The steps of a run are recorded here, so that you can go back to any of them."),
+    tr("A run is recorded here, step by step."),
+)
+"""What an empty timeline says, and what it says where that does not fit."""
+_WRAPPED = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+
+
+def text_of_none(metrics: QFontMetrics, area: QRect) -> str:
+    """The text of an empty timeline: as much as an area has room for."""
+    return next((text for text in _EMPTY if area.contains(metrics.boundingRect(area, _WRAPPED, text))), "")
 
 
 class TimelinePainter:
@@ -38,10 +52,8 @@ class TimelinePainter:
         branches = self._navigation.outline.branches
         if not branches:
             painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
-            words = tr("The steps of a run are recorded here, so that you can go back to any of them.")
-            painter.drawText(
-                QRectF(self._widget.rect()), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, words
-            )
+            area = self._widget.rect()
+            painter.drawText(area, _WRAPPED, text_of_none(painter.fontMetrics(), area))
         else:
             self._draw_grid()
             for branch in branches:
@@ -108,15 +120,14 @@ class TimelinePainter:
             self._painter.drawEllipse(fork, 2.6, 2.6)
         self._painter.setPen(pen)
         self._painter.drawLine(begin, QPointF(self._places.x(last), y))
-        for step, scale in branch.scales:
-            self._draw_scale(step, scale, y, branch.first)
+        places = [*(self._places.x(step) for step, _ in branch.scales), math.inf]
+        for index, (step, scale) in enumerate(branch.scales):
+            if not (step == branch.first == self._navigation.first and scale == 0):
+                self._draw_scale(scale, places[index], y, places[index + 1])
         self._draw_name(branch, y, color if compared or identity == here else None)
 
-    def _draw_scale(self, step: int, scale: int, y: float, first: int) -> None:
-        """Draw a tick where a scale begins, labeled with its reduction; none for full size at the first step."""
-        if step == first == self._navigation.first and scale == 0:
-            return
-        x = self._places.x(step)
+    def _draw_scale(self, scale: int, x: float, y: float, end: float) -> None:
+        """Draw a tick where a scale begins, labeled with its reduction if that fits before the next one, at `end`."""
         self._painter.setPen(QPen(self._color(QPalette.ColorRole.WindowText), 1.4))
         self._painter.drawLine(QPointF(x, y - 5.0), QPointF(x, y + 5.0))
         text = f"1/{2**scale}" if scale else "1/1"
@@ -126,7 +137,8 @@ class TimelinePainter:
         fine.setPixelSize(_FINE_PRINT)
         self._painter.setFont(fine)
         flags = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignBottom
-        self._painter.drawText(QRectF(x + 3.0, y - ROW / 2 - 2.0, 40.0, ROW / 2), flags, text)
+        if x + 3.0 + self._painter.fontMetrics().horizontalAdvance(text) < end:
+            self._painter.drawText(QRectF(x + 3.0, y - ROW / 2 - 2.0, 40.0, ROW / 2), flags, text)
         self._painter.setFont(font)
 
     def _draw_name(self, branch: Branch, y: float, color: QColor | None) -> None:
