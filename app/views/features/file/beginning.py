@@ -11,22 +11,17 @@ from app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
-from app.views.theme.theme import Theme
+from app.views.features.file.offering import OfferingFeature
 from app.views.widgets.action_spec import ActionSpec
-from app.views.widgets.offer_bar import OfferBar
-from app.views.window.feature import Feature, FeatureContext
+from app.views.window.feature import FeatureContext
 from cpm_core.image.kind import Kind
 
 
-class BeginningFeature(Feature):
+class BeginningFeature(OfferingFeature):
     """The parameters that an image begins with, and what is offered for it in a line above it."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        self.bar = OfferBar()
-        context.canvas_area.offers.addWidget(self.bar)
-        context.session.listen(Opened, self._offer)
-        context.session.status_changed.connect(self._withdraw)
         context.preferences.follow(KEEP_PARAMETERS, self._use)
 
     def action_specs(self) -> Sequence[ActionSpec]:
@@ -38,12 +33,8 @@ class BeginningFeature(Feature):
                        tip=tr("Set all parameters as they were for the image that was open before this one.")),
         )  # fmt: skip
 
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the cross."""
-        self.bar.use_theme(theme)
-
-    def _offer(self, opened: Opened) -> None:
-        self.bar.hide()
+    def offer(self, opened: Opened) -> None:
+        """Offer earlier work on an image, or the settings for its kind."""
         session, kind = self.context.session, opened.kind
         if opened.saved is not None or sample_at(opened.path) is not None:
             return
@@ -60,11 +51,6 @@ class BeginningFeature(Feature):
             name = tr("settings for the kind of image")
             take = partial(self.context.session.edit, name, partial(use_kind, kind=kind))
             self.bar.offer(ADVICE[kind].sentence, (tr("Use these settings"), take))
-
-    def _withdraw(self) -> None:
-        """A run is past the beginning."""
-        if self.bar.isVisible() and self.context.session.status.started:
-            self.bar.hide()
 
     def _differ(self, situation: Situation) -> bool:
         former, document = self.context.session.former_parameters, situation.document

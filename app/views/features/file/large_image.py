@@ -8,28 +8,15 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
-from app.views.theme.theme import Theme
-from app.views.widgets.offer_bar import OfferBar
-from app.views.window.feature import Feature, FeatureContext
+from app.views.features.file.offering import OfferingFeature
 from cpm_core.segmentation.large_images import LargeImageSettings
 
 
-class LargeImageFeature(Feature):
+class LargeImageFeature(OfferingFeature):
     """Offers the scales and the smoothing that suit a large image; nothing is changed before the user agrees."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self.bar = OfferBar()
-        context.canvas_area.offers.addWidget(self.bar)
-        context.session.listen(Opened, self._offer)
-        context.session.status_changed.connect(self._withdraw)
-
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the cross."""
-        self.bar.use_theme(theme)
-
-    def _offer(self, opened: Opened) -> None:
-        self.bar.hide()
+    def offer(self, opened: Opened) -> None:
+        """Offer what a large image wants."""
         settings, document = opened.large, self.context.session.document
         if settings is None or opened.saved is not None or _with(document, settings) == document:
             return
@@ -41,11 +28,6 @@ class LargeImageFeature(Feature):
             sentence,
             (tr("Use them"), lambda: self.context.session.edit(name, lambda document: _with(document, settings))),
         )
-
-    def _withdraw(self) -> None:
-        """A run is past the beginning."""
-        if self.bar.isVisible() and self.context.session.status.started:
-            self.bar.hide()
 
 
 def _with(document: Document, settings: LargeImageSettings) -> Document:
