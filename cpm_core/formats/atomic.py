@@ -12,6 +12,8 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from cpm_core.formats.interrupts import interrupts_handled
+
 _ABANDONED = 600.0
 """Age of a draft that nobody writes any more [s]: its writer was killed."""
 
@@ -142,19 +144,12 @@ def _finish(descriptor: int, target: Path) -> None:
 @contextlib.contextmanager
 def _interrupts_put_off(count: int) -> Iterator[None]:
     """Let Ctrl+C wait until the end of the block, which moves `count` files; the interrupt then says so."""
-    before = signal.getsignal(signal.SIGINT)
-    came: list[int] = []
-    try:
-        if not callable(before):  # ignored, or not of Python
-            raise ValueError
-        signal.signal(signal.SIGINT, lambda number, _: came.append(number))
-    except ValueError:  # only the main thread is interrupted, and only it may change how
+    if not callable(signal.getsignal(signal.SIGINT)):  # ignored, or not of Python
         yield
         return
-    try:
+    came: list[int] = []
+    with interrupts_handled(lambda number, _: came.append(number)):
         yield
-    finally:
-        signal.signal(signal.SIGINT, before)
     if came:
         files = "the file was" if count == 1 else f"all {count} files were"
         raise KeyboardInterrupt(f"{files} written before")

@@ -7,13 +7,14 @@ import multiprocessing
 import multiprocessing.connection
 import signal
 from asyncio import CancelledError
-from collections.abc import Generator, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Generator, Sequence
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any
 
 from cpm_core.cli.batch.jobs import Done, Job, do
+from cpm_core.formats.interrupts import interrupts_handled
 from cpm_core.numerics import jit_cache
 from cpm_core.numerics.parallel import cores
 from cpm_core.objects.warm_up import warm_up
@@ -126,7 +127,7 @@ class _Worker:
         self.job: Job | None = None
         self.dead = False
         self._process: BaseProcess = context.Process(target=_work, args=(theirs,), daemon=True)
-        with _interrupts_ignored():
+        with interrupts_handled(signal.SIG_IGN):  # this process ends those that it starts
             self._process.start()
         theirs.close()
 
@@ -161,17 +162,3 @@ def _work(line: Connection) -> None:
     with suppress(EOFError, OSError):
         while True:
             line.send(do(line.recv()))
-
-
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Let processes that are started in the block ignore Ctrl+C, because this process ends them."""
-    try:
-        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    except ValueError:  # only the main thread may change it
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
