@@ -8,7 +8,12 @@ from PySide6.QtWidgets import QLabel
 
 
 class ElidedLabel(QLabel):
-    """A text in one line, with an ellipsis where it does not fit; never wider than the place it is given."""
+    """The first line of a text, with an ellipsis where there is more; never wider than the place it is given."""
+
+    @property
+    def first_line(self) -> str:
+        """What it shows if there is room."""
+        return self.text().partition("\n")[0]
 
     def minimumSizeHint(self) -> QSize:
         """One line, of any width."""
@@ -17,8 +22,9 @@ class ElidedLabel(QLabel):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw what fits."""
         painter = QPainter(self)
-        painter.setPen(self.palette().windowText().color())
+        painter.setPen(self.palette().color(self.foregroundRole()))
+        line = self.first_line if self.first_line == self.text() else f"{self.first_line} …"
         box = self.contentsRect()
-        text = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, box.width())
-        painter.drawText(box, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, text)
+        shown = self.fontMetrics().elidedText(line, Qt.TextElideMode.ElideRight, box.width())
+        painter.drawText(box, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, shown)
         painter.end()

@@ -7,14 +7,11 @@ from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 
-class Scrolled(QScrollArea):
-    """Scrolls its content up and down, and is as wide as it; `least` is its minimum height [px]."""
+class Scroller(QScrollArea):
+    """Scrolls its content up and down, on the background of what is around it."""
 
-    def __init__(self, content: QWidget, least: int) -> None:
+    def __init__(self, content: QWidget) -> None:
         super().__init__()
-        self._content = content
-        self._least = least
-        content.setObjectName("scrolled")
         self.setWidget(content)
         content.setAutoFillBackground(False)
         self.viewport().setAutoFillBackground(False)
@@ -22,6 +19,16 @@ class Scrolled(QScrollArea):
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+
+
+class Scrolled(Scroller):
+    """Is as wide as its content; `least` is its minimum height [px]."""
+
+    def __init__(self, content: QWidget, least: int) -> None:
+        super().__init__(content)
+        self._content = content
+        self._least = least
+        content.setObjectName("scrolled")
 
     def sizeHint(self) -> QSize:
         """The size of the content, with a scroll bar where it is needed."""

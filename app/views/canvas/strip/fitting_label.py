@@ -1,16 +1,18 @@
-"""A label of one line that ends in an ellipsis where its text does not fit."""
+"""A label of one line that knows whether its whole text is visible."""
 
 from __future__ import annotations
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
-from PySide6.QtWidgets import QLabel, QSizePolicy
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QSizePolicy
+
+from app.views.widgets.elided_label import ElidedLabel
 
 _NARROWEST = 40
 
 
-class ElidedLabel(QLabel):
-    """Shows the first line of its text as far as it fits; the tool tip has the whole."""
+class FittingLabel(ElidedLabel):
+    """Shows the first line of its text as far as it fits; the tool tip has the whole where it does not."""
 
     fits_changed = Signal()
     """The text fits now, or no longer."""
@@ -38,24 +40,12 @@ class ElidedLabel(QLabel):
 
     def sizeHint(self) -> QSize:
         """Space for its first line."""
-        line = self.text().partition("\n")[0]
-        return QSize(self.fontMetrics().horizontalAdvance(line) + 2, self.fontMetrics().height())
+        return QSize(self.fontMetrics().horizontalAdvance(self.first_line) + 2, self.fontMetrics().height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Look whether the text fits."""
         super().resizeEvent(event)
         self._follow()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the text."""
-        painter = QPainter(self)
-        painter.setPen(self.palette().color(self.foregroundRole()))
-        line, _, rest = self.text().partition("\n")
-        line = f"{line} …" if rest else line
-        room = self.contentsRect()
-        shown = self.fontMetrics().elidedText(line, Qt.TextElideMode.ElideRight, room.width())
-        painter.drawText(room, int(Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft), shown)
-        painter.end()
 
     def _follow(self) -> None:
         fits = self.fits

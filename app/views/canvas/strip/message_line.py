@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QToolButton, QVBoxLay
 
 from app.model.state.messages import Message, Messages
 from app.model.text.language import tr
-from app.views.canvas.strip.elided_label import ElidedLabel
+from app.views.canvas.strip.fitting_label import FittingLabel
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 
@@ -26,7 +26,7 @@ class MessageLine(QFrame):
     def __init__(self) -> None:
         super().__init__()
         self._messages = Messages()
-        self._label = ElidedLabel()
+        self._label = FittingLabel()
         self._label.fits_changed.connect(self._show_details_button)
         self.details = QToolButton()
         self.details.setText(tr("Details"))

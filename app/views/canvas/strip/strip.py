@@ -9,7 +9,7 @@ from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout
 
 from app.views.canvas.layers.legend_entry import LegendEntry
-from app.views.canvas.strip.elided_label import ElidedLabel
+from app.views.canvas.strip.fitting_label import FittingLabel
 from app.views.canvas.strip.legend import Legend
 from app.views.canvas.strip.message_line import MessageLine
 
@@ -25,7 +25,7 @@ class Strip(QFrame):
         super().__init__()
         self.setObjectName("strip")
         self.messages = MessageLine()
-        self.hint = ElidedLabel()
+        self.hint = FittingLabel()
         self.hint.setObjectName("hint")
         self.hint.setContentsMargins(_PAD, 0, 0, 0)
         self.legend = Legend(entries)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
-from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtCore import QSize, QTimer
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from app.model.display.filter_counts import FILTERS, GAP, FilterCounts
 from app.model.document import edits
@@ -23,6 +23,7 @@ from app.views.panels.parameters.explanation import Explanation, Form, form_in
 from app.views.panels.parameters.parameter_row import ParameterRow
 from app.views.presets.preset_gallery import PresetGallery
 from app.views.theme.theme import Theme
+from app.views.widgets.scrolled import Scroller
 from app.views.widgets.section import Section
 
 _LOWEST = 120
@@ -121,14 +122,7 @@ class ParametersPanel(QWidget):
         section = Section(tr("Advanced"), advanced, unfolded=False)
         column.addWidget(section)
         column.addStretch(1)
-        area = QScrollArea()
-        area.setWidget(scrolled)
-        area.setWidgetResizable(True)
-        area.viewport().setAutoFillBackground(False)
-        scrolled.setAutoFillBackground(False)
-        area.setFrameShape(QFrame.Shape.NoFrame)
-        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        area = Scroller(scrolled)
         # The unfolded rows are scrolled into view after the layout has placed them.
         section.fold.toggled.connect(
             lambda unfolded: QTimer.singleShot(0, area, lambda: self._scroll_to(area, section, unfolded))
