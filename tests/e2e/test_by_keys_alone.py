@@ -3,37 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
-import pytest
-from PySide6.QtCore import QPoint, Qt
-from PySide6.QtGui import QCursor
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QWidget
 
-from app.views.application import make_application, open_window
 from app.views.main_window import MainWindow
 from cpm_core.shapes import Circle
+from tests.e2e.conftest import PATIENCE
 
-PATIENCE = 60_000
 KEY, SHIFT, CONTROL, ALT = Qt.Key, Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier, (
     Qt.KeyboardModifier.AltModifier
 )  # fmt: skip
-
-
-@pytest.fixture
-def window(qtbot) -> Iterator[MainWindow]:
-    make_application()
-    made = open_window()
-    made.session.set_pace(None)
-    qtbot.waitExposed(made)
-    QCursor.setPos(made.mapToGlobal(QPoint(2, 2)))  # off the image
-    qtbot.waitUntil(lambda: made.session.document.image is not None, timeout=PATIENCE)
-    qtbot.waitUntil(lambda: made.session.idle and made.isActiveWindow(), timeout=PATIENCE)
-    yield made
-    made.close()
-    made.deleteLater()
 
 
 class Keys:

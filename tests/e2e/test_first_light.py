@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 from PIL import Image as Picture
@@ -13,22 +11,7 @@ from PySide6.QtGui import QColor
 from app.model.document.samples import samples
 from app.views.application import make_application, open_window
 from app.views.features.file.export import ExportFeature
-from app.views.main_window import MainWindow
-
-PATIENCE = 60_000
-
-
-@pytest.fixture
-def window(qtbot) -> Iterator[MainWindow]:
-    make_application()
-    made = open_window()
-    made.session.set_pace(None)
-    qtbot.waitExposed(made)
-    qtbot.waitUntil(lambda: made.session.document.image is not None, timeout=PATIENCE)
-    qtbot.waitUntil(lambda: made.session.idle, timeout=PATIENCE)
-    yield made
-    made.close()
-    made.deleteLater()
+from tests.e2e.conftest import PATIENCE
 
 
 def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbot, tmp_path, monkeypatch) -> None:
