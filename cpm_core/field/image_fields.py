@@ -9,7 +9,7 @@ from typing import Self
 from numpy.typing import ArrayLike
 
 from cpm_core.field.placed_charge_cache import PlacedChargeCache, charged_force, charged_potential
-from cpm_core.field.placed_charges import Charges, PlacedCharge, at_scale, in_order
+from cpm_core.field.placed_charges import PlacedCharge, at_scale, in_order
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.scale_space import ScaleSpace
 from cpm_core.image.image import Image, as_plane
@@ -114,10 +114,6 @@ class ImageFields:
         and of the potential of placed charges, whose unit of force counts as the mean slope of the former.
         """
         return charged_potential(self.scale_field(parameters), at_scale(in_order(charges), 0, self.image.shape))
-
-    def _charged_field(self, parameters: Parameters, scale: int, charges: Charges) -> ScaleField:
-        """Fields of a scale with those of placed charges, which are in order."""
-        return self._charged.of(self.scale_field(parameters, scale), scale, charges)
 
     def _check_edges(self) -> None:
         if not self.scale_field(self._latest).edge_map.any():

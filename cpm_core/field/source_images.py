@@ -11,7 +11,7 @@ from threading import RLock
 from typing import NamedTuple
 
 from cpm_core.field.edge_map import automatic_smoothing, prepared
-from cpm_core.image.colors import Colors, gray_levels
+from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.denoising import Cleaned
 from cpm_core.image.pyramid import pyramid
 from cpm_core.image.tone import toned
@@ -94,7 +94,7 @@ class SourceImages:
 
     def _channel(self, name: str) -> Array:
         """Gray levels of a channel; ValueError when they are the same everywhere."""
-        values = gray_levels(self._original.images[0], self._colors, name)
+        values = channel_of(self._original.images[0], self._colors, name)
         if values is not self._original.images[0] and values.min() == values.max():
             raise ValueError(f"The channel {name} is the same everywhere and has no edges: choose another channel.")
         return values

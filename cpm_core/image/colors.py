@@ -33,7 +33,7 @@ class Colors:
     white: float
 
 
-def gray_levels(luminance: Array, colors: Colors | None, channel: str) -> Array:
+def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
     """Gray levels of one of the channels of `Parameters.channel`, shape (H, W).
 
     Parameters

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.image.colors import Colors, gray_levels
+from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.gray_levels import usable
 
 MINIMUM_SIDE = 8
@@ -92,13 +92,13 @@ class Image:
 
     def gray(self, channel: str = "luminance") -> NDArray[np.float64]:
         """Gray levels of a channel of `Parameters.channel`: `values` of a gray image; see `colors.gray_levels`."""
-        return gray_levels(self.values, self.colors, channel)
+        return channel_of(self.values, self.colors, channel)
 
     def gray_at(self, pixel: tuple[int, int], channel: str = "luminance") -> float:
         """Gray level of a pixel (row, col) in a channel."""
         place = tuple(slice(at, at + 1) for at in pixel)
         colors = self.colors and Colors(self.colors.samples[place], self.colors.white)
-        return gray_levels(self.values[place], colors, channel).item()
+        return channel_of(self.values[place], colors, channel).item()
 
     def channel(self, wanted: str) -> str:
         """Name of the channel that is taken when one is wanted: a gray image has its luminance alone."""
