@@ -1,0 +1,60 @@
+"""Tries broken input, faults and random use at length: ``python -m tests.faults [--only PART ...] [--minutes M] [--seed S]``.
+
+The ordinary suite holds a short run of each part; this command goes on for as long as it is told and prints the table that stands in
+the README.
+"""
+
+import argparse
+import sys
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from .report import Budget, Part, Report
+
+PARTS: dict[str, tuple[str, Part]] = {}
+"""Name of each part: what it tries in a few words, and the function that runs it."""
+
+
+def run(name: str, seconds: float, seed: int) -> Report:
+    """Run one part in a scratch folder of its own, and take its time."""
+    started = time.perf_counter()
+    with tempfile.TemporaryDirectory(prefix="cpm-faults-") as folder:
+        report = PARTS[name][1](Budget(seconds, seed, Path(folder)))
+    return replace(report, seconds=time.perf_counter() - started)
+
+
+def table(reports: dict[str, Report]) -> str:
+    """Give the rows of the table of the README."""
+    lines = ["| tried | inputs | faults | hours | failures |", "|---|---|---|---|---|"]
+    for name, report in reports.items():
+        hours = report.seconds / 3600
+        lines.append(
+            f"| {PARTS[name][0]} | {report.inputs:,} | {report.faults:,} | {hours:.2f} | {len(report.failures)} |"
+        )
+    return "\n".join(lines)
+
+
+def main() -> int:
+    """Run the parts that are asked for; status 1 if one of them failed."""
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.faults", description="Try broken input, faults and random use at length."
+    )
+    parser.add_argument(
+        "--only", nargs="+", choices=sorted(PARTS), default=list(PARTS), metavar="PART", help="parts: %(choices)s"
+    )
+    parser.add_argument("--minutes", type=float, default=2.0, help="time for each part (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="fixes all random choices (default: %(default)s)")
+    arguments = parser.parse_args()
+    reports = {}
+    for name in arguments.only:
+        reports[name] = run(name, 60 * arguments.minutes, arguments.seed)
+        for failure in reports[name].failures:
+            print(f"{name}: {failure}", flush=True)
+    print(table(reports))
+    return 1 if any(report.failures for report in reports.values()) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
