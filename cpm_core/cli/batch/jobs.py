@@ -11,7 +11,8 @@ from cpm_core.cli.arguments import notes_on, with_room
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image, omission
-from cpm_core.formats.sessions.session_file import SessionFile, fingerprint
+from cpm_core.formats.sessions.fingerprint import fingerprint
+from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on

@@ -12,7 +12,7 @@ from pathlib import Path
 from cpm_core.formats.atomic import write_together
 from cpm_core.formats.printable import cell, printable, text_of_cell
 from cpm_core.formats.provenance import VERSION
-from cpm_core.formats.sessions.session_file import fingerprint
+from cpm_core.formats.sessions.fingerprint import fingerprint
 
 NAME = "summary.csv"
 """Name of the table in the folder of a batch."""

@@ -6,8 +6,8 @@ review of the contours, and the view. The image stays in its own file; a hash sh
 
 from __future__ import annotations
 
-import hashlib
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 from typing import Any
@@ -17,6 +17,7 @@ from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
+from cpm_core.formats.sessions.fingerprint import fingerprint
 from cpm_core.formats.sessions.plain_values import (
     from_plain,
     mapping,
@@ -127,15 +128,6 @@ class SessionFile:
     hand_edits: tuple[HandEdit, ...] = ()
     runs: Plain = field(default_factory=dict)
     truth: TruthFile | None = None
-
-
-def fingerprint(path: Path) -> str:
-    """Hash of a file (SHA-256), 64 hexadecimal digits; empty when it cannot be read."""
-    try:
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError:
-        return ""
 
 
 def save_session(session: SessionFile, path: Path) -> None:
@@ -262,7 +254,9 @@ def _mark_to_plain(mark: Mark) -> dict[str, Any]:
     return plain
 
 
-def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
+def find_image(
+    image: ImageFile, folder: Path, go_on: Callable[[], None] = lambda: None
+) -> tuple[Path, tuple[str, ...]]:
     """Find the image of a session.
 
     Parameters
@@ -271,6 +265,8 @@ def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
         Entry of the session file.
     folder : Path
         Folder of the session file.
+    go_on : callable, optional
+        Called while the image is compared with the one that the session knows; raises to stop.
 
     Returns
     -------
@@ -288,7 +284,7 @@ def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
     for candidate in candidates:
         if _is_file(candidate):
             found = candidate.resolve()
-            if image.sha256 and fingerprint(found) != image.sha256:
+            if image.sha256 and fingerprint(found, go_on) != image.sha256:
                 return found, (f"{found.name} has changed since the session was saved: shapes may be misplaced.",)
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)
