@@ -14,6 +14,9 @@ from pathlib import Path
 
 from cpm_core.formats.interrupts import interrupts_handled
 
+_DRAFT = ".cpm-"
+"""Beginning of the name of a draft."""
+
 _ABANDONED = 600.0
 """Age of a draft that nobody writes any more [s]: its writer was killed."""
 
@@ -107,6 +110,15 @@ def check_place(file: Path) -> None:
     _check_target(file.resolve())
 
 
+def remove_abandoned(folder: Path, stem: str = _DRAFT) -> None:
+    """Remove drafts from a folder whose writers were killed, of all targets or those whose names begin with a stem."""
+    oldest = time.time() - _ABANDONED
+    with contextlib.suppress(OSError):
+        for left in folder.glob(f"{stem}*.part"):
+            if left.stat().st_mtime < oldest:
+                left.unlink()
+
+
 def _check_target(target: Path) -> os.stat_result | None:
     """What is known of a target that exists; ValueError when it must not be replaced."""
     try:
@@ -124,12 +136,8 @@ def _check_target(target: Path) -> os.stat_result | None:
 def _draft_beside(target: Path) -> Path:
     """A new name of fixed length for a draft of a target; drafts of it that have been left behind are removed."""
     _check_target(target)
-    stem = f".cpm-{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
-    oldest = time.time() - _ABANDONED
-    with contextlib.suppress(OSError):
-        for left in target.parent.glob(f"{stem}-*.part"):
-            if left.stat().st_mtime < oldest:
-                left.unlink()
+    stem = f"{_DRAFT}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
+    remove_abandoned(target.parent, stem)
     return target.with_name(f"{stem}-{secrets.token_hex(6)}.part")
 
 

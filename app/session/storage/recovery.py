@@ -15,6 +15,7 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Saved
 from app.session.storage.autosave import KEY, lock_of
 from app.session.tasks.opening import Wanted
+from cpm_core.formats.atomic import remove_abandoned
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
 
 _log = logging.getLogger(__name__)
@@ -54,6 +55,7 @@ class Leftover:
 
 def left_behind(folder: Path) -> Sequence[Leftover]:
     """Journals in a folder whose processes have ended, the newest first; damaged ones are removed."""
+    _clear(folder)
     found = []
     for journal in sorted(folder.glob(f"*{SUFFIX}")):
         lock = lock_of(journal)
@@ -62,6 +64,16 @@ def left_behind(folder: Path) -> Sequence[Leftover]:
             if leftover is not None:
                 found.append(leftover)
     return sorted(found, key=lambda leftover: leftover.when, reverse=True)
+
+
+def _clear(folder: Path) -> None:
+    """Remove what killed processes have left that holds no work: drafts, and locks of journals that are not there."""
+    remove_abandoned(folder)
+    for path in folder.glob("*.lock"):
+        journal = path.with_suffix(SUFFIX)
+        lock = lock_of(journal)
+        if not journal.exists() and lock.tryLock(0):  # one that nobody holds
+            lock.unlock()
 
 
 def _read(journal: Path, lock: QLockFile) -> Leftover | None:
