@@ -40,7 +40,8 @@ def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
     moved = 0
     try:
         for path, content in contents:
-            target = path.resolve()
+            with _failures_told(path):
+                target = path.resolve()
             draft = _draft_beside(target)
             moves.append((draft, target))
             with draft.open("xb") as stream:
@@ -79,18 +80,17 @@ def draft_of(path: Path) -> Iterator[Path]:
     ValueError
         When it cannot be written, is read-only or not an ordinary file.
     """
-    target = path.resolve()
-    draft = _draft_beside(target)
-    try:
-        yield draft
-        with draft.open("rb+") as stream:
-            _finish(stream.fileno(), target)
-        draft.replace(target)
-    except OSError as error:
-        raise ValueError(f"{target} cannot be written: {error.strerror or error}.") from error
-    finally:
-        with contextlib.suppress(OSError):
-            draft.unlink()
+    with _failures_told(path):
+        target = path.resolve()
+        draft = _draft_beside(target)
+        try:
+            yield draft
+            with draft.open("rb+") as stream:
+                _finish(stream.fileno(), target)
+            draft.replace(target)
+        finally:
+            with contextlib.suppress(OSError):
+                draft.unlink()
 
 
 def check_place(file: Path) -> None:
@@ -101,13 +101,24 @@ def check_place(file: Path) -> None:
     ValueError
         When the path is a folder, a device or a read-only file, or its folder does not exist or is not writable.
     """
-    if file.is_dir():
-        raise ValueError(f"{file} is a folder: name a file in it.")
-    if not file.parent.is_dir():
-        raise ValueError(f"{file} cannot be written: there is no folder {file.parent}.")
-    if not os.access(file.parent, os.W_OK):
-        raise ValueError(f"{file} cannot be written: you have no permission to write into {file.parent}.")
-    _check_target(file.resolve())
+    with _failures_told(file):
+        if file.is_dir():
+            raise ValueError(f"{file} is a folder: name a file in it.")
+        if not file.parent.is_dir():
+            raise ValueError(f"{file} cannot be written: there is no folder {file.parent}.")
+        if not os.access(file.parent, os.W_OK):
+            raise ValueError(f"{file} cannot be written: you have no permission to write into {file.parent}.")
+        _check_target(file.resolve())
+
+
+@contextlib.contextmanager
+def _failures_told(file: Path) -> Iterator[None]:
+    """Let ValueError say in a sentence what the system refuses to do with a file."""
+    try:
+        yield
+    except (OSError, RuntimeError) as error:  # some releases of Python call links in a circle a RuntimeError
+        reason = (error.strerror if isinstance(error, OSError) else "") or error
+        raise ValueError(f"{file} cannot be written: {reason}.") from error
 
 
 def remove_abandoned(folder: Path, stem: str = _DRAFT) -> None:

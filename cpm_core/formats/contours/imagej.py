@@ -76,9 +76,12 @@ def _selection(contour: Contour, number: int) -> bytes:
         integer_coordinates=np.clip(np.rint(xy - (left, top)), 0, _LARGEST).astype(np.int32),
         subpixel_coordinates=xy,
         stroke_color=bytes((255, *rgb(contour))),
-        # roifile counts characters, the file UTF-16 units: one zero is appended for each character of two units
-        name=name + "\0" * sum(ord(letter) > 0xFFFF for letter in name),
+        name=name,
     )
+    wide = sum(ord(letter) > 0xFFFF for letter in name)
+    if wide and ImagejRoi.frombytes(roi.tobytes()).name != name:
+        # early releases of roifile count characters, the file UTF-16 units: a zero makes up for each one of two units
+        roi.name = name + "\0" * wide
     return roi.tobytes()
 
 
