@@ -5,6 +5,7 @@ import signal
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from cpm_core.numerics.parallel import cores
 from cpm_core.objects.warm_up import warm_up
@@ -17,6 +18,10 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 # Tests read the sentences of the source, on the computer of a person of any language.
 os.environ["LANGUAGE"] = "en"
+
+# No test depends on how fast the computer is.
+settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("untimed")
 
 
 @pytest.hookimpl(optionalhook=True)
