@@ -10,7 +10,8 @@ from PySide6.QtCore import QCoreApplication, QEvent
 from PySide6.QtWidgets import QApplication
 
 OPENED = (
-    "export", "export_animation", "export_strip", "mosaic", "preferences", "keys", "guide", "wipe", "magnifier", "open_menu",
+    "export", "export_animation", "export_strip", "mosaic", "preferences", "keys", "guide", "wipe", "magnifier",
+    "open_menu",
 )  # fmt: skip
 """Actions that open a dialog, a menu, or another view of the image."""
 
