@@ -1,7 +1,7 @@
-"""Tries broken input, faults and random use at length: ``python -m tests.faults [--only PART ...] [--minutes M] [--seed S]``.
+"""Tries broken input, faults and random use at length: ``python -m tests.faults``.
 
-The ordinary suite holds a short run of each part; this command goes on for as long as it is told and prints the table that stands in
-the README.
+``--only PART ...`` names parts, ``--minutes M`` the time for each, ``--seed S`` fixes all random choices. The ordinary
+suite holds a short run of each part; this command goes on for as long as it is told and prints the table of the README.
 """
 
 import argparse

@@ -145,11 +145,17 @@ def save_session(session: SessionFile, path: Path) -> None:
     Raises
     ------
     ValueError
-        When it cannot be written.
+        When it cannot be written, or could not be read again.
     """
     path = Path(path)
     check_place(path)
-    write_together([(path, encode(session, path.parent))])
+    content = encode(session, path.parent)
+    if len(content) > _LARGEST:
+        raise ValueError(
+            f"{path.name} would take {len(content) >> 20} MB, but at most {_LARGEST >> 20} MB can be read again: "
+            "delete runs or objects, and save it then."
+        )
+    write_together([(path, content)])
 
 
 def encode(session: SessionFile, folder: Path) -> bytes:
