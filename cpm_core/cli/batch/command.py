@@ -18,8 +18,9 @@ from cpm_core.cli.batch.workers import elsewhere, here
 from cpm_core.cli.terminal import Count, counted, written
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.atomic import write_together
+from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.printable import printable
-from cpm_core.formats.sessions.session_file import fingerprint, load_session
+from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes.document_shapes import starts_of
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cpm_core.formats.atomic import write_together
+from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.printable import cell, printable, text_of_cell
 from cpm_core.formats.provenance import VERSION
-from cpm_core.formats.sessions.session_file import fingerprint
 
 NAME = "summary.csv"
 """Name of the table in the folder of a batch."""
