@@ -16,8 +16,9 @@ from cpm_core.contours.contour import present_names
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.provenance import PROGRAM
 from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
-from cpm_core.formats.sessions.fingerprint import fingerprint
 from cpm_core.formats.sessions.plain_values import (
     from_plain,
     mapping,
@@ -39,6 +40,7 @@ SUFFIX = ".cpm"
 
 _KNOWN = (
     MARK,
+    "program",
     "image",
     "shapes",
     "parameters",
@@ -159,7 +161,7 @@ def save_session(session: SessionFile, path: Path) -> None:
 
 def encode(session: SessionFile, folder: Path) -> bytes:
     """The bytes of a session file that lies in a folder."""
-    plain: dict[str, Any] = {MARK: VERSION}
+    plain: dict[str, Any] = {MARK: VERSION, "program": PROGRAM}
     if session.image is not None:
         plain["image"] = _image_to_plain(session.image, folder)
     plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]

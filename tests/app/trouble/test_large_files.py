@@ -11,6 +11,7 @@ import pytest
 from app.session.core_functions import Core
 from app.session.workspace import Workspace
 from cpm_core.formats import load_image
+from cpm_core.formats.fingerprint import fingerprint
 
 HUGE = 200 << 30
 """Size of a file whose hash takes minutes [bytes]; it holds nothing, and takes no room on the disk."""
@@ -28,8 +29,10 @@ def huge(tmp_path: Path) -> Path:
 def patient(qapp, huge, image_file, compiled_loops):
     """A session that reads the huge file at once, so that only its hash takes long."""
 
-    def load(path: Path):
-        return load_image(image_file if path == huge else path)
+    def load(path: Path, go_on=None):
+        if path == huge:
+            fingerprint(huge, go_on)
+        return load_image(image_file, go_on)
 
     made = Workspace(replace(Core(), load_image=load))
     yield made

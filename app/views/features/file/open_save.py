@@ -112,6 +112,7 @@ class OpenSaveFeature(Feature):
 
     def may_leave(self) -> bool:
         """Whether the document may be closed; asks about unsaved work and saves it if the user agrees."""
+        self.document_file.finish()
         if not self.document_file.unsaved:
             return True
         answer = dialogs.ask_about_unsaved(self.context.window, self.document_file.name, self.document_file.lost)

@@ -125,8 +125,6 @@ def _details(leftover: Leftover) -> Sequence[str]:
     return (
         tr("Last changed: {when}").format(when=when),
         tr("Image: {path}").format(path=shortened(image.path, _PATH) if image else "–"),
-        tr("Session file: {path}").format(
-            path=shortened(str(leftover.path), _PATH) if leftover.path else tr("never saved")
-        ),
+        tr("Session file: {path}").format(path=session),
         tr("Shapes drawn: {count}").format(count=shapes),
     )
