@@ -29,7 +29,7 @@ PLACES: tuple[tuple[Any, str], ...] = (
     (Engine, "result"),
     (Export, "deliver"),
     (opening, "prepare"),
-    (opening, "fingerprint"),
+    (opening, "guessed_kind"),
     (Journal, "_put"),
     (session_file, "save_session"),
 )

@@ -49,6 +49,7 @@ def draw_images(folder: Path) -> None:
 @contextmanager
 def surroundings(folder: Path) -> Iterator[Path]:
     """Let the program find and keep all its files below a folder; give the folder of images."""
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     images = folder / "images"
     images.mkdir(exist_ok=True)
     draw_images(images)
