@@ -11,9 +11,12 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+from .kills.kills import killed
 from .report import Budget, Part, Report
 
-PARTS: dict[str, tuple[str, Part]] = {}
+PARTS: dict[str, tuple[str, Part]] = {
+    "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),
+}
 """Name of each part: what it tries in a few words, and the function that runs it."""
 
 

@@ -20,6 +20,7 @@ from app.session.exchange.error_messages import sentence as _sentence
 from app.session.exchange.messages import Saved
 from app.session.storage.autosave import KEY, lock_of
 from app.session.tasks.opening import Wanted
+from cpm_core.formats.atomic import remove_abandoned
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
 
 ASIDE = "set aside"
@@ -70,6 +71,7 @@ class Found:
 
 def left_behind(folder: Path) -> Found:
     """Journals in a folder whose processes have ended; those that cannot be read are set aside."""
+    _clear(folder)
     found, troubles = [], []
     for journal in sorted(folder.glob(f"*{SUFFIX}")):
         lock = lock_of(journal)
@@ -81,6 +83,16 @@ def left_behind(folder: Path) -> Found:
             troubles.append(_kept_apart(journal, error))
             lock.unlock()
     return Found(sorted(found, key=lambda leftover: leftover.when, reverse=True), troubles)
+
+
+def _clear(folder: Path) -> None:
+    """Remove what killed processes have left that holds no work: drafts, and locks of journals that are not there."""
+    remove_abandoned(folder)
+    for path in folder.glob("*.lock"):
+        journal = path.with_suffix(SUFFIX)
+        lock = lock_of(journal)
+        if not journal.exists() and lock.tryLock(0):  # one that nobody holds
+            lock.unlock()
 
 
 def _kept_apart(journal: Path, error: Exception) -> str:
