@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,6 +38,8 @@ class Image:
         What was changed between the file and `values`, one sentence each.
     colors : Colors, optional
         Colors of the pixels, for display; None for a gray image.
+    file_sha256 : str, optional
+        Hash of the bytes of its file; empty for an image that is not from a file.
 
     Raises
     ------
@@ -50,6 +54,7 @@ class Image:
     source: str = "image"
     notes: tuple[str, ...] = ()
     colors: Colors | None = None
+    file_sha256: str = ""
 
     def __post_init__(self) -> None:
         given = np.asarray(self.values)
@@ -84,6 +89,11 @@ class Image:
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "spacing", spacing)
         object.__setattr__(self, "notes", (*self.notes, *changes))
+
+    @cached_property
+    def sha256(self) -> str:
+        """Hash of its file, or of `values` as float64, little-endian and row by row, where there is no file."""
+        return self.file_sha256 or hashlib.sha256(self.values.astype("<f8", copy=False).data).hexdigest()
 
     @property
     def shape(self) -> tuple[int, ...]:

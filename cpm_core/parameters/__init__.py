@@ -32,6 +32,7 @@ __all__ = [
     "OF_SKELETONS",
     "OF_STARTS",
     "PARAMETERS",
+    "PLANE_PRESETS",
     "PRESETS",
     "UNLIMITED_REACH",
     "ParameterInfo",
@@ -196,3 +197,6 @@ PRESETS: dict[str, Parameters] = {
 }
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images,
 automatic segmentation of kinds of images whose boundaries other settings find better, and volumes (section 5.4)."""
+
+PLANE_PRESETS: dict[str, Parameters] = {name: preset for name, preset in PRESETS.items() if name != "volume"}
+"""The settings among them that are for images."""

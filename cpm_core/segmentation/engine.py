@@ -7,7 +7,7 @@ from any state, without memory of its own, so that a run can be paused, changed,
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -24,6 +24,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES
+from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.particles.initialization import starting_points
 from cpm_core.particles.state import State
 from cpm_core.segmentation import interventions
@@ -215,7 +216,7 @@ class Engine(RunFields):
         """
         field = self._field_of(state, parameters)
         found: Result = self._laws.result(state, self.image, field, parameters, self.reach_map)
-        return found
+        return replace(found, provenance=self._provenance(state, parameters))
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
         """Metrics of a state by name, the potential energy only if `thorough`; see `Method.measures`."""
@@ -227,6 +228,18 @@ class Engine(RunFields):
     def positions(self, state: State) -> Array:
         """Positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
+
+    def _provenance(self, state: State, parameters: Parameters) -> Provenance:
+        """How the contours of a state were found."""
+        return Provenance(
+            "cpm",
+            taken(parameters, self.parameters),
+            len(state.start),
+            tuple({"shape": "charge", **asdict(charge)} for charge in state.charges),
+            state.scale,
+            sha256=self.image.sha256,
+            of_file=bool(self.image.file_sha256),
+        )
 
     def _stepped(self, state: State, field: ScaleField, parameters: Parameters) -> State:
         """The state after a step; a method of its own so that experiments can replace it."""

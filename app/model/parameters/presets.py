@@ -13,12 +13,12 @@ from typing import Any
 from app.model.text.assets import asset
 from app.model.text.language import tr
 from cpm_core.formats.sessions.plain_values import parameters_from_plain
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import PLANE_PRESETS, Parameters
 
 SUFFIX = ".cpmpreset"
 
 _FORMAT, _VERSION = "CPM preset", 1
-_LONGEST_NAME = 60
+_LONGEST_NAME, _LONGEST_ABOUT = 60, 1000
 _LARGEST = 4_000_000
 """Maximum length of a preset file [bytes]."""
 
@@ -60,8 +60,8 @@ class Preset:
 
 @cache
 def built_in() -> tuple[Preset, ...]:
-    """The presets of the program."""
-    return tuple(_made(key, parameters) for key, parameters in PRESETS.items())
+    """The presets of the program, for images."""
+    return tuple(_made(key, parameters) for key, parameters in PLANE_PRESETS.items())
 
 
 def checked_name(name: str) -> str:
@@ -110,6 +110,8 @@ def read(content: bytes, source: str) -> Preset:
     except (binascii.Error, ValueError):
         drawn = b""
     try:
+        if len(about) > _LONGEST_ABOUT:
+            raise ValueError(tr("its description is too long."))
         return Preset(checked_name(name), _parameters(kept.get("parameters")), about, drawn)
     except (TypeError, ValueError) as error:
         raise ValueError(tr("{file} cannot be used: {reason}").format(file=source, reason=error)) from error

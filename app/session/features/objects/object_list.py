@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.document import objects
 from app.model.document.document import Document
 from app.model.text.language import tr
-from app.session.exchange.mailbox import Latest
+from app.session.features.latest import Latest
 from app.session.session import Session
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Position
@@ -44,7 +44,7 @@ class ObjectList(QObject):
         self._session = session
         self._known = session.document.objects
         self._grays: Grays | None = None
-        self._latest = Latest("cpm-object-measures", self)
+        self._latest = Latest(session, "cpm-object-measures", "measuring objects")
         self._latest.done.connect(self._use_grays)
         session.document_changed.connect(self._follow)
 
@@ -103,8 +103,10 @@ class ObjectList(QObject):
         self.choose((number,))
 
     def rename(self, number: int, name: str) -> None:
-        """Name an object."""
-        self._edit(tr("name {what}"), [self.objects[number]], lambda d: objects.rename(d, number, name))
+        """Name an object, unless it has been taken back while its name was typed."""
+        named = [item for item in self.objects.items if item.number == number]
+        if named:
+            self._edit(tr("name {what}"), named, lambda document: objects.rename(document, number, name))
 
     def classify(self, category: int) -> None:
         """Give the chosen objects, and the next ones, a class."""
