@@ -43,7 +43,8 @@ class OfferingFeature(Feature):
     def _take_turns(self) -> None:
         """Show the first of all offers that wait for an answer."""
         offers = self.context.canvas_area.offers
-        bars = [bar for place in range(offers.count()) if isinstance(bar := offers.itemAt(place).widget(), OfferBar)]
+        items = [item for place in range(offers.count()) if (item := offers.itemAt(place)) is not None]
+        bars = [bar for item in items if isinstance(bar := item.widget(), OfferBar)]
         first = next((bar for bar in bars if bar.waiting), None)
         for bar in bars:
             bar.setVisible(bar is first)
