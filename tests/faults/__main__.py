@@ -11,11 +11,13 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+from .disk.disk import failed
 from .kills.kills import killed
 from .report import Budget, Part, Report
 
 PARTS: dict[str, tuple[str, Part]] = {
     "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),
+    "disk": ("disks that are full, read-only or faulty, at each operation in turn", failed),
 }
 """Name of each part: what it tries in a few words, and the function that runs it."""
 
