@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,6 +18,8 @@ from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
+
+_LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
