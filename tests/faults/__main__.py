@@ -17,6 +17,7 @@ from .report import Budget, Part, Report
 from .window.closing import try_closing
 from .window.monkey import try_gestures
 from .window.orders import try_orders
+from .workers.workers import broken
 
 PARTS: dict[str, tuple[str, Part]] = {
     "gestures": ("random gestures on the window", try_gestures),
@@ -24,6 +25,7 @@ PARTS: dict[str, tuple[str, Part]] = {
     "closing": ("closing the window during all that goes on", try_closing),
     "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),
     "disk": ("disks that are full, read-only or faulty, at each operation in turn", failed),
+    "workers": ("errors in threads, workers that die, memory that is not enough", broken),
 }
 """Name of each part: what it tries in a few words, and the function that runs it."""
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.model.document import edits
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core.shapes import Circle
 
@@ -92,6 +93,7 @@ def _export(window: MainWindow, folder: Path) -> bool:
 def _open(window: MainWindow, folder: Path) -> bool:
     """Open the image again, with a start on it."""
     session, before = window.session, window.session.image_generation
+    window.feature(OpenSaveFeature).document_file.forget()  # so that nobody is asked about unsaved work
     session.open(folder / "0.npy")
     until(lambda: not session.opening and not session.tasks.current and session.idle)
     if not session.document.shapes:
