@@ -86,6 +86,7 @@ from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.particles.state import Particles, State
+from cpm_core.particles.volume_starts import box, sphere
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.method import METHODS, Method
@@ -116,6 +117,7 @@ __all__ = [
     "State",
     "Surface",
     "Truth",
+    "box",
     "circle",
     "compare",
     "containment",
@@ -137,6 +139,7 @@ __all__ = [
     "segment",
     "similar",
     "skeleton",
+    "sphere",
     "strip",
     "stroke",
     "teach",

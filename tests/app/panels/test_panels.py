@@ -16,7 +16,6 @@ from app.model.state.situation import Situation
 from app.model.state.status import RunStatus
 from app.views.canvas.items.curves import pieces
 from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
-from app.views.features.help.help import show_about
 from app.views.panels.run.plot_panel import PlotPanel
 from cpm_core import Parameters
 from cpm_core.parameters.choices import CHOICES
@@ -31,23 +30,21 @@ def test_every_tooltip_has_symbol_range_default_and_effect(window) -> None:
             assert part in tip, name
 
 
-@pytest.mark.parametrize("name", ["beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"])
-def test_a_double_click_on_a_slider_and_the_button_restore_the_default(window, hand, name) -> None:
+def test_a_double_click_on_a_slider_and_the_button_restore_the_default(window, hand, cases) -> None:
     panel = window.panels["parameters"]
     panel.advanced.fold.click()
-    row = panel.rows[name]
-    hand.wait(lambda: row.findChild(QToolButton, "restore").height() > 8)
-    for restore in (
-        lambda: hand.qtbot.mouseDClick(row.slider, Qt.MouseButton.LeftButton),
-        lambda: hand.qtbot.mouseClick(row.findChild(QToolButton, "restore"), Qt.MouseButton.LeftButton),
-    ):
-        row.slider.setValue(row.slider.maximum())
-        assert window.session.document.parameters != Parameters()
-        restore()
-        parameters = window.session.document.parameters
-        assert getattr(parameters, name if name != "ratio" else "w1") == pytest.approx(
-            getattr(Parameters(), name if name != "ratio" else "w1")
-        )
+    for name in cases(["beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"]):
+        row = panel.rows[name]
+        button = row.findChild(QToolButton, "restore")
+        hand.wait(lambda button=button: button.height() > 8)
+        for click, target in ((hand.qtbot.mouseDClick, row.slider), (hand.qtbot.mouseClick, button)):
+            row.slider.setValue(row.slider.maximum())
+            assert window.session.document.parameters != Parameters()
+            click(target, Qt.MouseButton.LeftButton)
+            parameters = window.session.document.parameters
+            assert getattr(parameters, name if name != "ratio" else "w1") == pytest.approx(
+                getattr(Parameters(), name if name != "ratio" else "w1")
+            )
 
 
 def test_automatic_smoothing_can_be_turned_on_and_off(window, hand) -> None:
@@ -158,12 +155,6 @@ def test_light_and_dark_colors_can_be_chosen(window) -> None:
     window.actions_by_name["theme_light"].trigger()
     assert dark < 60
     assert window.palette().window().color().lightness() > 200
-
-
-def test_about_names_the_paper(window, qtbot) -> None:
-    about = show_about(window)
-    assert "charged particles" in about.text()
-    about.close()
 
 
 def test_a_change_of_a_parameter_is_shown_once(window, monkeypatch) -> None:
