@@ -8,6 +8,7 @@ from cpm_core.field.convolution import convolved_field
 from cpm_core.field.pppm import pppm_field
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
 
 METHODS = ("convolution", "pppm")
 """Methods for the computation of the field."""
@@ -57,7 +58,7 @@ def electric_field(
         return convolved_field(real_numbers(edge_map), exponent)
     if method != "pppm":
         names = " or ".join(f'"{name}"' for name in METHODS)
-        raise ValueError(f"method is {method!r} but must be {names}.")
+        raise ValueError(f"method is {shown(method)} but must be {names}.")
     if exponent not in (None, 2):
         wanted = 'must be 2 for method "pppm", which solves Poisson\'s equation: use method "convolution".'
         raise ValueError(f"exponent is {exponent:g} but {wanted}")

@@ -14,6 +14,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.numerics.polyline import lengths_along, places_at
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters.quotation import shown
 
 _LEAST_ON_CIRCLE = 5
 
@@ -62,7 +63,7 @@ def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> 
         When radius or spacing is not a positive number, or the center is not finite.
     """
     if not np.isfinite(center).all() or len(center) != 2:
-        raise ValueError(f"center is {center!r} but must be two finite numbers, (row, col).")
+        raise ValueError(f"center is {shown(center)} but must be two finite numbers, (row, col).")
     _positive("radius", radius)
     _positive("spacing", spacing)
     if radius > _LARGEST_RADIUS:
