@@ -9,6 +9,8 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.numerics.polyline import inside, middles
+from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.parameters.quotation import shown
 
 _PROBES = 16
 """Samples along a contour that are tested for containment; the majority decides where contours touch."""
@@ -112,7 +114,15 @@ def measure(
     -------
     tuple of Measures
         One row for each contour, in their order.
+
+    Raises
+    ------
+    ValueError
+        When the spacing is not two positive numbers.
     """
+    sizes = real_numbers(spacing)
+    if sizes.shape != (2,) or not (np.isfinite(sizes) & (sizes > 0.0)).all():
+        raise ValueError(f"spacing is {shown(spacing)} but must be two positive numbers, (row, col).")
     around = containment(contours)
     net = np.array([contour.area for contour in contours])
     for contour, outer in zip(contours, around, strict=True):

@@ -170,7 +170,7 @@ def encoded(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -
     ValueError
         When the suffix is not known, or the result holds nothing such a file could show.
     """
-    if suffix not in _WRITERS:
+    if not isinstance(suffix, str) or suffix not in _WRITERS:
         raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")
     encode = _OUTLINES[suffix] if outlines and suffix in _OUTLINES else _WRITERS[suffix][1]
     return encode(_named(result))

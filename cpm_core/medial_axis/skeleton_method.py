@@ -304,7 +304,7 @@ def skeleton(
 
 def _chosen(params: Parameters, of: str | None, max_width: float | None, pruning: float | None) -> Parameters:
     """Parameters with what is given in place of their values."""
-    if of is not None and of not in _POLARITIES:
+    if of is not None and not (isinstance(of, str) and of in _POLARITIES):
         raise ValueError(f"of is {shown(of)} but must be one of {', '.join(_POLARITIES)}.")
     return replace(
         params,

@@ -1,11 +1,19 @@
-"""Real numbers: the check of arrays that callers give."""
+"""Real numbers: the checks of arrays and numbers that callers give."""
 
 from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
+
+_LEAST_SIDE = 2
+"""Least number of pixels along each axis of an image that has edges [px]."""
 
 
 def real_numbers(values: ArrayLike) -> Array:
@@ -13,7 +21,32 @@ def real_numbers(values: ArrayLike) -> Array:
 
     NumPy's own conversion drops the imaginary parts.
     """
-    given = np.asarray(values)
+    try:
+        given = np.asarray(values)
+    except ValueError:
+        raise ValueError(f"The values are {shown(values)}, whose lists differ in length: make them the same.") from None
     if given.size and given.dtype.kind not in "buif":
         raise ValueError(f"The values are of type {given.dtype} but must be real numbers.")
     return given.astype(np.float64, copy=False)
+
+
+def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted: str) -> float:
+    """A number that a caller gives; ValueError, which says what is wanted, unless it is a finite one that fits."""
+    real = isinstance(value, int | float | np.integer | np.floating) and abs(value) <= sys.float_info.max
+    if not (real and fits(float(value))):
+        raise ValueError(f"{name} is {shown(value)} but must be {wanted}.")
+    return float(value)
+
+
+def gray_levels(values: ArrayLike) -> Array:
+    """Values of an image or a volume in double precision; ValueError unless they are a grid of finite numbers."""
+    image = real_numbers(values)
+    if image.ndim not in (2, 3) or min(image.shape) < _LEAST_SIDE:
+        raise ValueError(
+            f"The values have the shape {image.shape}, but an image needs two axes or three, with {_LEAST_SIDE} pixels "
+            "along each at least."
+        )
+    low, high = float(image.min()), float(image.max())
+    if not abs(low) + abs(high) <= sys.float_info.max:
+        raise ValueError("The values hold NaN, infinite or far too large numbers: replace them first.")
+    return image

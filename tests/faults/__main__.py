@@ -11,9 +11,10 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+from .fuzzing.parts import PARTS as FUZZING
 from .report import Budget, Part, Report
 
-PARTS: dict[str, tuple[str, Part]] = {}
+PARTS: dict[str, tuple[str, Part]] = {**FUZZING}
 """Name of each part: what it tries in a few words, and the function that runs it."""
 
 

@@ -109,7 +109,7 @@ def attempt_fields(given: tuple[Array, int, int]) -> None:
     np.testing.assert_allclose(edge_map(pixels[::-1]), edges[::-1], atol=tolerance)
     np.testing.assert_array_equal(edge_map(pixels * 2.0**power), edges * 2.0**power)
     field = electric_field(edges)
-    again = electric_field(edges[:, ::-1])[:, ::-1] * (1.0, -1.0)
+    again = electric_field(edges[:, ::-1])[:, :, ::-1] * np.array([1.0, -1.0])[:, None, None]
     np.testing.assert_allclose(again, field, atol=1e-5 * (1.0 + float(np.abs(field).max())))
 
 

@@ -29,6 +29,8 @@ def damaged(sound: bytes, random: Random) -> bytes:
     """The bytes of a session with changes of its values, or of the bytes themselves."""
     if random.random() < 0.2:
         return mutated(sound, random)
+    if random.random() < 0.02:
+        return sound.replace(b"2.0", random.choice((b"[", b'{"a":')) * random.choice((500, 5000, 10**6)), 1)
     changed = mutated_json(json.loads(sound), random)
     return json.dumps(changed, ensure_ascii=random.random() < 0.5).encode(errors="surrogatepass")
 

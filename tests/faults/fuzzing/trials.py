@@ -81,7 +81,7 @@ def _work(
     if prepare is not None:
         prepare()
     number = first
-    while time.monotonic() < deadline:
+    while number == first or time.monotonic() < deadline:
         faulthandler.dump_traceback_later(_STUCK, exit=True)
         try:
             count, failure = trial(random_of(budget.seed, number), budget.folder), ""
