@@ -5,14 +5,36 @@ import signal
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import HealthCheck, settings
 
+from cpm_core.numerics.parallel import cores
 from cpm_core.objects.warm_up import warm_up
+
+_MOST_WORKERS = 4
+"""Processes beyond which the memory that each one takes costs more than it saves."""
 
 # No window of a test shall flash on a person's screen unless asked for by naming a platform.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 # Tests read the sentences of the source, on the computer of a person of any language.
 os.environ["LANGUAGE"] = "en"
+
+# No test depends on how fast the computer is.
+settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("untimed")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """One process for each core; none beside the first for single files, which begin sooner without."""
+    few = all((config.invocation_params.dir / name.partition("::")[0]).is_file() for name in config.args)
+    return 0 if few or cores() == 1 else min(cores(), _MOST_WORKERS)
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile the model's loops once, before the processes that share them begin."""
+    if getattr(session.config.option, "numprocesses", None):
+        warm_up()
 
 
 @pytest.fixture(scope="session")

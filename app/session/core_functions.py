@@ -19,11 +19,12 @@ from cpm_core.segmentation.method import METHODS, Method
 class Core:
     """The core's functions that run on the worker thread.
 
+    `load_image` may call its second argument while it reads, which raises when the image is no longer wanted;
     `methods` makes a method of an image, parameters and regions; `export` writes a result to a path, as
     `cpm_core.formats.export` does; `warm_up` compiles or loads the kernels until its argument returns True.
     """
 
-    load_image: Callable[[Path], Image] = load_image
+    load_image: Callable[[Path, Callable[[], object]], Image] = load_image
     methods: Mapping[str, Callable[[Image, Parameters, Regions | None], Method[Any]]] = field(
         default_factory=lambda: METHODS
     )

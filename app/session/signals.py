@@ -14,8 +14,13 @@ from cpm_core.image.image import Image
 R = TypeVar("R", bound=Report)
 
 OPENING, RUNNING, EDITING, SAVING = "opening", "running", "editing", "saving"
-EXPORTING, FILMING = "exporting", "filming"
+EXPORTING, FILMING, CONTOURS = "exporting", "filming", "contours"
 """Kinds of attempts that messages belong to."""
+
+RECOVERY, JOURNAL, PREFERENCES, UNEXPECTED = "recovery", "journal", "preferences", "unexpected"
+
+OF_THE_PROGRAM = (RECOVERY, JOURNAL, PREFERENCES, UNEXPECTED)
+"""Topics of messages that do not concern the open image, and stay when another one is opened."""
 
 
 class SessionSignals(QObject):
@@ -39,6 +44,7 @@ class SessionSignals(QObject):
         self._scene = Scene()
         self._generation = 0
         self._image_generation = 0
+        self._troubles: dict[str, str] = {}
         self._listeners: dict[type[Report], list[Callable[[Any], None]]] = {}
 
     @property
@@ -86,6 +92,19 @@ class SessionSignals(QObject):
     def say(self, sentence: str, trouble: bool = False, topic: str = "") -> None:
         """Show one sentence to the user; it belongs to an attempt of a kind, such as `EXPORTING`."""
         self.said.emit(sentence, trouble, topic)
+
+    def trouble(self, sentence: str, topic: str) -> None:
+        """Tell what work that is done again and again failed with, and with an empty sentence that it succeeded.
+
+        The same sentence is shown only once, so that it can be dismissed; success takes it back.
+        """
+        before = self._troubles.pop(topic, "")
+        if sentence:
+            self._troubles[topic] = sentence
+            if sentence != before:
+                self.say(sentence, True, topic)
+        elif before:
+            self.attempt(topic)
 
     def attempt(self, *topics: str) -> None:
         """Announce that something is attempted again; see `attempted`."""

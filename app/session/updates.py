@@ -15,6 +15,9 @@ from app.session.exchange.messages import (
     CommandFailed,
     Exported,
     Opened,
+    Overlays,
+    Reconstruction,
+    ReconstructionFailed,
     Report,
     RunFailed,
     SeedsFound,
@@ -22,8 +25,8 @@ from app.session.exchange.messages import (
     WarmedUp,
     WentOn,
 )
-from app.session.scene import NO_CONTOURS, ReviewedContours
-from app.session.signals import EDITING, EXPORTING, RUNNING, SessionSignals
+from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
+from app.session.signals import CONTOURS, EDITING, EXPORTING, RUNNING, SessionSignals
 from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.intensity_window import Shaded, WindowFound
 from app.session.worker.commands.stored_runs import RunsRestored
@@ -67,6 +70,7 @@ class Progress:
     def forget(self, method: str = "cpm") -> None:
         """Clear what is shown of the previous run; `method` is the name of the next one's method."""
         self._known = RunStatus(phase="ready", method=method)
+        self._session.trouble("", CONTOURS)
         self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None, compared=None)
         self._session.show_status()
 
@@ -79,31 +83,42 @@ class Progress:
             self._take_snapshot(snapshot)
         contours = self._worker_thread.reconstructor.results.take()
         if contours is not None and contours.generation == self._session.generation:
-            result = contours.result
-            closed = sum(contour.closed for contour in result.contours)
-            bridges = result.bridges if isinstance(result, Result) else ()
-            self._known = replace(
-                self._known,
-                closed=closed,
-                open=len(result.contours) - closed,
-                bridges=len(bridges),
-                longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
-            )
-            if isinstance(result, Skeleton):
-                self._known = replace(
-                    self._known,
-                    length=result.length,
-                    thickness=result.thickness,
-                    width=result.width,
-                    polarity=result.polarity,
-                )
-            document, before = self._session.scene.document, self._session.scene.contours
-            reviewed = ReviewedContours.of(contours.tracked, document.marks, document.learning, known=before.chances)
-            self._show(reconstruction=contours, contours=reviewed)
-            self._session.show_status()
+            self._take_contours(contours)
         overlays = self._worker_thread.overlays.take()
         if overlays is not None and overlays.generation == self._session.image_generation:
-            self._show(overlays=overlays.arrays)
+            self._take_overlays(overlays)
+
+    def _take_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
+        if isinstance(found, ReconstructionFailed):
+            self._session.trouble(_with_last_contours(found.sentence, self._session.scene), CONTOURS)
+            return
+        self._session.trouble("", CONTOURS)
+        result = found.result
+        closed = sum(contour.closed for contour in result.contours)
+        bridges = result.bridges if isinstance(result, Result) else ()
+        self._known = replace(
+            self._known,
+            closed=closed,
+            open=len(result.contours) - closed,
+            bridges=len(bridges),
+            longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
+        )
+        if isinstance(result, Skeleton):
+            self._known = replace(
+                self._known,
+                length=result.length,
+                thickness=result.thickness,
+                width=result.width,
+                polarity=result.polarity,
+            )
+        document, before = self._session.scene.document, self._session.scene.contours
+        reviewed = ReviewedContours.of(found.tracked, document.marks, document.learning, known=before.chances)
+        self._show(reconstruction=found, contours=reviewed)
+        self._session.show_status()
+
+    def _take_overlays(self, overlays: Overlays) -> None:
+        self._session.trouble(overlays.trouble, "overlays")
+        self._show(overlays=overlays.arrays)
 
     def _show(self, **parts: Any) -> None:
         """Replace parts of the scene."""
@@ -170,6 +185,7 @@ class Progress:
         """Show the answer to a request of a layer."""
         match report:
             case Probed():
+                self._session.trouble(report.trouble, "forces")
                 self._show(probed=report)
             case Compared(generation):
                 if generation == self._session.generation:
@@ -178,3 +194,10 @@ class Progress:
                 self._show(window_found=report)
             case Shaded():
                 self._show(shaded=report)
+
+
+def _with_last_contours(sentence: str, scene: Scene) -> str:
+    """A sentence on trouble with contours, with what is shown instead of them."""
+    if not scene.contours.items:
+        return sentence
+    return tr("{trouble} The contours that are shown are those of an earlier step.").format(trouble=sentence)

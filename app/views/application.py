@@ -19,6 +19,7 @@ from app.views.features.file.start import StartFeature
 from app.views.features.help.help import HelpFeature
 from app.views.main_window import MainWindow
 from app.views.theme.icons import program_icon
+from app.views.window.unexpected import UnexpectedErrors
 
 SWITCH_INTERVAL = 0.0002
 """Longest time that the window waits for the interpreter while the worker computes [s]."""
@@ -69,6 +70,8 @@ def run(path: str | None = None) -> int:
     """Run the desktop program; returns its exit status."""
     application = make_application()
     window = open_window(path)
+    unexpected = UnexpectedErrors(window.session)
+    unexpected.watch()
     # After the window has its size; a new user is offered the tour.
     QTimer.singleShot(0, window, window.feature(HelpFeature).welcome)
     # Ctrl+C in the terminal closes the window; Python handles signals only while it runs, hence the timer.
@@ -78,4 +81,5 @@ def run(path: str | None = None) -> int:
     wake.start(200)
     status = application.exec()
     window.close()
+    unexpected.end()
     return status

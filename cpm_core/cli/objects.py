@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -51,7 +52,9 @@ def choose(result: Result, image: Image, arguments: argparse.Namespace) -> tuple
     )
     if not chosen.mask.any():
         raise ValueError(f"There is no object at {', '.join(arguments.object)}: name another place inside one.")
-    return chosen, objects_result([chosen], image, channel=result.channel)
+    found = objects_result([chosen], image, channel=result.channel)
+    shapes = (*result.provenance.shapes, *found.provenance.shapes)
+    return chosen, replace(found, provenance=replace(result.provenance, method="objects", shapes=shapes))
 
 
 def facts_of_object(chosen: Selection) -> dict[str, object]:

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ from cpm_core.cli.arguments import (
     parameters_of,
     with_room,
 )
-from cpm_core.cli.batch.jobs import facts_of
+from cpm_core.cli.batch.jobs import facts_of as outcome_of
 from cpm_core.cli.objects import add_objects, check_objects, choose, facts_of_object, sentence
 from cpm_core.cli.terminal import Progress, counted, written
 from cpm_core.contours.kept import with_kept
@@ -35,6 +36,7 @@ from cpm_core.contours.review import apply
 from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import export, left_out, load_image, load_points, suffix_of
 from cpm_core.formats.printable import printable
+from cpm_core.formats.provenance import ENTRY, facts_of, with_shapes
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
@@ -118,13 +120,8 @@ def _run(arguments: argparse.Namespace) -> None:
     finally:
         if progress is not None:
             progress.clear()
-    own = arguments.image is None  # kept contours belong to the image of the session
-    edited = with_hand_edits(found, image, parameters, session.hand_edits)
-    whole = with_kept(edited, session.marks) if own else edited
-    result = apply(whole, session.marks, learning=session.learning, found=edited.contours)
-    if arguments.close is not None:
-        edges = edge_map(image.gray(parameters.channel), parameters.smoothing) if arguments.close == "edges" else None
-        result = close_contours(result, edges)
+    found = with_shapes(found, session.shapes, _plain_shapes(arguments))
+    result = _edited(found, image, parameters, session, arguments)
     chosen, shown = None, result
     if arguments.object:
         chosen, shown = choose(result, image, arguments)
@@ -133,6 +130,20 @@ def _run(arguments: argparse.Namespace) -> None:
     missing = {file: left_out(shown, suffix_of(file)) for file in arguments.export}
     with written("the files were written before" if arguments.export else ""):
         _report(result, chosen, seconds, missing, as_json=arguments.json)
+
+
+def _edited(
+    found: Result, image: Image, parameters: Parameters, session: SessionFile, arguments: argparse.Namespace
+) -> Result:
+    """The result of a run after all that a session says of its contours, with open ones closed as asked."""
+    own = arguments.image is None  # kept contours belong to the image of the session
+    edited = with_hand_edits(found, image, parameters, session.hand_edits)
+    whole = with_kept(edited, session.marks) if own else edited
+    result = apply(whole, session.marks, learning=session.learning, found=edited.contours)
+    if arguments.close is None:
+        return result
+    edges = edge_map(image.gray(parameters.channel), parameters.smoothing) if arguments.close == "edges" else None
+    return close_contours(result, edges)
 
 
 def _tell_omission(sentence: str) -> None:
@@ -180,6 +191,18 @@ def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[NDArray[
     ]
 
 
+def _plain_shapes(arguments: argparse.Namespace) -> list[dict[str, Any]]:
+    """What is drawn on the command line, as session files hold shapes; of a file its name."""
+    circles = [_numbers(text) for text in arguments.circle]
+    lines = (("stroke", arguments.stroke), ("region", arguments.region), ("barrier", arguments.barrier))
+    plain: list[dict[str, Any]] = [{"shape": "circle", "center": [*at], "radius": radius} for *at, radius in circles]
+    plain += [{"shape": shape, "points": _line(f"--{shape}", text, 1)} for shape, texts in lines for text in texts]
+    plain += [{"shape": "points", "file": Path(path).name} for path in arguments.points]
+    if arguments.auto:
+        plain.append({"shape": "everywhere", "kind": arguments.auto})
+    return plain
+
+
 def _circle(text: str) -> NDArray[np.float64]:
     numbers = _numbers(text)
     if len(numbers) != 3:
@@ -220,10 +243,11 @@ def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
 def _report(
     result: Result, chosen: Selection | None, seconds: float, written: Mapping[str, int], *, as_json: bool
 ) -> None:
-    facts = facts_of(result, seconds)
+    facts = outcome_of(result, seconds)
     if as_json:
         objects = {} if chosen is None else {"objects": [facts_of_object(chosen)]}
-        print(json.dumps({**facts, "bridges": len(result.bridges), "left_out": written, **objects}))
+        made = {ENTRY: facts_of(result)}
+        print(json.dumps({**facts, "bridges": len(result.bridges), "left_out": written, **objects, **made}))
         return
     print(f"{result.source}: {counted(len(result.contours), 'contour')} ({facts['closed']} closed)")
     for number, contour in enumerate(result.contours[:10], start=1):

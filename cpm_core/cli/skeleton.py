@@ -20,6 +20,7 @@ from cpm_core.cli.arguments import (
 from cpm_core.cli.terminal import counted, written
 from cpm_core.formats import export, load_image
 from cpm_core.formats.printable import printable
+from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.parameters import PRESETS
@@ -95,6 +96,7 @@ def _report(found: Skeleton, seconds: float, files: Sequence[str], *, as_json: b
             "of": of,
             "max_width": round(found.width, 3),
             "seconds": round(seconds, 3),
+            ENTRY: facts_of(found),
         }
         print(json.dumps(facts))
         return

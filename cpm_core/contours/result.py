@@ -14,6 +14,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.provenance import Provenance
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +51,8 @@ class Result:
         Regions of interest and barriers of the run.
     channel : str
         Channel of a color image in which the contours were found, one of `Parameters.channel`.
+    provenance : Provenance
+        How they were found.
     """
 
     particles: NDArray[np.float64]
@@ -66,6 +69,7 @@ class Result:
     image: Image | None = field(default=None, repr=False)
     regions: Regions | None = None
     channel: str = "luminance"
+    provenance: Provenance = field(default_factory=Provenance, repr=False)
 
 
 def remaining(result: Result, stays: Sequence[bool]) -> Result:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import reduce
 from itertools import product
 from threading import Lock
@@ -25,8 +25,11 @@ _KEPT_BYTES = 128 * 2**20
 2048 x 2048 pixels in double precision (93 MB). Larger spectra are computed each time [bytes]."""
 
 
+_WHOLE = 2**24
+"""Samples of a padded image that are transformed as a whole."""
+
 _BLOCK = 2**22
-"""Samples that are transformed at once, so that padded copies of a large image stay small."""
+"""Samples that are transformed at once of a larger one, so that padded copies stay small."""
 
 _MOST_IN_DOUBLE = 2**22
 """Pixels up to which kernels are transformed in double precision."""
@@ -48,12 +51,18 @@ def convolved_field(edge_map: ArrayLike, exponent: float | None = None, precisio
     padded = tuple(2 * scipy.fft.next_fast_len(max(n, 2), real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
     spectrum = scipy.fft.rfft(f, padded[-1], axis=-1, workers=-1)
     kernels = _spectra.of(f.shape, padded, power, f.dtype)
+    out = np.empty((f.ndim, *f.shape), f.dtype)
+    if math.prod(padded[:-1]) * spectrum.shape[-1] <= _WHOLE:
+        for component, part in enumerate(_convolved(spectrum, kernels, f.shape, padded)):
+            out[component] = scipy.fft.irfft(part, padded[-1], axis=-1, workers=-1)[..., : f.shape[-1]]
+        return out
     parts = [*(np.empty_like(spectrum) for _ in kernels[1:]), spectrum]
     step = max(_BLOCK // math.prod(padded[:-1]), 1)
     for first in range(0, spectrum.shape[-1], step):
         some = (..., slice(first, first + step))
-        _convolve(spectrum[some], [kernel[some] for kernel in kernels], padded, [part[some] for part in parts])
-    out = np.empty((f.ndim, *f.shape), f.dtype)
+        convolved = _convolved(spectrum[some].copy(), [kernel[some] for kernel in kernels], f.shape, padded)
+        for part, back in zip(parts, convolved, strict=True):
+            part[some] = back
     lines = max(_BLOCK // math.prod(f.shape[1:-1]) // padded[-1], 1) if f.ndim > 1 else len(spectrum)
     for component, part in enumerate(parts):
         for first in range(0, len(spectrum), lines):
@@ -62,27 +71,24 @@ def convolved_field(edge_map: ArrayLike, exponent: float | None = None, precisio
     return out
 
 
-def _convolve(
-    spectrum: NDArray[np.complexfloating],
-    kernels: list[Array],
-    padded: tuple[int, ...],
-    parts: list[NDArray[np.complexfloating]],
-) -> None:
+def _convolved(
+    whole: NDArray[np.complexfloating], kernels: Sequence[Array], shape: tuple[int, ...], padded: tuple[int, ...]
+) -> Iterator[NDArray[np.complexfloating]]:
     """Convolve some frequencies of the last axis with each kernel along the other axes, and cut off the padding.
 
-    `parts` receives the results, the last of them in the place of `spectrum` itself.
+    `whole` is overwritten; a result holds until the next one is asked for.
     """
-    whole = spectrum.copy()
     for axis in reversed(range(whole.ndim - 1)):
         whole = scipy.fft.fft(whole, padded[axis], axis=axis, overwrite_x=True, workers=-1)
     whole *= whole.dtype.type(1j)  # the kernels' spectra are imaginary
     multiplied = np.empty_like(whole)
-    for component, (kernel, part) in enumerate(zip(kernels, parts, strict=True)):
+    for component, kernel in enumerate(kernels):
         _multiply(whole, kernel, component, multiplied)
         back = multiplied
-        for axis, n in enumerate(part.shape[:-1]):
-            back = scipy.fft.ifft(back, axis=axis, workers=-1)[(slice(None),) * axis + (slice(n),)]
-        part[...] = back
+        for axis, n in enumerate(shape[:-1]):
+            back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=-1)
+            back = back[(slice(None),) * axis + (slice(n),)]
+        yield back
 
 
 def convolved_potential(edge_map: Array) -> Array:

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
@@ -73,7 +74,7 @@ class PlacedCharge:
 
     def __post_init__(self) -> None:
         try:
-            row, col = (float(number) for number in self.position)
+            row, col = real_numbers(self.position).tolist()
         except (TypeError, ValueError):
             raise ValueError(
                 f"the position of a placed charge is {shown(self.position)} but must be a row and a column."

@@ -14,6 +14,9 @@ from pathlib import Path
 
 from cpm_core.formats.interrupts import interrupts_handled
 
+_DRAFT = ".cpm-"
+"""Beginning of the name of a draft."""
+
 _ABANDONED = 600.0
 """Age of a draft that nobody writes any more [s]: its writer was killed."""
 
@@ -37,7 +40,8 @@ def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
     moved = 0
     try:
         for path, content in contents:
-            target = path.resolve()
+            with _failures_told(path):
+                target = path.resolve()
             draft = _draft_beside(target)
             moves.append((draft, target))
             with draft.open("xb") as stream:
@@ -76,18 +80,17 @@ def draft_of(path: Path) -> Iterator[Path]:
     ValueError
         When it cannot be written, is read-only or not an ordinary file.
     """
-    target = path.resolve()
-    draft = _draft_beside(target)
-    try:
-        yield draft
-        with draft.open("rb+") as stream:
-            _finish(stream.fileno(), target)
-        draft.replace(target)
-    except OSError as error:
-        raise ValueError(f"{target} cannot be written: {error.strerror or error}.") from error
-    finally:
-        with contextlib.suppress(OSError):
-            draft.unlink()
+    with _failures_told(path):
+        target = path.resolve()
+        draft = _draft_beside(target)
+        try:
+            yield draft
+            with draft.open("rb+") as stream:
+                _finish(stream.fileno(), target)
+            draft.replace(target)
+        finally:
+            with contextlib.suppress(OSError):
+                draft.unlink()
 
 
 def check_place(file: Path) -> None:
@@ -98,13 +101,33 @@ def check_place(file: Path) -> None:
     ValueError
         When the path is a folder, a device or a read-only file, or its folder does not exist or is not writable.
     """
-    if file.is_dir():
-        raise ValueError(f"{file} is a folder: name a file in it.")
-    if not file.parent.is_dir():
-        raise ValueError(f"{file} cannot be written: there is no folder {file.parent}.")
-    if not os.access(file.parent, os.W_OK):
-        raise ValueError(f"{file} cannot be written: you have no permission to write into {file.parent}.")
-    _check_target(file.resolve())
+    with _failures_told(file):
+        if file.is_dir():
+            raise ValueError(f"{file} is a folder: name a file in it.")
+        if not file.parent.is_dir():
+            raise ValueError(f"{file} cannot be written: there is no folder {file.parent}.")
+        if not os.access(file.parent, os.W_OK):
+            raise ValueError(f"{file} cannot be written: you have no permission to write into {file.parent}.")
+        _check_target(file.resolve())
+
+
+@contextlib.contextmanager
+def _failures_told(file: Path) -> Iterator[None]:
+    """Let ValueError say in a sentence what the system refuses to do with a file."""
+    try:
+        yield
+    except (OSError, RuntimeError) as error:  # some releases of Python call links in a circle a RuntimeError
+        reason = (error.strerror if isinstance(error, OSError) else "") or error
+        raise ValueError(f"{file} cannot be written: {reason}.") from error
+
+
+def remove_abandoned(folder: Path, stem: str = _DRAFT) -> None:
+    """Remove drafts from a folder whose writers were killed, of all targets or those whose names begin with a stem."""
+    oldest = time.time() - _ABANDONED
+    with contextlib.suppress(OSError):
+        for left in folder.glob(f"{stem}*.part"):
+            if left.stat().st_mtime < oldest:
+                left.unlink()
 
 
 def _check_target(target: Path) -> os.stat_result | None:
@@ -124,12 +147,8 @@ def _check_target(target: Path) -> os.stat_result | None:
 def _draft_beside(target: Path) -> Path:
     """A new name of fixed length for a draft of a target; drafts of it that have been left behind are removed."""
     _check_target(target)
-    stem = f".cpm-{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
-    oldest = time.time() - _ABANDONED
-    with contextlib.suppress(OSError):
-        for left in target.parent.glob(f"{stem}-*.part"):
-            if left.stat().st_mtime < oldest:
-                left.unlink()
+    stem = f"{_DRAFT}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
+    remove_abandoned(target.parent, stem)
     return target.with_name(f"{stem}-{secrets.token_hex(6)}.part")
 
 

@@ -9,9 +9,11 @@ import logging
 import os
 import stat
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
+from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.images import foreign, numpy_array, raster, tiff
 from cpm_core.formats.images.decoded import Decoded, UnreadableError
 from cpm_core.formats.printable import printable
@@ -41,19 +43,21 @@ READABLE: dict[str, str] = {suffix: text for reader in _READERS for suffix, text
 """Suffixes of the images that can be read -> what they are. The content of a file decides, not its suffix."""
 
 
-def load_image(path: str | os.PathLike[str]) -> Image:
+def load_image(path: str | os.PathLike[str], go_on: Callable[[], object] | None = None) -> Image:
     """Read an image file.
 
     Parameters
     ----------
     path : path-like
         A file of one of the kinds in `READABLE`.
+    go_on : callable, optional
+        Called between the parts of a long file while its hash is made; it may raise to stop.
 
     Returns
     -------
     Image
         Its gray levels in the range of the file (16 bits stay 16 bits), color turned into luminance, the size of a
-        pixel where the file gives it, and in ``notes`` what was changed.
+        pixel where the file gives it, the hash of the file, and in ``notes`` what was changed.
 
     Raises
     ------
@@ -77,8 +81,8 @@ def load_image(path: str | os.PathLike[str]) -> Image:
             f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
             "or save it again as PNG or TIFF."
         ) from error
-    name = printable(file.name)
-    return Image(decoded.values, decoded.spacing, decoded.unit, name, decoded.notes, decoded.colors)
+    name, sha256 = printable(file.name), fingerprint(file, go_on)
+    return Image(decoded.values, decoded.spacing, decoded.unit, name, decoded.notes, decoded.colors, sha256)
 
 
 def _head(file: Path) -> bytes:

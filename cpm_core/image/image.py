@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.gray_levels import usable
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.parameters.quotation import shown
 
 MINIMUM_SIDE = 8
@@ -37,6 +40,8 @@ class Image:
         What was changed between the file and `values`, one sentence each.
     colors : Colors, optional
         Colors of the pixels, for display; None for a gray image.
+    file_sha256 : str, optional
+        Hash of the bytes of its file; empty for an image that is not from a file.
 
     Raises
     ------
@@ -51,6 +56,7 @@ class Image:
     source: str = "image"
     notes: tuple[str, ...] = ()
     colors: Colors | None = None
+    file_sha256: str = ""
 
     def __post_init__(self) -> None:
         given = np.asarray(self.values)
@@ -72,7 +78,7 @@ class Image:
                 f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
             )
         values, changes = usable(values)
-        spacing = tuple(float(size) for size in self.spacing) or (1.0,) * values.ndim
+        spacing = tuple(np.ravel(real_numbers(self.spacing)).tolist()) or (1.0,) * values.ndim
         if len(spacing) != values.ndim or not all(math.isfinite(size) and size > 0 for size in spacing):
             raise ValueError(
                 f"The spacing of {self.source} is {shown(self.spacing)}, but must be {_COUNTS[values.ndim]} positive "
@@ -87,6 +93,11 @@ class Image:
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "spacing", spacing)
         object.__setattr__(self, "notes", (*self.notes, *changes))
+
+    @cached_property
+    def sha256(self) -> str:
+        """Hash of its file, or of `values` as float64, little-endian and row by row, where there is no file."""
+        return self.file_sha256 or hashlib.sha256(self.values.astype("<f8", copy=False).data).hexdigest()
 
     @property
     def shape(self) -> tuple[int, ...]:

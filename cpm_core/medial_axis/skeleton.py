@@ -10,7 +10,7 @@ only one side, and no shape can be rebuilt from such disks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.medial_axis.disks import along, covered
 from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.provenance import Provenance
 
 _THICK = 95.0
 """Percentile of the length that `Skeleton.thickness` covers."""
@@ -53,6 +54,8 @@ class Skeleton:
         Largest width that counted [px]; 0 for any.
     channel : str
         Channel of a color image in which it was found, one of `Parameters.channel`.
+    provenance : Provenance
+        How it was found.
     """
 
     contours: tuple[Contour, ...]
@@ -64,6 +67,7 @@ class Skeleton:
     polarity: int = 0
     width: float = 0.0
     channel: str = "luminance"
+    provenance: Provenance = field(default_factory=Provenance, repr=False)
 
     @property
     def thickness(self) -> float:

@@ -24,6 +24,7 @@ from cpm_core.medial_axis.skeleton import Skeleton, branches
 from cpm_core.medial_axis.structure import Structure, find_structure, with_axis
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import OF_STARTS, PRESETS, Parameters, invalidating
+from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.state import Particles
@@ -195,7 +196,11 @@ class SkeletonMethod(ImageFields):
         image, found = self.image, state.structure
         polarity, width = (found.polarity, found.width) if found is not None else (0, 0.0)
         place = image.shape, image.spacing, image.unit, image.source
-        return Skeleton(state.contours, state.radii, *place, polarity, width, image.channel(parameters.channel))
+        made = Provenance(
+            self.name, taken(parameters, self.parameters), sha256=image.sha256, of_file=bool(image.file_sha256)
+        )
+        channel = image.channel(parameters.channel)
+        return Skeleton(state.contours, state.radii, *place, polarity, width, channel, made)
 
     def measures(self, state: SkeletonState, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
         """Metrics of a state by name; see `Method.measures`."""

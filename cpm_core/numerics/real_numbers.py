@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -11,6 +12,8 @@ from numpy.typing import ArrayLike
 
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
+
+_REAL: tuple[type, ...] = (int, float, np.integer, np.floating)
 
 _LEAST_SIDE = 2
 """Least number of pixels along each axis of an image that has edges [px]."""
@@ -32,10 +35,11 @@ def real_numbers(values: ArrayLike) -> Array:
 
 def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted: str) -> float:
     """A number that a caller gives; ValueError, which says what is wanted, unless it is a finite one that fits."""
-    real = isinstance(value, int | float | np.integer | np.floating) and abs(value) <= sys.float_info.max
-    if not (real and fits(float(value))):
+    real = isinstance(value, _REAL) and abs(value) <= sys.float_info.max
+    number = float(value) if real else math.nan
+    if not (real and fits(number)):
         raise ValueError(f"{name} is {shown(value)} but must be {wanted}.")
-    return float(value)
+    return number
 
 
 def gray_levels(values: ArrayLike) -> Array:

@@ -15,6 +15,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics import polyline
 from cpm_core.objects.outline.outline import SMOOTHING
 from cpm_core.objects.selection import Selection
+from cpm_core.parameters.provenance import Provenance
 
 
 def objects_result(
@@ -53,7 +54,15 @@ def objects_result(
         mean = float(interpolate(strength[None], polyline.sampled(gap, 1.0)).mean())
         bridges.append(Bridge(gap, polyline.length(gap), mean))
     place = (image.shape, image.spacing, image.unit, image.source)
-    return replace(boundaries_result(contours, bridges, *place), image=image, channel=image.channel(channel))
+    taken = image.channel(channel)
+    clicks = tuple(
+        {"shape": "object", "inside": selection.inside.tolist(), "outside": selection.outside.tolist()}
+        for selection in selections
+    )
+    made = Provenance(
+        "objects", {"channel": taken}, shapes=clicks, sha256=image.sha256, of_file=bool(image.file_sha256)
+    )
+    return replace(boundaries_result(contours, bridges, *place), image=image, channel=taken, provenance=made)
 
 
 def boundaries_result(

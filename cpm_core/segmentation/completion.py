@@ -48,7 +48,7 @@ def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters)
     away = idle == _OUTSIDE
     if away.any():
         under_way = state.idle // _PATIENCE if state.coverage.size else 0  # before the first coverage there is no limit
-        idle[away] = np.where(_is_fast(state, parameters)[away], under_way, state.idle)
+        idle[away] = np.where(_is_fast(state.particles.velocity[away], parameters), under_way, state.idle)
     if state.charges:
         _let_gather(state, scale_field, idle)
     return idle
@@ -61,14 +61,13 @@ def is_travelling(state: State, parameters: Parameters) -> bool:
     to go.
     """
     idle = idle_at(state.coverage, state.particles.position, state.step_of_scale, _OUTSIDE)
-    flying = int(np.count_nonzero((idle == _OUTSIDE) & _is_fast(state, parameters)))
+    flying = int(np.count_nonzero(_is_fast(state.particles.velocity[idle == _OUTSIDE], parameters)))
     return flying > _TRAVELLING * state.count
 
 
-def _is_fast(state: State, parameters: Parameters) -> NDArray[np.bool_]:
-    """Which particles move so fast, shape (N,), that the field alone must drive them."""
+def _is_fast(velocity: Array, parameters: Parameters) -> NDArray[np.bool_]:
+    """Which particles of these velocities, shape (N, D), move so fast that the field alone must drive them."""
     driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
-    velocity = state.particles.velocity
     return np.asarray(np.einsum("ni,ni->n", velocity, velocity) > (_UNDER_WAY * driven) ** 2)
 
 

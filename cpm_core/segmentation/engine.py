@@ -7,7 +7,7 @@ from any state, without memory of its own, so that a run can be paused, changed,
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import asdict, fields, replace
 from typing import ClassVar
 
 import numpy as np
@@ -27,6 +27,7 @@ from cpm_core.image.pyramid import to_image
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES
+from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.initialization import starting_points
 from cpm_core.particles.state import Particles, State
@@ -65,6 +66,15 @@ def reconstruction(
         image=image,
         regions=state.regions,
         channel=image.channel(parameters.channel),
+        provenance=Provenance(
+            "cpm",
+            taken(parameters, Engine.parameters),
+            len(state.start),
+            tuple({"shape": "charge", **asdict(charge)} for charge in state.charges),
+            scale,
+            sha256=image.sha256,
+            of_file=bool(image.file_sha256),
+        ),
     )
 
 

@@ -12,6 +12,7 @@ from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 from cpm_core.reconstruction.by_hand.operations import carried_out
@@ -56,8 +57,10 @@ def segment(
     ValueError
         For an unusable image, seeds or parameters; the message says what to do.
     """
-    if max_steps is not None and max_steps < 1:
-        raise ValueError(f"max_steps is {max_steps} but must be at least 1.")
+    if max_steps is not None:
+        checked_number(
+            "max_steps", max_steps, lambda steps: steps >= 1 and steps == int(steps), "at least 1, and whole"
+        )
     chosen = parameters or Parameters()
     engine = Engine(values, chosen, regions)
     state = engine.start(seeds)

@@ -12,9 +12,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from .fuzzing.parts import PARTS as FUZZING
+from .kills.kills import killed
 from .report import Budget, Part, Report
 
-PARTS: dict[str, tuple[str, Part]] = {**FUZZING}
+PARTS: dict[str, tuple[str, Part]] = {
+    **FUZZING,
+    "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),
+}
 """Name of each part: what it tries in a few words, and the function that runs it."""
 
 

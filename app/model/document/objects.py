@@ -26,6 +26,7 @@ from cpm_core.objects.segmented.segmented_object import (
 )
 from cpm_core.objects.segmented.union import union
 from cpm_core.objects.selection import Selection
+from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import Barrier, Polygon, Region
 
 _DECIMALS = 3
@@ -215,7 +216,8 @@ def objects_result(document: Document) -> Result | None:
         return None
     contours = [contour for item in shown for contour in _contours(objects, item)]
     bridges = [Bridge(np.array(gap), length(gap), 0.0) for item in shown for gap in item.gaps]
-    return boundaries_result(contours, bridges, image.shape, image.spacing, image.unit, image.name)
+    found = boundaries_result(contours, bridges, image.shape, image.spacing, image.unit, image.name)
+    return replace(found, provenance=Provenance("objects", sha256=image.sha256))
 
 
 def _contours(objects: SegmentedObjects, item: SegmentedObject) -> list[Contour]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-import logging
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from app.model.text.language import tr
+from cpm_core.parameters.quotation import shown
 
 KEY = "shortcuts"
 """Key of the file of preferences: the chosen keys of all actions, as one line of JSON."""
@@ -17,8 +17,6 @@ ON_THE_IMAGE = (
     "End", "<", ">", *"123456789",
 )  # fmt: skip
 """Keys that the image itself takes; no action can have them."""
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,23 +33,22 @@ Chosen = Mapping[str, tuple[str, ...]]
 """Keys by the names of actions; one that is not there has its default ones."""
 
 
-def read(stored: str) -> dict[str, tuple[str, ...]]:
-    """Chosen keys from the file; what cannot be read is left out."""
+def read(stored: str) -> tuple[dict[str, tuple[str, ...]], str]:
+    """Chosen keys from the file, and a sentence on what cannot be read and is left out."""
     try:
         found = json.loads(stored)
-    except json.JSONDecodeError:
+    except (ValueError, RecursionError):
         found = None
     if not isinstance(found, dict):
-        _log.warning("the shortcuts %r cannot be read; the default ones are used", stored)
-        return {}
+        return {}, tr("The chosen keys in the preferences cannot be read: the default ones are used.")
     good = {
         name: tuple(keys)
         for name, keys in found.items()
         if isinstance(keys, list) and all(isinstance(key, str) for key in keys)
     }
-    if len(good) < len(found):
-        _log.warning("shortcuts of %s cannot be read; the default ones are used", ", ".join(found.keys() - good))
-    return good
+    bad = ", ".join(sorted(found.keys() - good))
+    text = tr("The chosen keys of {names} cannot be read: the default ones are used.")
+    return good, text.format(names=shown(bad)) if bad else ""
 
 
 def written(chosen: Chosen) -> str:

@@ -58,10 +58,10 @@ class Messages:
         errors = tuple(error for error in self.errors if error.topic not in topics)
         return Messages(errors, None if self.news is not None and self.news.topic in topics else self.news)
 
-    def only(self, topic: str) -> Messages:
+    def only(self, *topics: str) -> Messages:
         """Without the messages of all other topics."""
-        kept = self.news if self.news is not None and self.news.topic == topic else None
-        return Messages(tuple(error for error in self.errors if error.topic == topic), kept)
+        kept = self.news if self.news is not None and self.news.topic in topics else None
+        return Messages(tuple(error for error in self.errors if error.topic in topics), kept)
 
     def faded(self) -> Messages:
         """Without the news."""

@@ -11,13 +11,16 @@ log = logging.getLogger(__name__)
 def sentence(error: Exception, activity: str) -> str:
     """One sentence on what went wrong during an activity such as ``"opening a.png"``.
 
-    The texts of `ValueError` and `OSError` are used; any other error is a defect of the program and is logged in full.
+    The texts of `ValueError` and `OSError` are used. Any other error, except for lack of memory, is a defect of the
+    program and is logged in full.
     """
     if isinstance(error, ValueError):
         text = str(error)
     elif isinstance(error, OSError):
         name = Path(error.filename).name if isinstance(error.filename, str | Path) else ""
         text = f"{name}: {error.strerror}" if name and error.strerror else str(error)
+    elif isinstance(error, MemoryError):
+        text = f"There was not enough memory while {activity}: close other programs, or use a smaller image"
     else:
         log.error("unexpected error while %s", activity, exc_info=error)
         text = f"Something unexpected happened while {activity}: {error or type(error).__name__}"

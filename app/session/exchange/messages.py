@@ -84,12 +84,24 @@ class Reconstruction:
         return cls(generation, tracked.result, tracked)
 
 
+@dataclass(frozen=True, slots=True)
+class ReconstructionFailed:
+    """The contours of a recent snapshot could not be reconstructed; those made last stay."""
+
+    generation: int
+    sentence: str
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Overlays:
-    """The requested overlays by name, for the image opened as `generation`; see `app.session.worker.overlays`."""
+    """The requested overlays by name, for the image opened as `generation`; see `app.session.worker.overlays`.
+
+    `trouble` says what those that are missing failed with.
+    """
 
     generation: int
     arrays: Mapping[str, NDArray[np.generic] | DisplayImage]
+    trouble: str = ""
 
 
 # Reports: ordered, few.

@@ -10,8 +10,8 @@ from PySide6.QtCore import QObject
 from app.model.document import marking
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import TrackedContours
-from app.session.exchange.mailbox import Latest
 from app.session.features.contour_review import ContourReview
+from app.session.features.latest import Latest
 from app.session.scene import ReviewedContours
 from app.session.session import Session
 from cpm_core.contours.features import contour_features
@@ -40,8 +40,9 @@ class ContourLearning(QObject):
         self._review = review
         self._asked: TrackedContours | None = None
         self._starting = False
-        self._latest = Latest("cpm-learning", self)
+        self._latest = Latest(session, "cpm-learning", "measuring contours")
         self._latest.done.connect(self._take)
+        self._latest.failed.connect(self._give_up)
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(self._forget)
 
@@ -98,6 +99,11 @@ class ContourLearning(QObject):
         self._starting = False
         self._asked = None
         self._latest.forget()
+
+    def _give_up(self, _: str) -> None:
+        """Begin to learn anew when it is asked for again."""
+        self._starting = False
+        self._asked = None
 
     def _follow(self) -> None:
         """Measure the contours shown, if that is needed and has not begun."""

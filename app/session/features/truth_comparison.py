@@ -11,9 +11,9 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.display.differences import Difference, differences
 from app.model.text.language import tr
-from app.session.exchange.mailbox import Latest
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.features.contour_review import ContourReview
+from app.session.features.latest import Latest
 from app.session.session import Session
 from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
 from cpm_core.contours.contour import Contour
@@ -60,8 +60,9 @@ class GroundTruth(QObject):
         self._path: Path | None = None
         self._session = session
         self._review = review
-        self._latest = Latest("cpm-comparison", self)
+        self._latest = Latest(session, "cpm-comparison", "comparing with the ground truth")
         self._latest.done.connect(self._take)
+        self._latest.failed.connect(self._give_up)
         session.listen(TruthRead, self._take_truth)
         session.image_changed.connect(self.forget)
         review.changed.connect(self._compare)
@@ -164,6 +165,10 @@ class GroundTruth(QObject):
     def _take(self, verified: Verified) -> None:
         if verified.truth is self.truth and self._review.result is not None:
             self._show(verified)
+
+    def _give_up(self, _: str) -> None:
+        """Show no figures rather than those of other contours."""
+        self._show(None)
 
     def _show(self, verified: Verified | None) -> None:
         self.verified = verified

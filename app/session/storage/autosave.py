@@ -5,13 +5,14 @@ from __future__ import annotations
 import logging
 import uuid
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer
+from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer, Signal
 
 from app.model.preferences.table import AUTOSAVE, AUTOSAVE_EVERY
+from app.model.text.language import tr
+from app.session.exchange.error_messages import sentence
 from app.session.storage.preferences import Preferences
 from app.session.storage.session_file import DocumentFile
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
@@ -34,18 +35,24 @@ class Journal(QObject):
     Each window has its own journal, with a lock beside it that ends with the process, even after a crash.
     """
 
+    put = Signal(str)
+    """The journal has been written or removed: nothing, or else a sentence on why it has not."""
+    _worked = Signal(str)
+    """The same, sent by the thread that writes."""
+
     def __init__(self, document_file: DocumentFile, folder: Path, preferences: Preferences) -> None:
         super().__init__(document_file)
         self._document_file = document_file
         self.path = folder / f"{uuid.uuid4().hex}{SUFFIX}"
         self._lock = lock_of(self.path)
         self._writer: ThreadPoolExecutor | None = None
-        self._last: Future[None] | None = None
+        self._last: Future[str] | None = None
         self._closed = False
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
         self._timer.timeout.connect(self.write)
         self._preferences = preferences
+        self._worked.connect(self._announce)
         preferences.follow(AUTOSAVE_EVERY, self._use_interval)
         preferences.follow(AUTOSAVE, self._plan)
         document_file.edited.connect(self._plan)
@@ -61,10 +68,9 @@ class Journal(QObject):
         named = {"session": str(path.absolute()) if path else "", "name": self._document_file.name}
         self._submit(replace(kept, extra={**kept.extra, KEY: named}))
 
-    def flush(self) -> None:
-        """Wait until everything is on disk."""
-        if self._last is not None:
-            self._last.result()
+    def flush(self) -> bool:
+        """Wait until everything is on disk; False when it cannot be."""
+        return self._last is not None and not self._last.result()
 
     def close(self) -> None:
         """Remove the journal: the program ends normally."""
@@ -89,16 +95,38 @@ class Journal(QObject):
             if file is None or not self._prepare():
                 return
             self._writer = ThreadPoolExecutor(1, "cpm-journal")
-        self._last = self._writer.submit(_put, self.path, file)
+        self._last = self._writer.submit(self._put, file)
 
     def _prepare(self) -> bool:
         """Create the folder and take the lock."""
+        folder = self.path.parent
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
+            folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            _log.warning("no journal can be kept in %s: %s", self.path.parent, error)
+            self.put.emit(_in_vain(f"{folder}: {error.strerror or error}."))
             return False
-        return self._lock.tryLock(0)
+        if not self._lock.tryLock(0):
+            self.put.emit(_in_vain(tr("Nothing can be written into {folder}.").format(folder=folder)))
+            return False
+        return True
+
+    def _put(self, file: SessionFile | None) -> str:
+        """Write or remove the journal; what that failed with."""
+        trouble = ""
+        try:
+            if file is None:
+                self.path.unlink(missing_ok=True)
+            else:
+                save_session(file, self.path)
+        except OSError as error:
+            _log.warning("the journal was not removed: %s", error)
+        except Exception as error:  # the user can still work without a journal
+            trouble = _in_vain(sentence(error, "keeping unsaved work"))
+        self._worked.emit(trouble)
+        return trouble
+
+    def _announce(self, trouble: str) -> None:
+        self.put.emit(trouble)
 
 
 def lock_of(journal: Path) -> QLockFile:
@@ -108,12 +136,7 @@ def lock_of(journal: Path) -> QLockFile:
     return lock
 
 
-def _put(path: Path, file: SessionFile | None) -> None:
-    if file is None:
-        with suppress(OSError):
-            path.unlink(missing_ok=True)
-        return
-    try:
-        save_session(file, path)
-    except ValueError as error:  # the user can still work without a journal
-        _log.warning("the journal was not written: %s", error)
+def _in_vain(reason: str) -> str:
+    return tr("Unsaved work is not kept for the case of a crash: save the session yourself. {reason}").format(
+        reason=reason
+    )

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import logging
+import shutil
 from collections.abc import Callable
+from pathlib import Path
 from typing import TypeVar
 
 from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
 from app.model.preferences.preference import Preference
+from app.model.text.language import tr
+from cpm_core.parameters.quotation import shown
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
 V = TypeVar("V")
@@ -21,11 +25,16 @@ class Preferences(QObject):
 
     changed = Signal(str)
     """Key of a value that has changed."""
+    troubled = Signal(str)
+    """A sentence on what is stored and cannot be used, or cannot be stored."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._settings = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
         self._broken: set[str] = set()
+        self.troubles: list[str] = []
+        """What was said by `troubled` so far; what is stored stays in the file until another value is chosen."""
+        self._check_file()
 
     def value(self, preference: Preference[V]) -> V:
         """The value of a preference; its default when none is stored or the stored one cannot be used."""
@@ -37,7 +46,8 @@ class Preferences(QObject):
             return taken
         if preference.name not in self._broken:
             self._broken.add(preference.name)
-            _log.warning("preference %s cannot be %r; %r is used", preference.name, stored, preference.default)
+            text = tr("The preference {name} cannot be {value}: the default is used.")
+            self.complain(text.format(name=preference.name, value=shown(stored)))
         return preference.default
 
     def choose(self, preference: Preference[V], value: V) -> None:
@@ -73,6 +83,27 @@ class Preferences(QObject):
         if self._settings.value(key) != value:
             self._settings.setValue(key, value)
             self.changed.emit(key)
+
+    def complain(self, trouble: str) -> None:
+        """Say once what is wrong with what is stored."""
+        if trouble not in self.troubles:
+            _log.warning("%s", trouble)
+            self.troubles.append(trouble)
+            self.troubled.emit(trouble)
+
+    def _check_file(self) -> None:
+        """Keep a copy of a file that cannot be read, because the next value that is stored replaces the file."""
+        path, status = Path(self._settings.fileName()), self._settings.status()
+        if status == QSettings.Status.NoError:
+            return
+        try:
+            copy = shutil.copy(path, path.with_name(f"{path.name}.unread"))
+        except OSError as error:
+            text = tr("{path} cannot be read, so that the preferences are the default ones: {reason}.")
+            self.complain(text.format(path=path, reason=error.strerror or error))
+        else:
+            text = tr("The preferences in {path} cannot be read and are the default ones; that file is kept as {copy}.")
+            self.complain(text.format(path=path, copy=copy))
 
     def flush(self) -> None:
         """Write to the file now."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import logging
+import itertools
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -12,9 +12,8 @@ from PySide6.QtCore import QObject, QSettings, Signal
 
 from app.model.parameters.presets import SUFFIX, Preset, built_in, checked_name, read, written
 from app.model.text.language import tr
+from app.session.exchange.error_messages import sentence
 from cpm_core.formats.atomic import write_together
-
-_LOG = logging.getLogger(__name__)
 
 
 class PresetStore(QObject):
@@ -28,6 +27,8 @@ class PresetStore(QObject):
         self.folder = folder or _beside_preferences()
         self._files: dict[str, Path] = {}
         self._own: tuple[Preset, ...] = ()
+        self.troubles: tuple[str, ...] = ()
+        """Sentences on files of the folder that cannot be read; they stay as they are."""
         self._read_folder()
 
     @property
@@ -90,26 +91,32 @@ class PresetStore(QObject):
         return found
 
     def _place(self, name: str) -> Path:
-        """The file of a preset: a readable name, unique for each preset name."""
+        """The file of a preset: a readable name, unique for each preset name; never a file that cannot be read."""
+        if name in self._files:
+            return self._files[name]
         readable = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:40]
-        return self.folder / f"{readable}-{hashlib.sha256(name.encode()).hexdigest()[:8]}{SUFFIX}"
+        stem = f"{readable}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+        places = (self.folder / f"{stem}{number or ''}{SUFFIX}" for number in itertools.count())
+        return next(place for place in places if not place.exists())
 
     def _write(self, path: Path, preset: Preset) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_together([(path, written(preset))])
 
     def _read_folder(self) -> None:
-        """Read the folder; files that are not presets are ignored."""
+        """Read the folder; files that are not presets are left out."""
         found: dict[str, tuple[Preset, Path]] = {}
+        troubles = []
         for path in sorted(self.folder.glob(f"*{SUFFIX}")):
             try:
                 preset = read(path.read_bytes(), path.name)
             except (ValueError, OSError) as error:
-                _LOG.warning("%s", error)
+                troubles.append(sentence(error, f"reading {path.name}"))
                 continue
             found.setdefault(preset.name, (preset, path))
         self._own = tuple(found[name][0] for name in sorted(found, key=str.casefold))
         self._files = {name: path for name, (_, path) in found.items()}
+        self.troubles = tuple(troubles)
 
 
 def _beside_preferences() -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -51,6 +52,8 @@ class DocumentFile(QObject):
         self.truth: Callable[[], TruthFile | None] = lambda: None
         """Gives the ground truth to be saved; set by the window."""
         self._saving: Task | None = None
+        self._ordered: tuple[Path, SessionFile, Document] | None = None
+        self._written: deque[Written] = deque(maxlen=1)
         self._next: Path | None = None
         self._announced: tuple[Path | None, bool] = (None, False)
         self.path: Path | None = None
@@ -94,24 +97,48 @@ class DocumentFile(QObject):
         self._session.attempt(SAVING)
         task = self._saving = self._session.tasks.begin(tr("Saving {name}…").format(name=path.name), cancellable=False)
         file, document = self.file, self._session.document
+        self._ordered = path, file, document
         self.runs.collect(lambda runs: self._write(path, task, replace(file, runs=runs.plain), document, runs.edition))
 
     def _write(self, path: Path, waiting: Task, file: SessionFile, document: Document, edition: int) -> None:
         """Write the session file on a separate thread, in place of the task that waited for the runs."""
+        if self._ordered is None:  # it has been written at once
+            waiting.end()
+            return
 
         def work(task: Task) -> Report:
             save_session(file, path)
-            return Written(path, file, document, edition)
+            written = Written(path, file, document, edition)
+            self._written.append(written)
+            return written
 
+        self._ordered = None
         self._saving = self._session.tasks.start(
             waiting.name, work, f"saving {path.name}", partial(CommandFailed, topic=SAVING), cancellable=False
         )
         waiting.end()
 
+    def finish(self) -> None:
+        """Carry out at once, or wait for, what `save` has been asked for: closing must not overtake it."""
+        following, ordered = self._next, self._ordered
+        if ordered is not None:  # it has waited for the runs until now
+            path, file, document = ordered
+            self.runs.collect_at_once()
+            self._write_at_once(path, replace(file, runs=self.runs.plain), document)
+        elif self._saving is not None and not self._saving.over:
+            self._saving.wait()
+        if self._written:
+            self._use_written(self._written.pop())
+        if following is not None:
+            self.save_at_once(following)
+
     def save_at_once(self, path: Path) -> bool:
         """Write the session file and wait for it; False, with an error message, when that fails."""
         self.runs.collect_at_once()
-        file, document = self.file, self._session.document
+        return self._write_at_once(path, self.file, self._session.document)
+
+    def _write_at_once(self, path: Path, file: SessionFile, document: Document) -> bool:
+        self._ordered = self._next = None
         try:
             save_session(file, path)
         except ValueError as error:
@@ -132,6 +159,7 @@ class DocumentFile(QObject):
             self.save(path)
 
     def _use_opened(self, opened: Opened) -> None:
+        self._written.clear()
         saved = opened.saved
         self.path, self._file = (saved.path, saved.file) if saved else (None, None)
         self._known = None if saved is not None and saved.recovered else self._session.document
@@ -140,6 +168,7 @@ class DocumentFile(QObject):
         self._announce()
 
     def _use_written(self, written: Written) -> None:
+        self._written.clear()
         self.path, self._file, self._known = written.path, written.file, written.document
         self.runs.saved(written.edition)
         self._session.say(tr("Saved: {path}").format(path=written.path), topic=SAVING)

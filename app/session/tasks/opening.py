@@ -12,7 +12,7 @@ from app.session.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
 from app.session.tasks.folder_images import images_beside, session_beside
 from app.session.tasks.tasks import Task, Tasks
-from cpm_core.formats.sessions.session_file import SUFFIX, find_image, fingerprint, load_session
+from cpm_core.formats.sessions.session_file import SUFFIX, find_image, load_session
 from cpm_core.image.kind import guessed_kind
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import Parameters
@@ -58,9 +58,7 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
             raise ValueError(tr("{name} names no image.").format(name=path.name))
         path, warnings = find_image(saved.file.image, path.absolute().parent)
         notes = (*notes, *warnings)
-    image = core.load_image(path)
-    go_on()
-    sha256 = fingerprint(path)
+    image = core.load_image(path, go_on)
     go_on()
     most, scales = most_scales(image.shape), parameters.scales
     if scales > most:
@@ -73,7 +71,19 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
     all_notes, display = (*image.notes, *notes), display_of(image)
     folder, kind = images_beside(path), guessed_kind(image.values) if saved is None else None
     return Opened(
-        image, method, display, path, parameters, all_notes, sha256, saved, scales, folder, beside, kind, large
+        image,
+        method,
+        display,
+        path,
+        parameters,
+        all_notes,
+        image.file_sha256,
+        saved,
+        scales,
+        folder,
+        beside,
+        kind,
+        large,
     )
 
 

@@ -73,6 +73,10 @@ class Task:
         if self.cancellable and not self._ended.is_set():
             self._cancelled.set()
 
+    def wait(self) -> None:
+        """Wait until it has ended."""
+        self._ended.wait()
+
     def end(self) -> None:
         """It has ended, with success or not."""
         self._ended.set()

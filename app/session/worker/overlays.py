@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from app.model.display.display_image import DisplayImage, display_of_edge_map, display_of_potential
 from app.model.display.iso_lines import iso_lines
+from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays
 from cpm_core.field.placed_charges import PlacedCharge
@@ -62,6 +63,11 @@ class OverlayMaker:
         key = (method, self._wanted, charges, *made_of)
         if key == self._shown:
             return
-        arrays = {name: OVERLAYS[name](method, parameters, charges) for name in self._wanted}
-        self._made.put(Overlays(image_generation, arrays))
+        arrays, trouble = {}, ""
+        for name in self._wanted:
+            try:
+                arrays[name] = OVERLAYS[name](method, parameters, charges)
+            except Exception as error:  # the run does not depend on what is shown over the image
+                trouble = sentence(error, "preparing what lies over the image")
+        self._made.put(Overlays(image_generation, arrays, trouble))
         self._shown = key

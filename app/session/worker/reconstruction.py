@@ -13,7 +13,7 @@ import numpy as np
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Reconstruction
+from app.session.exchange.messages import Reconstruction, ReconstructionFailed
 from cpm_core.contours.hand_edits import HandEdit, apply_to_result
 from cpm_core.contours.result import Result
 from cpm_core.field.image_fields import ImageFields
@@ -74,13 +74,13 @@ class Reconstructor:
     """Reconstructs the newest request and leaves the contours in `results`."""
 
     def __init__(self) -> None:
-        self.results: Mailbox[Reconstruction] = Mailbox()
+        self.results: Mailbox[Reconstruction | ReconstructionFailed] = Mailbox()
         self._changed = threading.Condition()
         self._tracker = ContourTracker()
         self._image: Image | None = None
         self._given: tuple[Image, Mapping[int, Position]] | None = None
         self._requests: Mailbox[Request] = Mailbox()
-        self._latest: Reconstruction | None = None
+        self._latest: Reconstruction | ReconstructionFailed | None = None
         self._unedited: tuple[Request, Result | Skeleton] | None = None
         self._working = False
         self._quit = False
@@ -119,6 +119,7 @@ class Reconstructor:
         """The contours of the newest request of a run, once they are made.
 
         None where there are none, or `wanted`, which is called while they are being made, returns False.
+        ValueError where they could not be made: those made before belong to another state.
         """
         with self._changed:
             waiting = self._requests.newest
@@ -130,7 +131,11 @@ class Reconstructor:
                     return None
                 self._changed.wait(_CHECK_EVERY)
             found = self._latest
-            return found if found is not None and found.generation == generation else None
+            if found is None or found.generation != generation:
+                return None
+            if isinstance(found, ReconstructionFailed):
+                raise ValueError(found.sentence)
+            return found
 
     def close(self) -> None:
         """End the thread and wait for it."""
@@ -173,6 +178,7 @@ class Reconstructor:
         self._image = image
 
     def _reconstruct(self, request: Request) -> None:
+        found: Reconstruction | ReconstructionFailed
         try:
             self._number(request.method.image)
             if self._unedited is None or not self._unedited[0].same_state(request):
@@ -181,7 +187,6 @@ class Reconstructor:
             found = Reconstruction.of(request.generation, result, self._tracker, thorough=request.last)
             found = replace(found, missed=missed if request.last else ())
         except Exception as error:  # no error may end the thread
-            sentence(error, "reconstructing contours")
-            return
+            found = ReconstructionFailed(request.generation, sentence(error, "reconstructing contours"))
         self._latest = found
         self.results.put(found)

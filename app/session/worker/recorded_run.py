@@ -21,6 +21,7 @@ from app.session.timeline.timeline import Timeline
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.segmentation.method import Method, MethodState
+from cpm_core.shapes import Shape
 
 MEGABYTES = 256
 """Default memory of the timeline [MB]."""
@@ -148,6 +149,17 @@ class RecordedRun:
             timeline.steered,
             self._begun[timeline.run].generation if timeline.run else 0,
         )
+
+    @property
+    def steered(self) -> bool:
+        """Whether the current run was changed between its steps, or left another run."""
+        branch, _ = self.timeline.here or (0, 0)
+        return any(node.steered or node.parent is not None for node in self.timeline.nodes if node.identity == branch)
+
+    def drawn(self) -> tuple[Shape, ...]:
+        """What was drawn when the current run began."""
+        run = self.timeline.run
+        return self._begun[run].document.shapes if run else ()
 
     def clear(self) -> None:
         """Remove all runs."""

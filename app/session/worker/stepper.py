@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from app.session.worker.recorded_run import RecordedRun, RunRecord
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.formats.provenance import plain_shapes
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import Method, MethodState
@@ -162,6 +164,15 @@ class Stepper:
         if found is None and wanted():
             raise ValueError("There is nothing to export yet: let the particles run first.")
         return found
+
+    def told(self, result: Result | Skeleton) -> Result | Skeleton:
+        """What the current run has found, with what was drawn for it and whether it was steered, for files."""
+        made, image = result.provenance, None if self.method is None else self.method.image
+        if image is not None and not made.sha256:  # contours drawn by hand
+            made = replace(made, sha256=image.sha256, of_file=bool(image.file_sha256))
+        if self.state is not None:
+            made = replace(made, shapes=plain_shapes(self.recorded.drawn()), steered=self.recorded.steered)
+        return replace(result, provenance=made)
 
     def result_of(self, branch: int, state: MethodState) -> Result | Skeleton:
         """Contours of a state of another branch."""

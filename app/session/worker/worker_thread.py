@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 import threading
 from collections import deque
+from collections.abc import Iterator
 
 from app.session.core_functions import Core
 from app.session.exchange.error_messages import sentence
@@ -52,12 +53,10 @@ class WorkerThread:
         """Send a report to the window, from any thread."""
         self._reports.append(report)
 
-    def reports(self) -> list[Report]:
-        """Reports since the last call, oldest first."""
-        taken = []
+    def reports(self) -> Iterator[Report]:
+        """Reports since the last call, oldest first; those not asked for stay, as when one leads to an error."""
         while self._reports:
-            taken.append(self._reports.popleft())
-        return taken
+            yield self._reports.popleft()
 
     @property
     def idle(self) -> bool:

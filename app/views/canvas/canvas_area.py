@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 from app.model.document import edits
 from app.model.document.naming import describe
 from app.model.text.language import tr
-from app.session.signals import OPENING
+from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
@@ -76,7 +76,7 @@ class CanvasArea(QWidget):
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
         session.attempted.connect(self.messages.attempt)
-        session.image_changed.connect(lambda: self.messages.keep_only(OPENING))
+        session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
         for layer in self.canvas.layers:
             layer.changed.connect(self.strip.refresh_legend)
         session.status_changed.connect(self.refresh)

@@ -37,11 +37,12 @@ _WIDTH = 330
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Closed(Report):
-    """Open contours have been closed for the preview of an order."""
+    """Open contours have been closed for the preview of an order, or what that failed with."""
 
     dialog: ExportDialog
     order: ExportOrder
-    result: Result | Skeleton
+    result: Result | Skeleton | None
+    trouble: str = ""
 
 
 class ExportDialog(QDialog):
@@ -119,10 +120,7 @@ class ExportDialog(QDialog):
             drawn.addWidget(button)
         self.drawn["filled"].setChecked(True)
         self.closing.setAccessibleName(tr("Open contours"))
-        for label in (self.counts, self.note):
-            label.setWordWrap(True)
-            label.setMinimumSize(_WIDTH, 3 * self.fontMetrics().lineSpacing())
-            label.setAlignment(Qt.AlignmentFlag.AlignTop)
+        _make_room_for_sentences(self.counts, self.note)
         self._form.addRow(tr("What"), what)
         self._form.addRow(tr("Format"), self.format)
         self._form.addRow(tr("Regions"), drawn)
@@ -198,6 +196,7 @@ class ExportDialog(QDialog):
             tr("Closing contours…"),
             lambda task: Closed(self, order, closed(result, order, image, parameters)),
             "closing contours",
+            lambda trouble: Closed(self, order, None, trouble),
         )
 
     def _chosen(self, order: ExportOrder) -> Result | Skeleton:
@@ -222,7 +221,10 @@ class ExportDialog(QDialog):
 
     def _show_closed(self, report: Closed) -> None:
         if report.dialog is self and report.order == self.order:
-            self._show(self._chosen(report.order), report.result, report.order)
+            if report.result is not None:
+                self._show(self._chosen(report.order), report.result, report.order)
+            else:
+                self._enable(report.trouble)
 
     def _show(self, before: Result | Skeleton, after: Result | Skeleton, order: ExportOrder) -> None:
         items = self._session.scene.contours.items if order.source == "all" else ()
@@ -243,6 +245,13 @@ class ExportDialog(QDialog):
         if not trouble and self.file.path.exists():
             trouble = tr("{name} is there already and will be replaced.").format(name=self.file.path.name)
         self.note.setText(trouble)
+
+
+def _make_room_for_sentences(*labels: QLabel) -> None:
+    for label in labels:
+        label.setWordWrap(True)
+        label.setMinimumSize(_WIDTH, 3 * label.fontMetrics().lineSpacing())
+        label.setAlignment(Qt.AlignmentFlag.AlignTop)
 
 
 def _words(result: Result | Skeleton, counts: Account, order: ExportOrder) -> str:

@@ -60,8 +60,8 @@ class MosaicDialog(QDialog):
         self._picture = Picture(display, crop)
         self._plan: Plan | None = None
         offered = tuple(control for control in controls() if control.name in acting_in("shape"))
-        self.down = AxisRow(tr("Rows"), offered, FIRST_AXES[0])
-        self.across = AxisRow(tr("Columns"), offered, FIRST_AXES[1])
+        self.down = AxisRow(self, tr("Rows"), offered, FIRST_AXES[0])
+        self.across = AxisRow(self, tr("Columns"), offered, FIRST_AXES[1])
         self.count = QComboBox()
         self.start_button = QPushButton(tr("Run"))
         self.cancel_button = QPushButton(tr("Cancel"))
@@ -232,8 +232,8 @@ class AxisRow(QObject):
     changed = Signal()
     """A different parameter has been chosen."""
 
-    def __init__(self, title: str, controls: tuple[Control, ...], first: str) -> None:
-        super().__init__()
+    def __init__(self, parent: QObject, title: str, controls: tuple[Control, ...], first: str) -> None:
+        super().__init__(parent)  # its connections keep the dialog until it is deleted
         self._controls = controls
         self._title = title
         self.choice = QComboBox()

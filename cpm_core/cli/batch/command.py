@@ -18,8 +18,9 @@ from cpm_core.cli.batch.workers import elsewhere, here
 from cpm_core.cli.terminal import Count, counted, written
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.atomic import write_together
+from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.printable import printable
-from cpm_core.formats.sessions.session_file import fingerprint, load_session
+from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes.document_shapes import starts_of
@@ -96,7 +97,7 @@ def _batch(arguments: argparse.Namespace) -> int:
         with closing(results), progress:
             for done in results:
                 image = arguments.images[done.number]
-                row = _write(image, done, output, stems[done.number], session_hash, settings)
+                row = _write(image, done, output, stems[done.number], session_hash, settings, summary)
                 summary.add(done.number, row)
                 progress.advance()
                 for sentence in filter(None, (row.trouble, *row.notes)):
@@ -111,11 +112,12 @@ def _batch(arguments: argparse.Namespace) -> int:
     return FAILED if any(row.trouble for row in summary.rows.values()) else 0
 
 
-def _write(image: str, done: Done, output: Path, stem: str, session_hash: str, settings: str) -> Row:
+def _write(image: str, done: Done, output: Path, stem: str, session_hash: str, settings: str, summary: Summary) -> Row:
     """Write all files of an image, or none, and tell it as a row of the summary."""
     files = [(output / f"{stem}{suffix}", content) for suffix, content in done.files.items()]
     error, facts = done.error, done.facts
     try:
+        summary.release(path.name for path, _ in files)
         write_together(files)
     except ValueError as trouble:
         error, facts, files = str(trouble), {}, []

@@ -11,7 +11,9 @@ from cpm_core.cli.arguments import notes_on, with_room
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image, omission
-from cpm_core.formats.sessions.session_file import SessionFile, fingerprint
+from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.provenance import with_shapes
+from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
@@ -43,7 +45,6 @@ class Done:
 
 def do(job: Job) -> Done:
     """Find the contours of one image; the files are only encoded, and the batch writes them together."""
-    sha256 = fingerprint(Path(job.path))
     try:
         began = time.perf_counter()
         image, shapes = load_image(job.path), job.session.shapes
@@ -58,14 +59,14 @@ def do(job: Job) -> Done:
             charges=charges_of(shapes),
         )
         edited = with_hand_edits(found, image, parameters, job.session.hand_edits)
-        result = apply(edited, job.session.marks, learning=job.session.learning)
+        result = apply(with_shapes(edited, shapes), job.session.marks, learning=job.session.learning)
         facts = facts_of(result, time.perf_counter() - began)
         files, notes = _files(result, job.suffixes)
-        return Done(job.number, facts, files, notes=(*notes_on(image, parameters), *small, *notes), sha256=sha256)
+        return Done(job.number, facts, files, notes=(*notes_on(image, parameters), *small, *notes), sha256=image.sha256)
     except ValueError as error:
-        return Done(job.number, error=str(error), sha256=sha256)
+        return Done(job.number, error=str(error), sha256=fingerprint(Path(job.path)))
     except MemoryError:
-        return Done(job.number, error="There is not enough memory for this image.", sha256=sha256)
+        return Done(job.number, error="There is not enough memory for this image.", sha256=fingerprint(Path(job.path)))
 
 
 def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], list[str]]:

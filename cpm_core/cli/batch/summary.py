@@ -5,14 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from cpm_core.formats.atomic import write_together
+from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.printable import cell, printable, text_of_cell
 from cpm_core.formats.provenance import VERSION
-from cpm_core.formats.sessions.session_file import fingerprint
 
 NAME = "summary.csv"
 """Name of the table in the folder of a batch."""
@@ -131,6 +131,14 @@ class Summary:
         own = {Path(printable(image)).absolute() for image in self._images}
         others = [row for row in self._earlier if Path(row.image).absolute() not in own]
         return {name.lower() for row in (*others, *self._rows.values()) for name in row.files}
+
+    def release(self, names: Iterable[str]) -> None:
+        """Drop earlier rows of files that are about to be replaced: no row ever tells of files that are others now."""
+        replaced = {name.lower() for name in names}
+        kept = [row for row in self._earlier if replaced.isdisjoint(name.lower() for name in row.files)]
+        if len(kept) < len(self._earlier):
+            self._earlier = kept
+            self.write()
 
     def add(self, number: int, row: Row) -> None:
         """Add the row of an image, and write the table from time to time."""

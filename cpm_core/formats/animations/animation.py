@@ -27,6 +27,8 @@ class Animation(Protocol):
         Rows and columns of the frames.
     frames_per_second : float
         Speed.
+    comment : str
+        Text in ASCII that the file carries, such as how the frames came about; empty for none.
 
     Raises
     ------
@@ -34,7 +36,7 @@ class Animation(Protocol):
         When the format cannot show frames of this size or speed, or its encoder does not work.
     """
 
-    def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
+    def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float, comment: str) -> None:
         """Begin the file."""
 
     def add(self, frame: Pixels) -> None:
@@ -66,46 +68,46 @@ def write_animation(
     frames_per_second: float = 25.0,
     progress: Callable[[int], object] | None = None,
     cancelled: Callable[[], bool] | None = None,
+    comment: str = "",
 ) -> bool:
     """Write frames as an animation that repeats for ever, or as a video, by suffix.
 
     Parameters
     ----------
     frames : iterable of ndarray of uint8, shape (H, W, 3)
-        Red, green and blue, all of one size. Each is requested when the one before has been written, so a generator may
-        render them one by one.
+        Red, green and blue, all of one size; each is requested when the one before has been written.
     path : path-like
         File to write; see `ANIMATED` for the suffixes. It is replaced atomically at the end.
     frames_per_second : float
         Speed.
     progress : callable, optional
-        Called with the number of frames written, after each.
+        Called with the number of frames written.
     cancelled : callable, optional
         Called before each frame; True stops the writing.
+    comment : str
+        Text in ASCII that the file carries.
 
     Returns
     -------
     bool
-        False when it was cancelled; then nothing is written, and an existing file is unchanged.
+        False when it was cancelled; then nothing is written.
 
     Raises
     ------
     ValueError
-        When the suffix is not known, the file cannot be written there, the encoder of videos is not installed, or the
-        frames are not such arrays, or there are none.
+        When `check_animation` does, or there are no frames, or they are not such arrays.
     """
     check_animation(path)
     _check_speed(frames_per_second)
-    file, rest = Path(path), iter(frames)
     if cancelled is not None and cancelled():
         return False
-    first = next(rest, None)
-    if first is None:
+    file, rest = Path(path), iter(frames)
+    if (first := next(rest, None)) is None:
         raise ValueError(f"{file.name} would be an animation without frames: let it run first.")
     shape = _checked(first, None)
     try:
         with draft_of(file) as draft:
-            animation = _FORMATS[file.suffix.lower()](draft, shape, frames_per_second)
+            animation = _FORMATS[file.suffix.lower()](draft, shape, frames_per_second, comment)
             _add_all(animation, chain([first], rest), shape, progress, cancelled)
     except _CancelledError:
         return False

@@ -27,13 +27,15 @@ _LARGEST = 65535
 class ApngAnimation:
     """An APNG that is written frame by frame; see `animation.Animation`."""
 
-    def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
+    def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float, comment: str = "") -> None:
         self._delay = Fraction(1.0 / frames_per_second).limit_denominator(_LARGEST)
         self._count = self._sequence = 0
         self._last: Pixels | None = None
         self._stream = path.open("wb")
         self._stream.write(_SIGNATURE)
         self._chunk(b"IHDR", struct.pack(">IIBBBBB", shape[1], shape[0], 8, 2, 0, 0, 0))
+        if comment:
+            self._chunk(b"tEXt", b"Description\0" + comment.encode("ascii"))
         self._counter = self._stream.tell()
         self._chunk(b"acTL", struct.pack(">II", 0, 0))  # the number of frames is filled in at the end
 

@@ -31,7 +31,7 @@ class GifAnimation:
     viewers show, or the frames are too large.
     """
 
-    def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
+    def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float, comment: str = "") -> None:
         if frames_per_second > FASTEST:
             raise ValueError(
                 f"A GIF shows at most {FASTEST:g} frames a second, not {frames_per_second:g}: choose fewer, or save as "
@@ -44,6 +44,8 @@ class GifAnimation:
         self._last: Pixels | None = None
         self._stream = path.open("wb")
         self._stream.write(b"GIF89a" + struct.pack("<HHBBB", shape[1], shape[0], 0x70, 0, 0) + _FOREVER)
+        if comment:
+            self._stream.write(_comment(comment.encode("ascii")))
 
     def add(self, frame: Pixels) -> None:
         """Append a frame: the rectangle of it that has changed, and there only pixels that have."""
@@ -74,6 +76,12 @@ class GifAnimation:
     def abandon(self) -> None:
         """Stop writing."""
         self._stream.close()
+
+
+def _comment(text: bytes) -> bytes:
+    """A comment in blocks that begin with their length, which is a byte."""
+    blocks = (text[start : start + 255] for start in range(0, len(text), 255))
+    return b"!\xfe" + b"".join(bytes([len(block)]) + block for block in blocks) + b"\0"
 
 
 def _parts(indices: Pixels, palette: Pixels) -> tuple[bytes, bytes]:

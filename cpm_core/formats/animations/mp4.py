@@ -37,7 +37,7 @@ class Mp4Animation:
     ValueError when there is no encoder, or it does not work.
     """
 
-    def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float) -> None:
+    def __init__(self, path: Path, shape: tuple[int, int], frames_per_second: float, comment: str = "") -> None:
         check()
         import imageio_ffmpeg  # optional, and needed only here
 
@@ -51,7 +51,7 @@ class Mp4Animation:
             quality=None,
             macro_block_size=1,
             ffmpeg_log_level="error",
-            output_params=list(_OUTPUT),
+            output_params=[*_OUTPUT, *(("-metadata", f"comment={comment}") if comment else ())],
         )
         self._send(None)
 

@@ -13,6 +13,7 @@ import numpy as np
 import PIL.Image
 import PIL.ImageDraw
 import PIL.ImageFont
+import PIL.PngImagePlugin
 
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.numerics.real_numbers import checked_number
@@ -95,7 +96,7 @@ def strip(
     return np.array(sheet)
 
 
-def write_picture(pixels: Pixels, path: str | os.PathLike[str]) -> None:
+def write_picture(pixels: Pixels, path: str | os.PathLike[str], comment: str = "") -> None:
     """Write a strip, or any other picture, as PNG.
 
     Parameters
@@ -104,6 +105,8 @@ def write_picture(pixels: Pixels, path: str | os.PathLike[str]) -> None:
         Red, green and blue.
     path : path-like
         File to write, with the suffix ``.png``.
+    comment : str
+        Text in ASCII that the file carries, such as how the picture came about.
 
     Raises
     ------
@@ -114,8 +117,10 @@ def write_picture(pixels: Pixels, path: str | os.PathLike[str]) -> None:
     if file.suffix.lower() != ".png":
         raise ValueError(f"{file.name} must end in .png, for a picture is written as PNG.")
     check_place(file)
-    stream = io.BytesIO()
-    PIL.Image.fromarray(np.ascontiguousarray(pixels)).save(stream, format="PNG")
+    stream, texts = io.BytesIO(), PIL.PngImagePlugin.PngInfo()
+    if comment:
+        texts.add_text("Description", comment)
+    PIL.Image.fromarray(np.ascontiguousarray(pixels)).save(stream, format="PNG", pnginfo=texts)
     write_together([(file, stream.getvalue())])
 
 

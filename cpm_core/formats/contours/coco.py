@@ -14,6 +14,7 @@ from cpm_core.contours.rasterize import Labels, paint
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb
 from cpm_core.formats.json_text import pairs, rounded, text
+from cpm_core.formats.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _CATEGORY = "object"
@@ -48,7 +49,11 @@ def encode(result: Result | Skeleton) -> bytes:
     height, width = result.shape
     return text(
         {
-            "info": {"description": f"Contours of {result.source}"},
+            "info": {
+                "description": f"Contours of {result.source}",
+                "contributor": PROGRAM,
+                ENTRY: facts_of(result),
+            },
             "licenses": [],
             "images": [{"id": 1, "file_name": result.source, "width": width, "height": height}],
             "categories": [{"id": k, "name": name, "supercategory": ""} for k, name in enumerate(categories, start=1)],

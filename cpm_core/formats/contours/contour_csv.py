@@ -12,6 +12,7 @@ from cpm_core.contours.contour import numbers_of
 from cpm_core.contours.measurements import contour_labels, measure
 from cpm_core.contours.result import Result
 from cpm_core.formats.printable import cell
+from cpm_core.formats.provenance import entries_of, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _ASCII_UNIT = {"µm": "um"}  # spreadsheets often take a header with other letters for a wrong encoding
@@ -26,7 +27,9 @@ def encode(result: Result | Skeleton) -> bytes:
     from the center of the first pixel along columns and rows, ``contrast`` (mean contrast of both sides, empty where
     there is no image to measure it in), where any contour has one, ``name`` and ``color``, and where any was edited by
     hand, ``by_hand`` (the length that was drawn by hand [px]). Of a skeleton each branch is a contour, has a label in
-    the branch mask, no contrast, and a last column ``radius``: the distance to the boundary [px].
+    the branch mask, no contrast, and a column ``radius``: the distance to the boundary [px]. How they were found is in
+    the last columns (`provenance.entries_of`): ``program``, ``image``, its hash and so on. They are filled in the first
+    row only, because a table may have a hundred thousand.
     """
     branched = isinstance(result, Skeleton)
     header = ["contour", "closed", "label", "strength", "vertex", "row", "col", *_in_unit(result, "x_{}", "y_{}")]
@@ -59,7 +62,10 @@ def encode(result: Result | Skeleton) -> bytes:
             if isinstance(result, Skeleton):
                 line.append(f"{result.radii[index][vertex - 1]:.4f}")
             lines.append(line)
-    return _table(header, lines)
+    origin = _provenance(result)
+    empty = [""] * len(origin)
+    told = [[*line, *(empty if number else origin.values())] for number, line in enumerate(lines)]
+    return _table([*header, *origin], told)
 
 
 def encode_measures(result: Result | Skeleton) -> bytes:
@@ -75,6 +81,8 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     ``bridged_px`` (length without an edge that was found). For a skeleton also ``thickness_min_px``,
     ``thickness_median_px`` and ``thickness_max_px``.
     Where it is known of any contour, ``reached``: how particles came to it (`Contour.reached`).
+    How they were found is in the last columns of each row (`provenance.entries_of`), so that tables of several images
+    can be joined; a line of its own would break programs that read tables.
     """
     header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
     header += ["length_px", "gross_area_px2", "net_area_px2"]
@@ -107,7 +115,13 @@ def encode_measures(result: Result | Skeleton) -> bytes:
         header += ["thickness_min_px", "thickness_median_px", "thickness_max_px"]
         for line, radii in zip(lines, result.radii, strict=True):
             line += [f"{2.0 * of(radii):.4f}" for of in (np.min, np.median, np.max)]
-    return _table(header, lines)
+    origin = _provenance(result)
+    return _table([*header, *origin], ([*line, *origin.values()] for line in lines))
+
+
+def _provenance(result: Result | Skeleton) -> dict[str, str]:
+    """Names and cells of the last columns."""
+    return {name: cell(told) for name, told in entries_of(facts_of(result)).items()}
 
 
 def _in_unit(result: Result | Skeleton, *columns: str) -> list[str]:

@@ -7,6 +7,7 @@ from typing import Any
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
 from cpm_core.formats.json_text import rounded, text
+from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 FORMAT = "cpm-contours"
@@ -23,13 +24,14 @@ def encode(result: Result | Skeleton) -> bytes:
     how particles came to a contour, where it is known. Where the size of a pixel is known, length and areas are given
     in its unit as well. The boundaries of an object have its number as ``object``, and as ``bridged`` the length
     without an edge that was found. The image has the ``channel`` of its colors in which the contours were
-    found, unless it is the luminance. Of a skeleton the branches are contours with ``radii`` [px], and there is no run.
+    found, unless it is the luminance. ``provenance`` is how they were found (`provenance.facts_of`). Of a
+    skeleton the branches are contours with ``radii`` [px], and there is no run.
     """
     image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
     if result.channel != "luminance":
         image["channel"] = result.channel
-    content: dict[str, Any] = {"format": FORMAT, "version": 1, "image": image}
+    content: dict[str, Any] = {"format": FORMAT, "version": 1, "image": image, ENTRY: facts_of(result)}
     if isinstance(result, Result):
         content["run"] = {
             "steps": result.steps,

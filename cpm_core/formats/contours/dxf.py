@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb
+from cpm_core.formats.provenance import ascii_entries_of, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _CLOSED, _OPEN = "CLOSED", "OPEN"
@@ -27,6 +29,7 @@ _NUMBERS = {
 
 _BY_LAYER = 256
 _LONGEST_NAME = 31
+_COMMENT, _LONGEST_LINE = 999, 250
 
 
 def encode(result: Result | Skeleton) -> bytes:
@@ -35,13 +38,15 @@ def encode(result: Result | Skeleton) -> bytes:
     The drawing is the right way up: x runs along columns and y up, from the lower left corner of the image, in the unit
     of the image where the size of a pixel is known, else in px. Closed and open contours lie on layers of these names,
     and one with a name on a layer of that name, with other signs than letters, digits and dashes replaced; a color
-    becomes the nearest of `_NUMBERS`. A single vertex is a point.
+    becomes the nearest of `_NUMBERS`. A single vertex is a point. How they were found is told in comments at the
+    beginning.
     """
     rows, cols = result.shape
     height, width = rows * result.spacing[0], cols * result.spacing[1]
     layers = [_layer(contour) for contour in result.contours]
     names = sorted({_CLOSED, _OPEN, *layers})
-    lines: list[object] = [0, "SECTION", 2, "HEADER", 9, "$ACADVER", 1, "AC1009"]
+    lines = _comments(result)
+    lines += [0, "SECTION", 2, "HEADER", 9, "$ACADVER", 1, "AC1009"]
     lines += [9, "$EXTMIN", 10, "0.0", 20, "0.0", 9, "$EXTMAX", 10, _number(width), 20, _number(height), 0, "ENDSEC"]
     lines += [0, "SECTION", 2, "TABLES", 0, "TABLE", 2, "LTYPE", 70, 1]
     lines += [0, "LTYPE", 2, "CONTINUOUS", 70, 0, 3, "Solid line", 72, 65, 73, 0, 40, "0.0", 0, "ENDTAB"]
@@ -56,6 +61,15 @@ def encode(result: Result | Skeleton) -> bytes:
         lines += _entity(x.tolist(), y.tolist(), contour, layer)
     lines += [0, "ENDSEC", 0, "EOF"]
     return ("\n".join(map(str, lines)) + "\n").encode("ascii")
+
+
+def _comments(result: Result | Skeleton) -> list[object]:
+    """How contours were found, in lines as long as this version of the format allows."""
+    lines: list[object] = []
+    for name, told in ascii_entries_of(facts_of(result)).items():
+        for part in textwrap.wrap(f"{name}: {told}", _LONGEST_LINE, subsequent_indent="  "):
+            lines += [_COMMENT, part]
+    return lines
 
 
 def _entity(x: list[float], y: list[float], contour: Contour, layer: str) -> list[object]:

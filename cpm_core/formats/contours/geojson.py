@@ -13,6 +13,7 @@ from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb, title
 from cpm_core.formats.json_text import pairs, text
+from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 
@@ -22,7 +23,8 @@ def encode(result: Result | Skeleton) -> bytes:
     A closed contour is a polygon whose interior rings are the contours directly inside it, so it covers the pixels of
     its label in the label mask; each of those is a feature of its own as well, unless it is just a hole in an object.
     An open one is a line, a single vertex a point. Coordinates are (x, y) in px from the corner of the image, the
-    center of the first pixel at (0.5, 0.5).
+    center of the first pixel at (0.5, 0.5). How they were found is an entry of the collection, a foreign member as the
+    format allows.
     """
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
@@ -46,7 +48,7 @@ def encode(result: Result | Skeleton) -> bytes:
         for contour, row in zip(result.contours, rows, strict=True)
         if not contour.hole
     ]
-    return text({"type": "FeatureCollection", "features": features})
+    return text({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features})
 
 
 def _measurements(row: Measures, unit: str | None) -> dict[str, float]:

@@ -12,6 +12,7 @@ from roifile import ROI_OPTIONS, ROI_TYPE, ImagejRoi
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb, title
+from cpm_core.formats.provenance import ascii_entries_of, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _LARGEST = 32767
@@ -28,30 +29,31 @@ def encode(result: Result | Skeleton) -> bytes:
             f"{result.source} has {len(result.contours) or 'no'} contours, but a .roi file holds exactly one: "
             + ("export to .zip, which holds them all." if result.contours else "let it run on.")
         )
-    return _selection(result.contours[0], *numbers_of(result.contours))
+    (number,) = numbers_of(result.contours)
+    return _selection(result.contours[0], number, _properties(result))
 
 
 def encode_set(result: Result | Skeleton) -> bytes:
     """Write each contour as a selection into one archive, which the ROI manager of ImageJ opens.
 
     The ROI manager shows a selection under the name of its file in the archive: the name of the contour, with a number
-    appended where several have the same. The same result always gives the same bytes. ValueError when there is no
-    contour, because ImageJ reports an empty archive as damaged.
+    appended where several have the same. Each tells in its properties how it was found. The same result always gives
+    the same bytes. ValueError when there is no contour, because ImageJ reports an empty archive as damaged.
     """
     if not result.contours:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
-    stream = io.BytesIO()
+    stream, properties = io.BytesIO(), _properties(result)
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         each = zip(numbers_of(result.contours), result.contours, _names(result), strict=True)
         for number, contour, name in each:
             entry = zipfile.ZipInfo(f"{name}.roi")  # without a date, because the result has none
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
-            archive.writestr(entry, _selection(contour, number))
+            archive.writestr(entry, _selection(contour, number, properties))
     return stream.getvalue()
 
 
-def _selection(contour: Contour, number: int) -> bytes:
+def _selection(contour: Contour, number: int, properties: str) -> bytes:
     """Write a contour as a polygon when it is closed, else as a polyline, or a point.
 
     Coordinates have subpixel resolution. ImageJ counts those of a polygon from the corner of a pixel and those of lines
@@ -76,10 +78,19 @@ def _selection(contour: Contour, number: int) -> bytes:
         integer_coordinates=np.clip(np.rint(xy - (left, top)), 0, _LARGEST).astype(np.int32),
         subpixel_coordinates=xy,
         stroke_color=bytes((255, *rgb(contour))),
-        # roifile counts characters, the file UTF-16 units: one zero is appended for each character of two units
-        name=name + "\0" * sum(ord(letter) > 0xFFFF for letter in name),
+        props=properties,
+        name=name,
     )
+    wide = sum(ord(letter) > 0xFFFF for letter in name)
+    if wide and ImagejRoi.frombytes(roi.tobytes()).name != name:
+        # early releases of roifile count characters, the file UTF-16 units: a zero makes up for each one of two units
+        roi.name = name + "\0" * wide
     return roi.tobytes()
+
+
+def _properties(result: Result | Skeleton) -> str:
+    """How contours were found, as properties of a selection: a key and a value in each line, in ASCII."""
+    return "".join(f"cpm_{name}: {told}\n" for name, told in ascii_entries_of(facts_of(result)).items())
 
 
 def _names(result: Result | Skeleton) -> list[str]:

@@ -10,6 +10,7 @@ from typing import Any
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.formats.json_text import pairs, text
+from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _VERSION = "5.5.0"
@@ -34,7 +35,8 @@ def encode(result: Result | Skeleton) -> bytes:
 
     The label of a shape, its class, is the name of the contour, or "contour". Coordinates are (x, y) in px from the
     corner of the image. The image is referenced by the source of the result (see `located`). A hole is a polygon of its
-    own. Colors are left out, because labelme chooses them by label.
+    own. Colors are left out, because labelme chooses them by label. How they were found is an entry of the file, which
+    labelme keeps when it writes the file again.
     """
     rows, cols = result.shape
     shapes: list[dict[str, Any]] = [
@@ -58,6 +60,7 @@ def encode(result: Result | Skeleton) -> bytes:
             "imageData": None,
             "imageHeight": rows,
             "imageWidth": cols,
+            ENTRY: facts_of(result),
         }
     )
 

@@ -11,6 +11,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import DEFAULT
+from cpm_core.formats.provenance import facts_of, text_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _MILLIMETERS = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}
@@ -26,7 +27,7 @@ def encode(result: Result | Skeleton) -> bytes:
     that was drawn by hand [px] where that is not zero, and its label in the label mask (0 when open). A name
     becomes the title, a color the stroke. The page has the object's true size where that is known and large enough
     to see, else one CSS pixel per pixel. Of a skeleton each branch is such a path, with the distance to the
-    boundary of all its vertices [px].
+    boundary of all its vertices [px]. The metadata are how they were found, as JSON.
     """
     rows, cols = result.shape
     width, height = _page(result)
@@ -43,6 +44,7 @@ def encode(result: Result | Skeleton) -> bytes:
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="-0.5 -0.5 {cols} {rows}" '
         f'preserveAspectRatio="none"{known}>',
         f"<title>{title} of {escape(result.source, quote=False)}</title>",
+        f"<metadata>{escape(text_of(facts_of(result)), quote=False)}</metadata>",
         f'<g fill="none" stroke="{DEFAULT}" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round">',
         *paths,
         "</g>",

@@ -10,6 +10,7 @@ import tifffile
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.masks.labels import labels_of
+from cpm_core.formats.provenance import PROGRAM, entries_of, facts_of, text_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _PER_CENTIMETER = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
@@ -19,21 +20,24 @@ def encode(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     """Make an uncompressed gray TIFF of 16 bits with the entries of ImageJ, which then shows lengths in the unit.
 
     It has 32 bits where there are more than 65535 labels; ImageJ would interpret them as real numbers, so its entries
-    are left out. ValueError when there is nothing to paint.
+    are left out. How the labels were found is the info of ImageJ (Image > Show Info), or of 32 bits the description.
+    ValueError when there is nothing to paint.
     """
+    facts = facts_of(result)
     mask = labels_of(result, outlines=outlines)
     entries: dict[str, Any] = {}
     if result.unit:
         entries["resolution"] = (1.0 / result.spacing[1], 1.0 / result.spacing[0])
     if mask.dtype == np.uint16:
         unit = {"µm": "um"}.get(result.unit or "pixel", result.unit or "pixel")
-        entries |= {"imagej": True, "metadata": {"axes": "YX", "unit": unit}}
+        info = "".join(f"{name}: {told}\n" for name, told in entries_of(facts).items())
+        entries |= {"imagej": True, "metadata": {"axes": "YX", "unit": unit, "Info": info}}
     else:
-        entries |= {"metadata": None}
+        entries |= {"metadata": None, "description": text_of(facts)}
         if result.unit in _PER_CENTIMETER:
             factor = _PER_CENTIMETER[result.unit]
             entries["resolution"] = (factor / result.spacing[1], factor / result.spacing[0])
             entries["resolutionunit"] = "CENTIMETER"
     stream = io.BytesIO()
-    tifffile.imwrite(stream, mask, photometric="minisblack", **entries)
+    tifffile.imwrite(stream, mask, photometric="minisblack", software=PROGRAM, **entries)
     return stream.getvalue()

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import PIL.Image
+import PIL.PngImagePlugin
 from numpy.typing import NDArray
 from skimage.draw import line
 
@@ -16,6 +17,7 @@ from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type, paint
 from cpm_core.contours.result import Result
+from cpm_core.formats.provenance import PROGRAM, facts_of, text_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
@@ -82,7 +84,8 @@ def encode_png(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     """Make a PNG file of the labels: of 8 bits and in colors up to label 255, and of 16 bits and gray above.
 
     Each label is the index of its color, so that every viewer shows the labels apart, and a program that reads the
-    indices, as Pillow does, has the labels. ValueError when there is nothing to paint, or more than 65535 labels.
+    indices, as Pillow does, has the labels. How they were found is a text in it. ValueError when
+    there is nothing to paint, or more than 65535 labels.
     """
     count = _count(result, outlines)
     if count > MOST_LABELS:
@@ -100,7 +103,10 @@ def encode_png(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     picture = PIL.Image.fromarray(pixels)
     if count <= 255:
         picture.putpalette(palette(count).tobytes())
-    picture.save(stream, format="PNG")
+    texts = PIL.PngImagePlugin.PngInfo()
+    texts.add_text("Software", PROGRAM)
+    texts.add_text("Description", text_of(facts_of(result)))
+    picture.save(stream, format="PNG", pnginfo=texts)
     return stream.getvalue()
 
 

@@ -9,9 +9,12 @@ import numpy as np
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.masks.labels import labels_of
+from cpm_core.formats.provenance import PROGRAM, facts_of, text_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
-_HEADER, _OFFSET = 348, 352
+_HEADER, _BEGINNING, _STEP = 348, 352, 16
+_COMMENT = 6
+"""Kind of an extension that is a text."""
 _DATATYPES = {np.dtype(np.uint16): (512, 16), np.dtype(np.uint32): (768, 32)}
 _UNKNOWN, _METER, _MILLIMETER, _MICROMETER = 0, 1, 2, 3
 _UNITS = {
@@ -29,29 +32,37 @@ def encode(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
 
     Columns run to the patient's left and rows to the back, as in a picture that is opened without a position, so that
     mask and picture coincide. Micrometers, millimeters and meters are kept, other units converted to the nearest of
-    them. ValueError when there is nothing to paint.
+    them. How the labels were found is a comment behind the header. ValueError when there is nothing to paint.
     """
     mask = labels_of(result, outlines=outlines)
     rows, cols = mask.shape
     code, bits = _DATATYPES[mask.dtype]
     unit, factor = _UNITS.get(result.unit or "", (_UNKNOWN, 1.0))
     height, width = (size * factor for size in result.spacing)
+    comment = _comment(text_of(facts_of(result)).encode("ascii"))
     header = struct.pack(
         "<i10s18sihcB8h3f4h8f3fhcB4f2i80s24s2h6f4f4f4f16s4s",
         *(_HEADER, b"", b"", 0, 0, b"r", 0),
         *(3, cols, rows, 1, 1, 1, 1, 1),  # number of axes and their lengths
         *(0.0, 0.0, 0.0, 0, code, bits, 0),
         *(1.0, width, height, 1.0, 0.0, 0.0, 0.0, 0.0),  # handedness and the size of a pixel
-        *(float(_OFFSET), 1.0, 0.0, 0, b"\0", unit),
+        *(float(_BEGINNING + len(comment)), 1.0, 0.0, 0, b"\0", unit),
         *(0.0, 0.0, 0.0, 0.0, 0, 0),
-        *(b"label mask", b"", _SCANNER, _SCANNER),
+        *(f"label mask, {PROGRAM}".encode("ascii"), b"", _SCANNER, _SCANNER),
         *(0.0, 0.0, 1.0, 0.0, 0.0, 0.0),  # half a turn about the axis of the slice, no shift
         *(-width, 0.0, 0.0, 0.0),
         *(0.0, -height, 0.0, 0.0),
         *(0.0, 0.0, 1.0, 0.0),
         *(b"", b"n+1\0"),
     )
-    return header + bytes(_OFFSET - _HEADER) + mask.astype(mask.dtype.newbyteorder("<")).tobytes()
+    extended = struct.pack("<4B", 1, 0, 0, 0)
+    return header + extended + comment + mask.astype(mask.dtype.newbyteorder("<")).tobytes()
+
+
+def _comment(text: bytes) -> bytes:
+    """A text as an extension of the header, filled with zeros to a multiple of 16 bytes."""
+    size = -(-(8 + len(text)) // _STEP) * _STEP
+    return struct.pack("<2i", size, _COMMENT) + text.ljust(size - 8, b"\0")
 
 
 def encode_packed(result: Result | Skeleton, *, outlines: bool = False) -> bytes:

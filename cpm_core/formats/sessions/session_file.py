@@ -6,7 +6,6 @@ review of the contours, and the view. The image stays in its own file; a hash sh
 
 from __future__ import annotations
 
-import hashlib
 import re
 from dataclasses import dataclass, field
 from pathlib import Path, PurePath
@@ -16,6 +15,8 @@ from cpm_core.contours.contour import present_names
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.provenance import PROGRAM
 from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
 from cpm_core.formats.sessions.plain_values import (
     from_plain,
@@ -38,6 +39,7 @@ SUFFIX = ".cpm"
 
 _KNOWN = (
     MARK,
+    "program",
     "image",
     "shapes",
     "parameters",
@@ -129,15 +131,6 @@ class SessionFile:
     truth: TruthFile | None = None
 
 
-def fingerprint(path: Path) -> str:
-    """Hash of a file (SHA-256), 64 hexadecimal digits; empty when it cannot be read."""
-    try:
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError:
-        return ""
-
-
 def save_session(session: SessionFile, path: Path) -> None:
     """Write a session file atomically.
 
@@ -152,16 +145,22 @@ def save_session(session: SessionFile, path: Path) -> None:
     Raises
     ------
     ValueError
-        When it cannot be written.
+        When it cannot be written, or could not be read again.
     """
     path = Path(path)
     check_place(path)
-    write_together([(path, encode(session, path.parent))])
+    content = encode(session, path.parent)
+    if len(content) > _LARGEST:
+        raise ValueError(
+            f"{path.name} would take {len(content) >> 20} MB, but at most {_LARGEST >> 20} MB can be read again: "
+            "delete runs or objects, and save it then."
+        )
+    write_together([(path, content)])
 
 
 def encode(session: SessionFile, folder: Path) -> bytes:
     """The bytes of a session file that lies in a folder."""
-    plain: dict[str, Any] = {MARK: VERSION}
+    plain: dict[str, Any] = {MARK: VERSION, "program": PROGRAM}
     if session.image is not None:
         plain["image"] = _image_to_plain(session.image, folder)
     plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 import tifffile
 from PySide6.QtCore import QPoint, Qt
 
+import cpm_core
 from app.model.document import edits
 from app.model.export.formats import formats, listed
 from app.session.storage.folders import first_folder
@@ -115,6 +117,30 @@ def test_open_contours_are_counted_before_and_after_a_mask_is_written(found, han
     said = found.canvas_area.messages.text
     assert str(path) in said
     assert "2 contours, 1 open ones left out" in said
+
+
+def test_the_file_tells_image_start_and_whether_the_run_was_steered(found, hand, dialog) -> None:
+    type_into(hand, dialog.file.name, "plain.json")
+    made = json.loads(write(hand, found, dialog).read_text(encoding="utf-8"))["provenance"]
+    path = Path(found.session.document.image.path)
+    assert made["image"] == {"name": "discs.npy", "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
+    assert [(shape["shape"], shape["center"][1]) for shape in made["shapes"]] == [("circle", disc[1]) for disc in DISCS]
+    assert made["parameters"]["reach"] == Parameters().reach
+    assert (made["method"], made["version"], "steered" in made) == ("cpm", cpm_core.__version__, False)
+    assert made["seeds"] > 30 and made["steps"] == found.session.scene.snapshot.state.step
+
+    found.session.edit("beta", lambda document: replace(document, parameters=Parameters(beta=0.6)))
+    found.activateWindow()
+    hand.wait(found.isActiveWindow)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: found.session.scene.snapshot.state.step > made["steps"])
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: found.session.idle)
+    again = asked(hand, found)
+    type_into(hand, again.file.name, "steered.json")
+    made = json.loads(write(hand, found, again).read_text(encoding="utf-8"))["provenance"]
+    assert made["steered"] and made["parameters"]["beta"] == 0.6
 
 
 @pytest.mark.parametrize("closing", ["edges", "straight"])
@@ -232,5 +258,8 @@ def test_objects_are_offered_and_written_without_a_run(window, hand, tmp_path) -
     assert dialog.counts.text() == "Writes 1 object."
     type_into(hand, dialog.file.folder, str(tmp_path))
     type_into(hand, dialog.file.name, "objects.json")
-    (contour,) = json.loads(write(hand, window, dialog).read_text(encoding="utf-8"))["contours"]
+    content = json.loads(write(hand, window, dialog).read_text(encoding="utf-8"))
+    assert content["provenance"]["method"] == "objects"
+    assert content["provenance"]["image"]["sha256"] == session.document.image.sha256
+    (contour,) = content["contours"]
     assert (contour["name"], contour["closed"]) == ("cell", True)

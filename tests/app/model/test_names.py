@@ -31,7 +31,7 @@ FORMER = (
 
 def test_all_places_use_the_name_in_the_table(window, qtbot) -> None:
     panel, table = window.panels["parameters"], window.panels["contours"]
-    row = AxisRow("Rows", controls(), "beta")
+    row = AxisRow(window, "Rows", controls(), "beta")
     shown = [row.choice.itemText(index) for index in range(row.choice.count())]
     for control, in_mosaic in zip(controls(), shown, strict=True):
         name = control.title

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import logging
 
 import pytest
 from hypothesis import given
@@ -49,16 +48,17 @@ def test_any_stored_value_is_taken_within_the_limits_or_not_at_all(stored) -> No
             assert taken in preference.ways
 
 
-def test_a_broken_value_becomes_the_default_and_is_logged_once(caplog) -> None:
-    preferences = Preferences()
+def test_a_broken_value_becomes_the_default_and_is_said_once() -> None:
+    preferences, said = Preferences(), []
+    preferences.troubled.connect(said.append)
     preferences.put(CONTOUR_WIDTH.name, "wide")
     preferences.put(THEME.name, "sepia")
-    with caplog.at_level(logging.WARNING):
-        assert preferences.value(CONTOUR_WIDTH) == preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
-        assert preferences.value(THEME) == "system"
-    assert [record.getMessage() for record in caplog.records] == [
-        "preference canvas/contour_width cannot be 'wide'; 2.0 is used",
-        "preference theme cannot be 'sepia'; 'system' is used",
+    assert preferences.value(CONTOUR_WIDTH) == preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
+    assert preferences.value(THEME) == "system"
+    assert said == preferences.troubles
+    assert said == [
+        'The preference canvas/contour_width cannot be "wide": the default is used.',
+        'The preference theme cannot be "sepia": the default is used.',
     ]
 
 
@@ -129,7 +129,7 @@ def test_no_key_ever_belongs_to_two_actions(changes) -> None:
         assert shortcuts.keys_of(action, chosen) == ((key,) if key else ())
         held = [key for one in ACTIONS for key in shortcuts.keys_of(one, chosen)]
         assert len(held) == len(set(held))
-        assert shortcuts.read(shortcuts.written(chosen)) == chosen
+        assert shortcuts.read(shortcuts.written(chosen)) == (chosen, "")
 
 
 def test_an_action_with_its_default_keys_is_not_stored() -> None:
@@ -138,6 +138,7 @@ def test_an_action_with_its_default_keys_is_not_stored() -> None:
 
 
 @pytest.mark.parametrize("stored", ["", "[]", "nonsense", "{", json.dumps({"run": "F5"}), json.dumps({"run": [5]})])
-def test_broken_shortcuts_are_left_out_and_logged(stored, caplog) -> None:
-    assert shortcuts.read(stored) == {}
-    assert "default ones are used" in caplog.text
+def test_broken_shortcuts_are_left_out_and_said(stored) -> None:
+    chosen, trouble = shortcuts.read(stored)
+    assert chosen == {}
+    assert trouble.endswith("the default ones are used.")

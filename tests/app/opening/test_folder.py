@@ -114,9 +114,9 @@ def test_two_keys_in_a_row_lead_two_images_on(window, hand, folder, monkeypatch)
     open_image(window, hand, folder / "hand1.npy")
     ready = threading.Event()
 
-    def load(path: Path):
+    def load(path: Path, go_on):
         assert ready.wait(20.0)
-        return load_image(path)
+        return load_image(path, go_on)
 
     monkeypatch.setattr(window.session._opener, "_core", Core(load_image=load))
     hand.key(*NEXT)

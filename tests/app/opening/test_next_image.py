@@ -60,9 +60,9 @@ def held(window: MainWindow, monkeypatch: pytest.MonkeyPatch) -> threading.Event
     """The next images take until this event to be read."""
     ready = threading.Event()
 
-    def load(path: Path):
+    def load(path: Path, go_on):
         assert ready.wait(20.0)
-        return load_image(path)
+        return load_image(path, go_on)
 
     monkeypatch.setattr(window.session._opener, "_core", Core(load_image=load))
     return ready

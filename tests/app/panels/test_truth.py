@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.differences import differences
-from app.session.exchange.mailbox import Latest
+from app.session.features.latest import Latest
 from app.views.features.contours.truth import TruthFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import compare
@@ -165,8 +165,8 @@ def test_a_wrong_segment_across_the_first_vertex_of_a_closed_contour_is_one() ->
     assert len(wrong[0].points) == 7  # five vertices off, and one beside them at either end
 
 
-def test_of_many_jobs_the_newest_is_done_and_the_thread_ends(qtbot) -> None:
-    latest, results, begun, held = Latest("test"), [], threading.Event(), threading.Event()
+def test_of_many_jobs_the_newest_is_done_and_the_thread_ends(qtbot, session) -> None:
+    latest, results, begun, held = Latest(session, "test", "testing"), [], threading.Event(), threading.Event()
     latest.done.connect(results.append)
     latest.ask(lambda: (begun.set(), held.wait(20), "first")[-1])
     assert begun.wait(20)
@@ -179,19 +179,8 @@ def test_of_many_jobs_the_newest_is_done_and_the_thread_ends(qtbot) -> None:
     latest.close()
 
 
-def test_a_job_that_fails_does_not_stop_later_jobs(qtbot, caplog) -> None:
-    latest, results = Latest("test"), []
-    latest.done.connect(results.append)
-    latest.ask(lambda: 1 / 0)
-    qtbot.waitUntil(lambda: latest.idle, timeout=20_000)
-    latest.ask(lambda: "done")
-    qtbot.waitUntil(lambda: results == ["done"], timeout=20_000)
-    assert "unexpected error" in caplog.text
-    latest.close()
-
-
-def test_nothing_is_done_after_closing(qtbot) -> None:
-    latest, results = Latest("test"), []
+def test_nothing_is_done_after_closing(session) -> None:
+    latest, results = Latest(session, "test", "testing"), []
     latest.done.connect(results.append)
     latest.close()
     latest.ask(lambda: results.append("done late"))

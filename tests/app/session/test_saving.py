@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMe
 
 from app.model.document import edits
 from app.model.parameters.presets import Preset
+from app.session.storage import session_file
 from app.views.features.file.export import ExportFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.run.parameters import ParametersFeature
@@ -23,7 +25,7 @@ from app.views.main_window import MainWindow
 from app.views.theme import theme
 from cpm_core import Parameters
 from cpm_core.contours.review import Mark
-from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.shapes import Circle, Points, Region
 
 KEY = Qt.Key
@@ -229,6 +231,29 @@ def test_save_writes_the_file_before_the_window_closes(ready, asked, saved_to) -
     click("Save")
     assert ready.close()
     assert load_session(saved_to).shapes == ready.session.document.shapes
+
+
+@pytest.mark.parametrize("already", ["ordered", "being written", "ordered twice"])
+def test_closing_overtakes_no_save_and_does_not_ask_again(ready, asked, tmp_path, monkeypatch, already) -> None:
+    write, path = session_file.save_session, tmp_path / "work.cpm"
+    began = threading.Event()
+
+    def slowly(file: SessionFile, to: Path) -> None:
+        began.set()
+        write(file, to)
+
+    monkeypatch.setattr(session_file, "save_session", slowly)
+    document_file(ready).save(path)
+    if already != "ordered":
+        while not began.is_set():
+            QApplication.processEvents()
+    if already == "ordered twice":
+        draw(ready)
+        document_file(ready).save(path)
+    expected = ready.session.document.shapes
+    ready.close()
+    assert not ready.isVisible()
+    assert load_session(path).shapes == expected
 
 
 def test_a_save_that_fails_or_has_no_path_keeps_the_window(ready, asked, monkeypatch, tmp_path) -> None:

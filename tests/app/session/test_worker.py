@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,6 +25,7 @@ from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import Engine, Image, Parameters, Regions, uniform_grid
 from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.parameters.provenance import Provenance
 from cpm_core.particles.state import Particles
 from cpm_core.shapes import Barrier, Everywhere, Points, Region
 
@@ -63,6 +63,16 @@ class FakeState:
 
     def arrays(self) -> tuple[np.ndarray, ...]:
         return (self.position,)
+
+
+@dataclass(frozen=True)
+class FakeResult:
+    """A result without contours."""
+
+    steps: int
+    contours: tuple[()] = ()
+    spacing: tuple[float, ...] = (1.0, 1.0)
+    provenance: Provenance = field(default_factory=Provenance, compare=False)
 
 
 class FakeEngine:
@@ -122,9 +132,9 @@ class FakeEngine:
     def positions(self, state: FakeState) -> np.ndarray:
         return state.position
 
-    def result(self, state: FakeState, parameters: Parameters) -> SimpleNamespace:
+    def result(self, state: FakeState, parameters: Parameters) -> FakeResult:
         assert self.reconstructing.wait(20)
-        return SimpleNamespace(contours=(), steps=state.step, spacing=(1.0, 1.0))
+        return FakeResult(state.step)
 
 
 class Bench:
@@ -146,7 +156,7 @@ class Bench:
         self.written: list[object] = []
         self.shown: Reconstruction | None = None
 
-    def _load(self, path: Path) -> Image:
+    def _load(self, path: Path, go_on: Callable[[], object] = lambda: None) -> Image:
         return Image(np.eye(64), source=path.name)
 
     def _build(self, image: Image, parameters: Parameters, regions: Regions | None) -> FakeEngine:

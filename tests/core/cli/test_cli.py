@@ -14,6 +14,7 @@ import tifffile
 
 from cpm_core import cli
 from cpm_core.cli import run as run_command
+from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
 
@@ -38,11 +39,16 @@ def test_run_finds_the_disk_and_tells_it_as_json(disk, command):
     facts = json.loads(out)
     assert (status, err) == (0, "")
     known = ["particles", "contours", "closed", "steps", "converged", "stop_reason", "seconds", "bridges", "left_out"]
+    known.append("provenance")
     assert list(facts) == known
     assert (facts["contours"], facts["closed"], facts["converged"]) == (1, 1, True)
     assert facts["particles"] > 20
     assert facts["steps"] > 0
     assert facts["seconds"] > 0
+    made = facts["provenance"]
+    assert made["shapes"] == [{"shape": "circle", "center": [40.0, 50.0], "radius": 12.0}]
+    assert made["image"] == {"name": "disk.png", "sha256": fingerprint(disk)}
+    assert (made["method"], made["steps"], made["parameters"]["w1"]) == ("cpm", facts["steps"], 1.6)
 
 
 def test_run_tells_a_person_what_it_found_and_wrote(disk, command, tmp_path):
@@ -108,7 +114,7 @@ def test_the_size_of_a_pixel_goes_from_the_image_into_the_table(tmp_path, comman
     assert "0.5 x 0.25 µm" in command("info", tmp_path / "a.tif")[1]
     assert command("run", tmp_path / "a.tif", *START, "--export", tmp_path / "a.csv")[0] == 0
     lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
-    assert lines[0].endswith(",row,col,x_um,y_um,contrast")
+    assert ",row,col,x_um,y_um,contrast,program," in lines[0]
     rows, columns, across, down = np.array([line.split(",")[5:9] for line in lines[1:]], dtype=float).T
     assert np.allclose(across, 0.25 * columns, atol=1e-4)
     assert np.allclose(down, 0.5 * rows, atol=1e-4)

@@ -32,6 +32,10 @@ def test_an_object_is_told_as_json_and_written_as_a_mask_of_one_label(disk, comm
     assert found["perimeter"] == pytest.approx(2.0 * np.pi * (RADIUS + 6.0), rel=0.05)
     assert (found["holes"], found["gaps"], found["bridged"]) == (1, 0, 0.0)
     assert found["confidence"] > 0.95
+    with PIL.Image.open(mask) as picture:
+        made = json.loads(picture.info["Description"])
+    assert made["method"] == "objects" and made["parameters"]["w1"] == 1.6
+    assert made["shapes"][-1] == {"shape": "object", "inside": [[40.0, 62.0]], "outside": [[40.0, 50.0], [40.0, 110.0]]}
     pixels = np.asarray(PIL.Image.open(mask))
     assert np.unique(pixels).tolist() == [0, 1]
     assert np.count_nonzero(pixels) == pytest.approx(true, rel=0.06)

@@ -29,7 +29,8 @@ from cpm_core.cli.batch.jobs import Done, Job, do
 from cpm_core.contours.features import contour_features
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, anchor, described
-from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, fingerprint, save_session
+from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle, Everywhere, Region
 
 ROOT = Path(__file__).parents[3]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from random import Random
 from typing import Any
 
+import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis.errors import HypothesisWarning
 from hypothesis.strategies import SearchStrategy
 
 from .limits import in_time
@@ -23,6 +26,8 @@ def chunk(
 
     def trial(random: Random, _folder: Path, examples: int = _EXAMPLES) -> int:
         count = 0
+
+        warnings.simplefilter("ignore", HypothesisWarning)
 
         @seed(random.getrandbits(32))
         @settings(
@@ -41,10 +46,21 @@ def chunk(
                 with in_time(seconds):
                     attempt(example)
             except BaseException as error:
-                error.args = (f"{error} with {' '.join(repr(example).split())[:400]}",)
+                error.args = (f"{str(error)[:200]} with {told(example)}",)
                 raise
 
         every()
         return count
 
     return trial
+
+
+def told(example: Any) -> str:
+    """An example in a few words, of arrays only the beginning."""
+    if isinstance(example, dict):
+        return ", ".join(f"{key}={told(value)}" for key, value in example.items())
+    if isinstance(example, tuple) and len(example) < 6:
+        return " ".join(map(told, example))
+    if isinstance(example, np.ndarray):
+        return f"{example.dtype} {example.shape} {' '.join(repr(example.ravel()[:8].tolist()).split())[:90]}"
+    return " ".join(repr(example).split())[:90]

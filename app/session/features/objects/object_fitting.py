@@ -74,6 +74,7 @@ class ObjectFitting(QObject):
         """Add all objects that are like one and not among the objects yet."""
         partition, known = self._partitions.partition, self._session.document.objects
         if partition is None:
+            self._partitions.look(again=True)
             self._session.say(tr("The image is not prepared yet: try again in a moment."))
             return
 

@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.document import objects
 from app.model.document.document import Document
 from app.model.text.language import tr
-from app.session.exchange.mailbox import Latest
+from app.session.features.latest import Latest
 from app.session.session import Session
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Position
@@ -44,7 +44,7 @@ class ObjectList(QObject):
         self._session = session
         self._known = session.document.objects
         self._grays: Grays | None = None
-        self._latest = Latest("cpm-object-measures", self)
+        self._latest = Latest(session, "cpm-object-measures", "measuring objects")
         self._latest.done.connect(self._use_grays)
         session.document_changed.connect(self._follow)
 

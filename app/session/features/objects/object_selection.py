@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.document import objects
 from app.model.document.document import Document
 from app.model.text.language import tr
-from app.session.exchange.mailbox import Latest
+from app.session.features.latest import Latest
 from app.session.features.objects.partitions import Partitions
 from app.session.features.objects.selector import Selector
 from app.session.scene import Proposal
@@ -79,7 +79,7 @@ class ObjectSelection(QObject):
         self._asked: Question | None = None
         self._remark = ""
         self._was_ready = False
-        self._latest = Latest("cpm-objects", self)
+        self._latest = Latest(session, "cpm-objects", "selecting objects")
         self._latest.done.connect(self._use)
         self.partitions = Partitions(session, lambda: self._wanted)
         self.partitions.changed.connect(self._use_partition)
@@ -113,7 +113,7 @@ class ObjectSelection(QObject):
     def set_in_use(self, in_use: bool) -> None:
         """Whether the tool is in use, so that the partition is kept up to date."""
         self._in_use = in_use
-        self.partitions.look()
+        self.partitions.look(again=in_use)
         self._follow()
 
     # Clicks

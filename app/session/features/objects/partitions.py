@@ -10,8 +10,8 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import tr
-from app.session.exchange.mailbox import Latest
 from app.session.exchange.messages import Report
+from app.session.features.latest import Latest
 from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core.contours.result import Result
@@ -71,7 +71,7 @@ class Partitions(QObject):
         self._asked_for: Source | None = None
         self._everywhere: Prepared | None = None
         self._task: Task | None = None
-        self._latest = Latest("cpm-partition", self)
+        self._latest = Latest(session, "cpm-partition", "preparing the selection of objects")
         self._latest.done.connect(self._take)
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self.look)
@@ -90,8 +90,10 @@ class Partitions(QObject):
         """What `partition` was made from."""
         return self._made_from
 
-    def look(self) -> None:
-        """Begin to make the partition that is needed now, if there is another one."""
+    def look(self, again: bool = False) -> None:
+        """Begin to make the partition that is needed now, if there is another one; `again` where that failed before."""
+        if again and self._latest.idle and not self.preparing:
+            self._asked_for = self._made_from
         source = self._source()
         if source is None or self._quiet.isActive() or not self._wanted():
             return

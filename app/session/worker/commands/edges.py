@@ -10,6 +10,9 @@ from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.parameters import Parameters
 
+EDGES = "edges"
+"""Topic of the messages on trouble with the edges."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class EdgesFound(Report):
@@ -28,6 +31,7 @@ class FindEdges(Command):
 
     latest_only = True
     activity = "looking for edges"
+    topic = EDGES
 
     def execute(self, context: CommandContext) -> None:
         """Find them, unless the method has none."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -32,6 +31,8 @@ class Probed(Report):
         Its position [px of the image].
     forces : mapping
         By name, (row, col) [px of the image / unit of time^2].
+    trouble : str
+        What working them out failed with.
     """
 
     generation: int
@@ -39,6 +40,7 @@ class Probed(Report):
     identity: int = -1
     position: Position = (0.0, 0.0)
     forces: Mapping[str, Array] = field(default_factory=dict)
+    trouble: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +76,5 @@ class Probe(Command):
         context.report(Probed(self.generation, state.step, int(state.particles.identity[nearest]), at, forces))
 
     def failure_report(self, error: Exception) -> Report:
-        """There is none; the error is only logged, because it would be repeated in every display frame."""
-        logging.getLogger(__name__).error("%s", sentence(error, self.activity))
-        return Probed(self.generation, -1)
+        """There is none."""
+        return Probed(self.generation, -1, trouble=sentence(error, self.activity))

@@ -213,7 +213,7 @@ class Deliver(Command):
         try:
             found = context.run.reconstruction(self.shown, wanted) if wanted() and self.needs_run else None
             if wanted() and not (self.needs_run and found is None):
-                self.deliver(context, self.chosen(context, None if found is None else found.result))
+                self.deliver(context, self.chosen(context, None if found is None else context.run.told(found.result)))
         finally:
             self.task.end()
 

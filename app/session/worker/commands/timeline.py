@@ -50,6 +50,7 @@ class Compare(Command):
 
     latest_only = True
     activity = "comparing branches"
+    topic = "comparing"
 
     def execute(self, context: CommandContext) -> None:
         """Recover the state and compare it."""

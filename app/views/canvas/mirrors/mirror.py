@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QWidget
 
 from app.session.scene import Scene
 from app.session.worker.commands.run import Command
 from app.views.canvas.image_view import ImageView
-from app.views.canvas.layers.layer import Layer
 
 
 class _NoRequests:
@@ -36,18 +33,19 @@ class Mirror(ImageView):
         self._canvas = canvas
         self._fitted = False
         for layer in canvas.layers:
-            layer.changed.connect(partial(self._copy, layer))
+            # Qt disconnects a method with its view; a function it would keep, and with it the view.
+            layer.changed.connect(self._copy)
 
     def draw(self, scene: Scene) -> None:
         """Draw a scene, with the settings of the canvas where the image is another one."""
         if scene.image is not self._scene.image:
             super().draw(Scene(scene.image, scene.display, document=scene.document))
-            for layer in self._canvas.layers:
-                self._copy(layer)
+            self._copy()
         super().draw(scene)
 
     def fit(self) -> None:
         """Do nothing: the place is that of the canvas."""
 
-    def _copy(self, layer: Layer) -> None:
-        self.layers[layer.name].use_view_state(layer.view_state())
+    def _copy(self) -> None:
+        for layer in self._canvas.layers:
+            self.layers[layer.name].use_view_state(layer.view_state())

@@ -71,9 +71,9 @@ class MessageLine(QFrame):
         """Take away what was said about earlier attempts of a kind."""
         self._use(self._messages.without(topic))
 
-    def keep_only(self, topic: str) -> None:
+    def keep_only(self, *topics: str) -> None:
         """Take away all messages of other topics."""
-        self._use(self._messages.only(topic))
+        self._use(self._messages.only(*topics))
 
     def dismiss(self) -> None:
         """Take away the message that is shown."""

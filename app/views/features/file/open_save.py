@@ -16,7 +16,7 @@ from app.model.state.situation import has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.features.import_points import PointsRead, read_points
-from app.session.signals import OPENING
+from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.session.storage.session_file import DocumentFile, Written
 from app.views.files.recent_files import RecentFiles
 from app.views.widgets.action_spec import ActionSpec, Submenu
@@ -70,7 +70,7 @@ class OpenSaveFeature(Feature):
 
         An image that `resumes` is opened with the session beside it.
         """
-        self.context.canvas_area.messages.clear()
+        self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
         for path in paths:
             if path.suffix.lower() == PRESET:
@@ -112,6 +112,7 @@ class OpenSaveFeature(Feature):
 
     def may_leave(self) -> bool:
         """Whether the document may be closed; asks about unsaved work and saves it if the user agrees."""
+        self.document_file.finish()
         if not self.document_file.unsaved:
             return True
         answer = dialogs.ask_about_unsaved(self.context.window, self.document_file.name, self.document_file.lost)

@@ -7,9 +7,12 @@ from collections.abc import Sequence
 from PySide6.QtCore import QDateTime, QLocale
 
 from app.model.text.language import tr
+from app.session.exchange.messages import Opened
+from app.session.signals import JOURNAL, RECOVERY
 from app.session.storage.autosave import Journal, folder_of_journals
 from app.session.storage.recovery import Leftover, left_behind
-from app.session.storage.session_file import DocumentFile
+from app.session.storage.session_file import DocumentFile, Written
+from app.session.tasks.opening import Wanted
 from app.views.window.dialogs import Button, Question
 from app.views.window.feature import Feature, FeatureContext
 
@@ -24,15 +27,22 @@ class RecoveryFeature(Feature):
         self.box: Question | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
+        self._wanted: Wanted | None = None
+        self._restored = False
 
     def keep(self, document_file: DocumentFile) -> None:
         """Keep a journal of the open document."""
         self.journal = Journal(document_file, self._folder, self.context.preferences)
-        document_file.restored.connect(lambda _: self._restored())
+        self.journal.put.connect(self._tell)
+        self.context.session.listen(Opened, self._use_opened)
+        self.context.session.listen(Written, self._use_written)
 
     def offer(self) -> None:
-        """Offer to restore the unsaved work of earlier windows."""
-        self._waiting = list(left_behind(self._folder))
+        """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
+        found = left_behind(self._folder)
+        if found.troubles:
+            self.context.session.say(" ".join(found.troubles), True, RECOVERY)
+        self._waiting = list(found.leftovers)
         self._ask()
 
     def close(self) -> bool:
@@ -70,20 +80,36 @@ class RecoveryFeature(Feature):
             self._discard()
 
     def _restore(self) -> None:
+        if self._restoring is not None:  # its image was not found, and it waits for another time
+            self._restoring.keep()
         self._restoring = self._waiting.pop(0)
-        self.context.session.begin(self._restoring.wanted)
+        self._wanted = self._restoring.wanted
+        self.context.session.begin(self._wanted)
 
     def _discard(self) -> None:
         self._waiting.pop(0).discard()
         self._ask()
 
-    def _restored(self) -> None:
-        """Write the restored document to the new journal before the old one is deleted."""
-        if self._restoring is not None and self.journal is not None:
+    def _use_opened(self, opened: Opened) -> None:
+        """Write a restored document to the new journal, and delete the old one only when that is on the disk."""
+        self._restored = self._wanted is not None and opened.saved is self._wanted.saved
+        if self._restored and self.journal is not None:
             self.journal.write()
-            self.journal.flush()
+            if self.journal.flush() and self.journal.path.exists():
+                self._end_restoring()
+
+    def _use_written(self, _: Written) -> None:
+        """A restored document that no journal could take is in a session file now."""
+        if self._restored:
+            self._end_restoring()
+
+    def _end_restoring(self) -> None:
+        if self._restoring is not None:
             self._restoring.discard()
-            self._restoring = None
+        self._restoring, self._wanted, self._restored = None, None, False
+
+    def _tell(self, trouble: str) -> None:
+        self.context.session.trouble(trouble, JOURNAL)
 
 
 def _details(leftover: Leftover) -> Sequence[str]:

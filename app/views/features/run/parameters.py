@@ -30,7 +30,10 @@ class ParametersFeature(Feature):
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        self.preset_files = PresetFiles(context, PresetStore(parent=context.window))
+        store = PresetStore(parent=context.window)
+        for trouble in store.troubles:
+            context.preferences.complain(trouble)
+        self.preset_files = PresetFiles(context, store)
         self.panel = ParametersPanel(context.session, self.preset_files.gallery)
         context.preferences.follow(WORDING, lambda: self.panel.use_wording(self._wording))
         context.preferences.follow(MOTION, lambda: self.panel.explanation.illustration.set_animated(self._animated))

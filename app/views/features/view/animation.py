@@ -10,6 +10,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QRectF
 
+from app.model.export.provenance import comment_on
 from app.model.state.situation import has_particles
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
@@ -96,7 +97,7 @@ class AnimationFeature(Feature):
         frames: queue.Queue[Pixels | None] = queue.Queue()
         task = session.tasks.start(
             tr("Writing {name}…").format(name=path.name),
-            partial(_encode, frames, len(plan.steps), path, plan.frames_per_second),
+            partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, self._comment),
             f"writing {path.name}",
         )
         self._film(
@@ -190,15 +191,21 @@ class AnimationFeature(Feature):
 
     def save_strip(self, pixels: Pixels, path: Path) -> Task:
         """Write a strip."""
+        comment = self._comment
 
         def work(task: Task) -> Report:
-            write_picture(pixels, path)
+            write_picture(pixels, path, comment)
             return Exported(path)
 
         name = tr("Writing {name}…").format(name=path.name)
         return self.context.session.tasks.start(name, work, f"writing {path.name}", cancellable=False)
 
     # Both
+
+    @property
+    def _comment(self) -> str:
+        """How the pictures came about, for their file."""
+        return comment_on(self.context.session.document, steered=self.context.session.status.steered)
 
     def _part(self, zoomed: bool) -> QRectF:
         image = self.context.session.document.image
@@ -224,7 +231,7 @@ def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
 
 
 def _encode(
-    frames: queue.Queue[Pixels | None], count: int, path: Path, frames_per_second: float, task: Task
+    frames: queue.Queue[Pixels | None], count: int, path: Path, frames_per_second: float, comment: str, task: Task
 ) -> Report | None:
     """Write frames as they arrive; runs on a worker thread."""
     done = write_animation(
@@ -233,5 +240,6 @@ def _encode(
         frames_per_second,
         progress=lambda written: task.advance(written / count),
         cancelled=lambda: task.cancelled,
+        comment=comment,
     )
     return Exported(path) if done else None

@@ -71,7 +71,10 @@ class Shortcuts(QObject):
         self._preferences.put(shortcuts.KEY, shortcuts.written(chosen))
 
     def _read(self) -> dict[str, tuple[str, ...]]:
-        return shortcuts.read(self._preferences.get(shortcuts.KEY, "{}"))
+        chosen, trouble = shortcuts.read(self._preferences.get(shortcuts.KEY, "{}"))
+        if trouble:
+            self._preferences.complain(trouble)
+        return chosen
 
     def _follow(self, key: str) -> None:
         if key == shortcuts.KEY:

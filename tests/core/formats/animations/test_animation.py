@@ -15,6 +15,7 @@ from hypothesis.extra import numpy as arrays
 
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
 from cpm_core.formats.animations.frame_compression import changed, indexed
+from cpm_core.formats.animations.snapshot_strip import write_picture
 
 COLOURS = np.array([(0xF0, 0xE4, 0x42), (0x2B, 0xD4, 0xA4), (0x56, 0xB4, 0xE9), (0xFF, 0x9D, 0x1E)], np.uint8)
 """Moving and resting particles, closed and open contours."""
@@ -266,3 +267,22 @@ def test_a_frame_is_asked_for_only_when_those_before_are_written(tmp_path):
 
     write_animation(drawing(), tmp_path / "a.png", progress=written.append)
     assert drawn == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".png", ".apng"])
+def test_an_animation_carries_a_comment_and_the_same_frames(tmp_path, suffix):
+    steps, comment = [plain(step) for step in range(3)], "found by " * 80
+    write_animation(steps, tmp_path / f"a{suffix}", comment=comment)
+    with PIL.Image.open(tmp_path / f"a{suffix}") as picture:
+        told = picture.info.get("Description") or picture.info["comment"].decode("ascii")
+    assert told == comment
+    assert np.array_equal(frames_of(tmp_path / f"a{suffix}")[0], steps)
+
+
+def test_a_film_and_a_picture_carry_a_comment(tmp_path, monkeypatch):
+    encoder = Ffmpeg(monkeypatch)
+    write_animation([plain(0)], tmp_path / "a.mp4", 24, comment="by CPM")
+    assert encoder.given["output_params"][-2:] == ["-metadata", "comment=by CPM"]
+    write_picture(plain(0), tmp_path / "a.png", "by CPM")
+    with PIL.Image.open(tmp_path / "a.png") as picture:
+        assert picture.info["Description"] == "by CPM"

@@ -34,7 +34,8 @@ def test_labelme_has_a_polygon_or_a_line_of_each_contour():
         np.testing.assert_allclose(shape["points"], contour.points[:, ::-1] + 0.5, atol=1e-4)
     # what labelme asks of a shape, and of a file
     assert all({"label", "points", "group_id", "shape_type", "flags"} <= set(shape) for shape in shapes)
-    assert {"version", "flags", "shapes", "imagePath", "imageData", "imageHeight", "imageWidth"} == set(content)
+    asked = {"version", "flags", "shapes", "imagePath", "imageData", "imageHeight", "imageWidth"}
+    assert asked | {"provenance"} == set(content)
 
 
 def test_labelme_finds_the_image_from_the_folder_of_the_file(tmp_path):
@@ -190,4 +191,4 @@ def test_the_table_of_measures_has_a_row_for_each_contour():
         assert gross_um2 == pytest.approx(contour.area * 0.125, rel=1e-6)
         assert net_um2 == pytest.approx(net * 0.125, rel=1e-5)
     plain = encoded(replace(RESULT, unit=None, spacing=(1.0, 1.0)), ".measures.csv").decode()
-    assert plain.splitlines()[0].endswith("length_px,gross_area_px2,net_area_px2")
+    assert "length_px,gross_area_px2,net_area_px2,program" in plain.splitlines()[0]

@@ -38,9 +38,10 @@ def test_each_row_tells_whether_its_contour_is_closed_how_strong_and_which_label
 
 def test_columns_in_units_appear_only_where_the_size_of_a_pixel_is_known(tmp_path):
     plain = ["contour", "closed", "label", "strength", "vertex", "row", "col"]
-    assert list(table(tmp_path / "a.csv")[0]) == [*plain, "contrast"]
+    end = ["program", "image", "steps", "stop_reason"]
+    assert list(table(tmp_path / "a.csv")[0]) == [*plain, "contrast", *end]
     rows = table(tmp_path / "b.csv", replace(RESULT, spacing=(0.5, 0.25), unit="µm"))
-    assert list(rows[0]) == [*plain, "x_um", "y_um", "contrast"]
+    assert list(rows[0]) == [*plain, "x_um", "y_um", "contrast", *end]
     for row in rows:
         assert float(row["x_um"]) == pytest.approx(0.25 * float(row["col"]))
         assert float(row["y_um"]) == pytest.approx(0.5 * float(row["row"]))

@@ -57,7 +57,7 @@ def test_the_suffix_chooses_the_format_in_small_and_capital_letters(tmp_path, su
         ".tiff": b"II*\0",
         ".nii": b"\x5c\x01\0\0",
         ".nii.gz": b"\x1f\x8b",
-        ".dxf": b"0\nSECTION\n",
+        ".dxf": b"999\nprogram: CPM",
     }
     assert path.read_bytes().startswith(beginnings[suffix])
 

@@ -28,7 +28,8 @@ def test_the_table_has_a_radius_for_each_vertex(tmp_path):
     export(SKELETON, tmp_path / "a.csv")
     with (tmp_path / "a.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert list(rows[0]) == ["contour", "closed", "label", "strength", "vertex", "row", "col", "x_um", "y_um", "radius"]
+    named = ["contour", "closed", "label", "strength", "vertex", "row", "col", "x_um", "y_um", "radius"]
+    assert list(rows[0]) == [*named, "program", "image"]
     assert [int(row["contour"]) for row in rows] == [1, 1, 1, 2, 2, 3, 3, 3, 3, 4]
     assert [row["label"] for row in rows] == [row["contour"] for row in rows]
     points = [[float(row["row"]), float(row["col"])] for row in rows]

@@ -14,8 +14,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import cpm_core
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, Verdict
+from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.sessions.plain_values import LARGEST
 from cpm_core.formats.sessions.session_file import (
     ImageFile,
@@ -23,7 +25,6 @@ from cpm_core.formats.sessions.session_file import (
     decode,
     encode,
     find_image,
-    fingerprint,
     load_session,
     save_session,
 )
@@ -143,7 +144,7 @@ def test_every_shape_and_every_parameter_is_kept() -> None:
 def test_it_is_read_by_people_one_line_for_each_shape() -> None:
     drawn = (Circle((1.0, 2.0), 3.0), Region(((0.0, 0.0), (0.0, 9.0), (9.0, 0.0))))
     lines = encode(SessionFile(shapes=drawn), Path("/folder")).decode().splitlines()
-    assert lines[1] == '  "cpm-session": 1,'
+    assert lines[1:3] == ['  "cpm-session": 1,', f'  "program": "CPM {cpm_core.__version__}",']
     assert '    {"shape": "circle", "center": [1.0, 2.0], "radius": 3.0},' in lines
     assert sum('"shape"' in line for line in lines) == 2
 

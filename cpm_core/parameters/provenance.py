@@ -1,0 +1,48 @@
+"""Provenance: from which image, by which method, with which parameters and from where something has been found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from cpm_core.parameters import Parameters
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Provenance:
+    """How a result was found; files tell it beside the version of the program and the outcome of the run.
+
+    Attributes
+    ----------
+    method : str
+        Name of the method; "objects" for the boundaries of objects. Empty where it is not known.
+    parameters : mapping
+        The parameters that the method takes, by name.
+    seeds : int or None
+        Number of the positions that particles started from; None for a method without seeds.
+    shapes : tuple of mapping
+        What was drawn: starts, limits and charges, as plain JSON. Empty where only the seeds are known.
+    scale : int or None
+        Scale of the image pyramid at the end, 0 for the image itself; None for a method without scales.
+    steered : bool
+        Whether parameters, charges, regions or particles were changed during the run.
+    sha256 : str
+        Hash of the image, 64 hexadecimal digits; empty where it is not known.
+    of_file : bool
+        Whether that is the hash of the bytes of its file, not of an array; see `Image.sha256`.
+    """
+
+    method: str = ""
+    parameters: Mapping[str, float | str] = field(default_factory=dict)
+    seeds: int | None = None
+    shapes: tuple[Mapping[str, Any], ...] = ()
+    scale: int | None = None
+    steered: bool = False
+    sha256: str = ""
+    of_file: bool = True
+
+
+def taken(parameters: Parameters, names: Iterable[str]) -> dict[str, float | str]:
+    """The values of the parameters with some names, for `Provenance.parameters`."""
+    return {name: getattr(parameters, name) for name in names}

@@ -1,0 +1,67 @@
+"""What has been closed is gone: nothing of it answers any more, and nothing of it is kept in memory."""
+
+from __future__ import annotations
+
+import gc
+from collections import Counter
+
+import pytest
+from PySide6.QtCore import QCoreApplication, QEvent
+from PySide6.QtWidgets import QApplication
+
+OPENED = (
+    "export", "export_animation", "export_strip", "mosaic", "preferences", "keys", "guide", "wipe", "magnifier",
+    "open_menu",
+)  # fmt: skip
+"""Actions that open a dialog, a menu, or another view of the image."""
+
+
+def existing() -> Counter[str]:
+    """Objects of the program by class, and widgets, when all that can be removed is removed."""
+    QApplication.processEvents()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    gc.collect()
+    kinds = (type(each) for each in gc.get_objects())
+    found = Counter(kind.__qualname__ for kind in kinds if str(kind.__module__).startswith("app.views"))
+    return found + Counter({"widgets": len(QApplication.allWidgets())})
+
+
+@pytest.fixture
+def rested(ready, hand):
+    """A window with a few steps of a run."""
+    ready.session.step()
+    hand.wait(lambda: ready.session.status.step == 1 and ready.session.idle)
+    return ready
+
+
+def open_and_close(window, name: str) -> None:
+    action = window.actions_by_name[name]
+    assert action.isEnabled(), name
+    before = set(QApplication.topLevelWidgets())
+    action.trigger()
+    QApplication.processEvents()
+    if action.isCheckable():
+        action.trigger()
+    for opened in set(QApplication.topLevelWidgets()) - before:
+        opened.close()
+    QApplication.processEvents()
+
+
+def test_a_closed_dialog_menu_or_view_is_not_kept(rested, hand) -> None:
+    for name in OPENED:
+        open_and_close(rested, name)
+    hand.wait(lambda: rested.session.idle)
+    before = existing()
+    for name in OPENED:
+        open_and_close(rested, name)
+        hand.wait(lambda: rested.session.idle)
+        assert existing() <= before, name
+
+
+@pytest.mark.parametrize("name", ["wipe", "magnifier"])
+def test_a_view_that_has_been_closed_follows_no_layer(rested, hand, name) -> None:
+    open_and_close(rested, name)
+    existing()
+    for layer in hand.canvas.layers:
+        layer.set_opacity(0.5)
+        layer.set_shown(not layer.shown)

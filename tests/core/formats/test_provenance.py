@@ -1,0 +1,263 @@
+"""Provenance: every file tells the program, the image, its hash, the method and what it was given, and no time."""
+
+import contextlib
+import csv
+import gzip
+import hashlib
+import io
+import json
+import re
+import struct
+import zipfile
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import ezdxf
+import nibabel
+import numpy as np
+import PIL.Image
+import pytest
+import roifile
+import tifffile
+from pycocotools.coco import COCO
+
+import cpm_core
+from cpm_core import Image, Parameters, PlacedCharge, Regions, circle, encoded, load_image, objects_result, partition
+from cpm_core.formats import FOR_SKELETONS, WRITABLE, export, load_contours, load_points
+from cpm_core.formats.provenance import VERSION, entries_of, facts_of, with_shapes
+from cpm_core.parameters.provenance import Provenance
+from cpm_core.shapes import Barrier, Circle, Points
+
+from ..scenes import disk
+from .drawn import CELL, RESULT
+
+MADE = Provenance(
+    "cpm",
+    {"reach": 2.0, "smoothing": "auto", "scales": 3},
+    seeds=64,
+    shapes=({"shape": "circle", "center": [30.0, 35.0], "radius": 5.0},),
+    scale=0,
+    steered=True,
+    sha256=hashlib.sha256(b"image").hexdigest(),
+)
+FOUND = replace(RESULT, provenance=MADE, source="cells <&> µ.png")
+FACTS = facts_of(FOUND)
+DISK = disk((64, 64), (32.0, 32.0), 20.0).values
+
+
+def in_json(content):
+    return json.loads(content)["provenance"]
+
+
+def in_rows(content):
+    return next(csv.DictReader(io.StringIO(content.decode(), newline="")))
+
+
+def in_coco(content):
+    made = COCO()
+    made.dataset = json.loads(content)
+    with contextlib.redirect_stdout(None):
+        made.createIndex()
+    return made.dataset["info"]["provenance"]
+
+
+def in_drawing(content):
+    return json.loads(ElementTree.fromstring(content).find("{http://www.w3.org/2000/svg}metadata").text)
+
+
+def as_java(text):
+    """What the properties of Java make of escapes."""
+    return re.sub(r"\\u([0-9a-f]{4})", lambda found: chr(int(found.group(1), 16)), text)
+
+
+def in_roi(content):
+    lines = roifile.ImagejRoi.frombytes(content).props.splitlines()
+    return dict(as_java(line.removeprefix("cpm_")).split(": ", 1) for line in lines)
+
+
+def in_set(content):
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        each = [in_roi(archive.read(name)) for name in archive.namelist()]
+    assert all(told == each[0] for told in each)
+    return each[0]
+
+
+def in_dxf(content):
+    assert not ezdxf.read(io.StringIO(content.decode("ascii"))).audit().errors
+    lines = content.decode("ascii").splitlines()
+    told = [text for code, text in zip(lines[::2], lines[1::2], strict=True) if code == "999"]
+    assert max(map(len, told)) < 256, "release 12 has no longer lines"
+    whole = "\n".join(told).replace("\n  ", " ")
+    return dict(as_java(line).split(": ", 1) for line in whole.splitlines())
+
+
+def in_png(content):
+    with PIL.Image.open(io.BytesIO(content)) as picture:
+        assert picture.info["Software"] == f"CPM {VERSION}"
+        return json.loads(picture.info["Description"])
+
+
+def in_tiff(content):
+    with tifffile.TiffFile(io.BytesIO(content)) as file:
+        assert file.pages.first.software == f"CPM {VERSION}"
+        assert "DateTime" not in file.pages.first.tags
+        return dict(line.split(": ", 1) for line in file.imagej_metadata["Info"].splitlines())
+
+
+def in_nifti(content):
+    volume = nibabel.Nifti1Image.from_bytes(content)
+    (comment,) = volume.header.extensions
+    assert comment.get_code() == 6, "a text"
+    assert volume.header["descrip"].item() == f"label mask, CPM {VERSION}".encode()
+    return json.loads(comment.text)
+
+
+READERS = {
+    ".svg": in_drawing,
+    ".csv": in_rows,
+    ".measures.csv": in_rows,
+    ".json": in_json,
+    ".geojson": in_json,
+    ".zip": in_set,
+    ".roi": in_roi,
+    ".labelme.json": in_json,
+    ".coco.json": in_coco,
+    ".png": in_png,
+    ".tif": in_tiff,
+    ".tiff": in_tiff,
+    ".nii": in_nifti,
+    ".nii.gz": lambda content: in_nifti(gzip.decompress(content)),
+    ".dxf": in_dxf,
+}
+"""What a reader of each format finds: all facts, or their entries as texts."""
+
+
+def told_by(result, suffix):
+    only = replace(result, contours=(CELL,)) if suffix == ".roi" else result
+    return READERS[suffix](encoded(only, suffix))
+
+
+@pytest.mark.parametrize("suffix", WRITABLE)
+def test_every_format_tells_how_its_contours_were_found(suffix):
+    told = told_by(FOUND, suffix)
+    if isinstance(told.get("image"), dict):
+        assert told == FACTS
+    else:
+        assert told.items() >= entries_of(FACTS).items()
+
+
+@pytest.mark.parametrize("suffix", sorted(FOR_SKELETONS))
+def test_every_format_tells_how_a_skeleton_was_found(suffix):
+    skeleton = cpm_core.skeleton(DISK)
+    told = READERS[suffix](encoded(skeleton, suffix))
+    facts = facts_of(skeleton)
+    assert (facts["method"], facts["parameters"]["pruning"]) == ("skeleton", 1.0)
+    assert "w1" not in facts["parameters"], "it has no effect"
+    assert told == facts or told.items() >= entries_of(facts).items()
+
+
+@pytest.mark.parametrize("suffix", WRITABLE)
+def test_the_same_result_always_gives_the_same_bytes(suffix, monkeypatch):
+    only = replace(FOUND, contours=(CELL,))
+    first = encoded(only, suffix)
+    monkeypatch.setattr("time.time", lambda: 2e9)
+    assert encoded(only, suffix) == first
+
+
+@pytest.mark.parametrize("suffix", WRITABLE)
+@pytest.mark.parametrize("folder", ["/home/someone/secret/", "C:\\Users\\someone\\secret\\"])
+def test_no_folder_is_told(suffix, folder, tmp_path):
+    only = replace(FOUND, contours=(CELL,), source=f"{folder}a.png")
+    told = told_by(only, suffix)
+    name = told["image"] if isinstance(told["image"], str) else told["image"]["name"]
+    assert name == "a.png"
+
+
+def test_masks_of_thirty_two_bits_tell_it_in_their_description():
+    many = tuple(replace(CELL, group=number, number=number) for number in (1, 70_000))
+    content = encoded(replace(FOUND, contours=many), ".tif", outlines=True)
+    with tifffile.TiffFile(io.BytesIO(content)) as file:
+        assert json.loads(file.pages.first.description) == FACTS
+
+
+def test_tables_are_read_back_as_before(tmp_path):
+    export(FOUND, tmp_path / "a.csv", tmp_path / "a.json", tmp_path / "a.geojson", tmp_path / "a.labelme.json")
+    for suffix in (".csv", ".json", ".geojson", ".labelme.json"):
+        found = load_contours(tmp_path / f"a{suffix}")
+        assert next(contour.name for contour in found if contour.name) == "cell"
+    assert len(load_points(tmp_path / "a.csv")) == sum(len(contour.points) for contour in RESULT.contours)
+
+
+def test_a_table_of_vertices_tells_it_once_and_one_of_measures_in_each_row():
+    vertices = list(csv.DictReader(io.StringIO(encoded(FOUND, ".csv").decode(), newline="")))
+    assert [bool(row["program"]) for row in vertices] == [True] + [False] * (len(vertices) - 1)
+    measures = list(csv.DictReader(io.StringIO(encoded(FOUND, ".measures.csv").decode(), newline="")))
+    assert {row["image_sha256"] for row in measures} == {MADE.sha256}
+
+
+def test_programs_that_know_no_quoted_cells_read_the_tables():
+    facts = facts_of(with_shapes(FOUND, (Circle((30.0, 35.0), 5.0), Barrier(((1.0, 2.0), (3.0, 4.0))))))
+    texts = entries_of(facts | {"stop_reason": 'stopped, as "asked"'})
+    assert texts["shapes"] == "shape=circle center=30.0 35.0 radius=5.0; shape=barrier points=1.0 2.0 3.0 4.0"
+    assert texts["parameters"] == "reach=2.0 smoothing=auto scales=3"
+    assert not any("," in text for text in texts.values())
+    for suffix in (".csv", ".measures.csv"):
+        lines = encoded(with_shapes(FOUND, (Circle((30.0, 35.0), 5.0),)), suffix).decode().splitlines()
+        assert {line.count(",") for line in lines} == {lines[0].count(",")}
+
+
+def test_a_run_on_a_file_has_the_hash_of_its_bytes(tmp_path):
+    PIL.Image.fromarray(DISK.astype(np.uint8)).save(tmp_path / "disk.png")
+    image = load_image(tmp_path / "disk.png")
+    result = cpm_core.segment(image, circle((32, 32), 10), Parameters(scales=1, beta=0.7), max_steps=3)
+    facts = facts_of(result)
+    assert facts["image"] == {
+        "name": "disk.png",
+        "sha256": hashlib.sha256((tmp_path / "disk.png").read_bytes()).hexdigest(),
+    }
+    assert facts["seeds"] == len(circle((32, 32), 10))
+    assert (facts["scale"], facts["steps"], facts["stop_reason"]) == (0, 3, "stopped after 3 steps, as asked")
+    assert facts["parameters"]["beta"] == 0.7
+    assert (facts["program"], facts["version"]) == ("CPM", cpm_core.__version__)
+
+
+def test_a_run_on_an_array_has_the_hash_of_its_gray_levels_and_tells_regions_and_charges():
+    values = DISK
+    barrier = ((5.0, 5.0), (5.0, 30.0))
+    result = cpm_core.segment(
+        values,
+        circle((32, 32), 10),
+        Parameters(scales=1),
+        max_steps=2,
+        regions=Regions(barriers=(barrier,)),
+        charges=[PlacedCharge((4.0, 4.0), 1.0)],
+    )
+    facts = facts_of(result)
+    assert facts["image"]["array_sha256"] == hashlib.sha256(values.astype("<f8").tobytes()).hexdigest()
+    kinds = {shape["shape"]: shape for shape in facts["shapes"]}
+    assert kinds["charge"]["strength"] == 1.0
+    assert kinds["barrier"]["points"] == barrier
+
+
+def test_what_was_drawn_is_told_and_many_points_by_their_number():
+    shapes = (Circle((30.0, 35.0), 5.0), Barrier(((1.0, 2.0), (3.0, 4.0))), Points(tuple((n, n) for n in range(500))))
+    told = facts_of(with_shapes(FOUND, shapes))["shapes"]
+    assert [shape["shape"] for shape in told] == ["circle", "barrier", "points"]
+    assert (told[0]["radius"], told[2]["positions"]) == (5.0, 500)
+
+
+def test_objects_tell_their_clicks_and_their_image():
+    image = Image(DISK, source="disk.png")
+    chosen = partition(cpm_core.segment(image, circle((32, 32), 10), Parameters(scales=1))).select([(32, 32)])
+    facts = facts_of(objects_result([chosen], image))
+    assert facts["method"] == "objects"
+    assert facts["shapes"] == [{"shape": "object", "inside": [[32.0, 32.0]], "outside": []}]
+    assert facts["image"]["array_sha256"] == image.sha256
+
+
+def test_a_comment_in_a_nifti_is_as_long_as_the_format_asks():
+    for name in ("a", "ab" * 7, "abc" * 11):
+        content = encoded(replace(FOUND, source=name), ".nii")
+        (size,) = struct.unpack_from("<i", content, 352)
+        (offset,) = struct.unpack_from("<f", content, 108)
+        assert size % 16 == 0 and offset == 352 + size

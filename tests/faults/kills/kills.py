@@ -1,0 +1,61 @@
+"""Kills at random moments, and before each operation on files in turn, for as long as is asked."""
+
+from __future__ import annotations
+
+import itertools
+import random
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from ..report import Budget, Report
+from .command_line import Batches, Kill, Runs
+from .loops import Loops
+from .nursery import killed_after, killed_before
+from .windows import Windows
+
+_KINDS = {"run": Runs, "batch": Batches, "window": Windows}
+_LOOPS_EVERY = 4
+_LONGEST = {"run": 0.4, "batch": 0.8, "window": 2.5}
+"""Time after which nothing is left to be killed [s]."""
+
+
+def killed(budget: Budget) -> Report:
+    """Kill runs, batches, windows and compilations in turn; the first failure of a kind names what repeats it."""
+    end, drawn = time.monotonic() + budget.seconds, random.Random(budget.seed)
+    victims = {name: kind(_new(budget.folder / name)) for name, kind in _KINDS.items()}
+    loops = Loops(_new(budget.folder / "loops"))
+    failures: list[str] = []
+    count = 0
+    for turn in itertools.count():
+        for name, victim in victims.items():
+            kill, moment = _drawn(name, victim.operations, drawn)
+            count += _tried(failures, f"{name}, {moment}", lambda victim=victim, kill=kill: victim.trial(kill))
+            if time.monotonic() > end:
+                return Report(count, count, tuple(failures))
+        if turn % _LOOPS_EVERY == 0:
+            fraction = drawn.random()
+            count += _tried(failures, f"loops after {fraction:.3f}", lambda fraction=fraction: loops.trial(fraction))
+    raise AssertionError("never reached")
+
+
+def _drawn(name: str, operations: int, drawn: random.Random) -> tuple[Kill, str]:
+    """A moment at which a process is killed, and how to say it."""
+    if drawn.random() < 0.5:
+        operation = drawn.randint(1, operations)
+        return lambda *arguments: killed_before(operation, *arguments), f"before operation {operation}"
+    seconds = drawn.uniform(0.0, _LONGEST[name])
+    return lambda *arguments: killed_after(seconds, *arguments), f"after {seconds:.3f} s"
+
+
+def _tried(failures: list[str], what: str, trial: Callable[[], None]) -> int:
+    try:
+        trial()
+    except (AssertionError, ValueError, OSError) as error:
+        failures.append(f"{what}: {error}")
+    return 1
+
+
+def _new(folder: Path) -> Path:
+    folder.mkdir()
+    return folder

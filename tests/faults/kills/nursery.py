@@ -1,0 +1,106 @@
+"""Processes that are made to be killed: each does one thing, and ends by itself or in the middle of it."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+
+_MODULES = ["tests.faults.kills.warm", "cpm_core.cli", "app.views.application", __name__]
+"""Loaded once, in the process that all others are copies of."""
+
+_OPERATIONS = frozenset({"open", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.chmod", "os.utime", "os.fsync"})
+"""Operations on files before which a process may be killed, as Python tells them."""
+
+_LONGEST = 120.0
+"""A process that goes on for so long hangs [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """How a process ended: killed or not, what its function returned, and its operations on files."""
+
+    killed: bool
+    value: Any = None
+    operations: int = 0
+
+
+def outcome(folder: Path, function: Callable[..., Any], *arguments: Any) -> End:
+    """Let a process call a function to its end."""
+    return _ended(folder, function, arguments, 0, _LONGEST)
+
+
+def killed_before(operation: int, folder: Path, function: Callable[..., Any], *arguments: Any) -> End:
+    """Kill a process that calls a function just before so many operations on files of a folder, counted from one."""
+    return _ended(folder, function, arguments, operation, _LONGEST)
+
+
+def killed_after(seconds: float, folder: Path, function: Callable[..., Any], *arguments: Any) -> End:
+    """Kill a process that calls a function after a time."""
+    return _ended(folder, function, arguments, 0, seconds)
+
+
+def _ended(
+    folder: Path, function: Callable[..., Any], arguments: tuple[Any, ...], operation: int, seconds: float
+) -> End:
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(_MODULES)
+    line, theirs = context.Pipe(duplex=False)
+    process = context.Process(target=_work, args=(theirs, folder, operation, function, arguments))
+    process.start()
+    theirs.close()
+    told = None
+    try:
+        if line.poll(seconds):
+            with suppress(EOFError):  # it has been killed
+                told = line.recv()
+        elif seconds == _LONGEST:
+            raise TimeoutError(f"{function.__name__} went on for more than {seconds:.0f} s")
+    finally:
+        process.kill()
+        process.join()
+        line.close()
+    return End(True) if told is None else End(False, *told)
+
+
+def _work(
+    line: Connection, folder: Path, operation: int, function: Callable[..., Any], arguments: tuple[Any, ...]
+) -> None:
+    os.setsid()
+    operations = _count_operations(folder, operation)
+    os.chdir(folder)
+    value = function(*arguments)
+    line.send((value, operations[0]))
+    os.kill(os.getpid(), signal.SIGKILL)  # nothing that a normal end would still do
+
+
+def _count_operations(folder: Path, last: int) -> list[int]:
+    """Count operations on files of a folder from now on, and kill this process before the last."""
+    counted, fsync = [0], os.fsync
+
+    def see(event: str, arguments: tuple[Any, ...]) -> None:
+        if event in _OPERATIONS and (event == "os.fsync" or any(_is_in(folder, argument) for argument in arguments)):
+            counted[0] += 1
+            if counted[0] == last:
+                os.kill(os.getpid(), signal.SIGKILL)
+
+    def fsync_seen(descriptor: int) -> None:
+        sys.audit("os.fsync", descriptor)
+        fsync(descriptor)
+
+    os.fsync = fsync_seen
+    sys.addaudithook(see)
+    return counted
+
+
+def _is_in(folder: Path, argument: object) -> bool:
+    return isinstance(argument, str | bytes | os.PathLike) and os.fsdecode(argument).startswith(str(folder))

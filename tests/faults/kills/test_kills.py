@@ -1,0 +1,21 @@
+"""Whatever is killed, every file is the old one or the new one, and the next start goes on from it."""
+
+import random
+
+import pytest
+
+from .command_line import Batches, Runs
+from .loops import Loops
+from .nursery import killed_before
+from .windows import Windows
+
+
+@pytest.mark.parametrize(("kind", "trials"), [(Runs, 2), (Batches, 2), (Windows, 1)])
+def test_what_is_killed_leaves_whole_files_and_the_next_start_has_them(tmp_path, compiled_loops, kind, trials):
+    victim = kind(tmp_path)
+    for operation in random.Random(trials).sample(range(victim.operations // 3, victim.operations), trials):
+        victim.trial(lambda *arguments, operation=operation: killed_before(operation, *arguments))
+
+
+def test_loops_whose_compilation_is_killed_are_compiled_and_kept_again(tmp_path):
+    Loops(tmp_path).trial(0.8)
