@@ -35,7 +35,7 @@ def real_numbers(values: ArrayLike) -> Array:
 
 def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted: str) -> float:
     """A number that a caller gives; ValueError, which says what is wanted, unless it is a finite one that fits."""
-    real = isinstance(value, _REAL) and abs(value) <= sys.float_info.max
+    real = issubclass(type(value), _REAL) and abs(value) <= sys.float_info.max
     number = float(value) if real else math.nan
     if not (real and fits(number)):
         raise ValueError(f"{name} is {shown(value)} but must be {wanted}.")
