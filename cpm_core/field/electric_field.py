@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.pppm import pppm_field
-from cpm_core.numerics.real_numbers import gray_levels
+from cpm_core.numerics.real_numbers import grid_of_numbers
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
@@ -55,7 +55,7 @@ def electric_field(
         other exponents than 2, a cut-off or a number of sweeps out of range.
     """
     if isinstance(method, str) and method == "convolution":
-        return convolved_field(gray_levels(edge_map), exponent)
+        return convolved_field(grid_of_numbers(edge_map), exponent)
     if not isinstance(method, str) or method != "pppm":
         names = " or ".join(f'"{name}"' for name in METHODS)
         raise ValueError(f"method is {shown(method)} but must be {names}.")

@@ -43,7 +43,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.real_numbers import checked_number, gray_levels
+from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers
 from cpm_core.numerics.types import Array
 
 _LEAST_CUTOFF, _LARGEST_CUTOFF = 5.0, 100.0
@@ -77,7 +77,7 @@ def pppm_field(edge_map: ArrayLike, cutoff: float = 20.0, iterations: int = 50) 
     1. Raises `ValueError` when the edge map has not two dimensions, or for a cut-off or a number of sweeps out of
     range.
     """
-    f = gray_levels(edge_map)
+    f = grid_of_numbers(edge_map)
     if f.ndim != 2:
         raise ValueError(
             f'the edge map has {f.ndim} dimensions but must have 2 for method "pppm": use method "convolution".'

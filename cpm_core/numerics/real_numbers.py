@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,6 @@ from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
 _REAL: tuple[type, ...] = (int, float, np.integer, np.floating)
-
-_LEAST_SIDE = 2
-"""Least number of pixels along each axis of an image that has edges [px]."""
 
 
 def real_numbers(values: ArrayLike) -> Array:
@@ -35,20 +33,22 @@ def real_numbers(values: ArrayLike) -> Array:
 
 def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted: str) -> float:
     """A number that a caller gives; ValueError, which says what is wanted, unless it is a finite one that fits."""
-    real = issubclass(type(value), _REAL) and abs(value) <= sys.float_info.max
-    number = float(value) if real else math.nan
-    if not (real and fits(number)):
+    number = math.nan
+    if issubclass(type(value), _REAL):
+        with suppress(OverflowError):  # of a whole number of some hundred digits
+            number = float(value)
+    if not (math.isfinite(number) and fits(number)):
         raise ValueError(f"{name} is {shown(value)} but must be {wanted}.")
     return number
 
 
-def gray_levels(values: ArrayLike) -> Array:
-    """Values of an image or a volume in double precision; ValueError unless they are a grid of finite numbers."""
+def grid_of_numbers(values: ArrayLike, least: int = 1) -> Array:
+    """Values of an image or a volume in double precision; ValueError unless they are finite, on a grid of this size."""
     image = real_numbers(values)
-    if image.ndim not in (2, 3) or min(image.shape) < _LEAST_SIDE:
+    if image.ndim not in (2, 3) or min(image.shape) < least:
         raise ValueError(
-            f"The values have the shape {image.shape}, but an image needs two axes or three, with {_LEAST_SIDE} pixels "
-            "along each at least."
+            f"The values have the shape {image.shape}, but an image needs two axes or three, with {least} or more "
+            "pixels along each."
         )
     low, high = float(image.min()), float(image.max())
     if not abs(low) + abs(high) <= sys.float_info.max:
