@@ -1,5 +1,6 @@
 """Settings that every test shares."""
 
+import gc
 import os
 import signal
 from collections.abc import Iterator
@@ -35,6 +36,12 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the model's loops once, before the processes that share them begin."""
     if getattr(session.config.option, "numprocesses", None):
         warm_up()
+
+
+def pytest_collection_finish() -> None:
+    """Leave modules and collected tests, which stay to the end, out of every later collection of garbage."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
+from app.model.text.shortening import shortened
 from app.session.exchange.messages import Report
 from app.session.scene import Scene
 from cpm_core.image.image import Image
@@ -91,7 +92,7 @@ class SessionSignals(QObject):
 
     def say(self, sentence: str, trouble: bool = False, topic: str = "") -> None:
         """Show one sentence to the user; it belongs to an attempt of a kind, such as `EXPORTING`."""
-        self.said.emit(sentence, trouble, topic)
+        self.said.emit(shortened(sentence), trouble, topic)
 
     def trouble(self, sentence: str, topic: str) -> None:
         """Tell what work that is done again and again failed with, and with an empty sentence that it succeeded.

@@ -126,10 +126,13 @@ def _run(arguments: argparse.Namespace) -> None:
     if arguments.object:
         chosen, shown = choose(result, image, arguments)
     seconds = time.perf_counter() - started
-    export(shown, *arguments.export, image=path, tell=_tell_omission)
-    missing = {file: left_out(shown, suffix_of(file)) for file in arguments.export}
+    refused: dict[Path, str] = {}
+    export(shown, *arguments.export, image=path, tell=_tell_omission, refused=refused.__setitem__)
+    missing = {file: left_out(shown, suffix_of(file)) for file in arguments.export if Path(file) not in refused}
     with written("the files were written before" if arguments.export else ""):
         _report(result, chosen, seconds, missing, as_json=arguments.json)
+    if refused:
+        raise ValueError(" ".join(refused.values()))
 
 
 def _edited(

@@ -26,6 +26,16 @@ FORMER_NAMES: dict[str, str] = {"colour": "color"}
 """Names of properties of contours in older files -> their present names."""
 
 
+MOST_LETTERS = 1000
+"""Letters that a name may have: a name stands in tables and on the image."""
+
+
+def check_name(what: str, name: str) -> None:
+    """Raise a `ValueError` for a name that is too long; `what` is what it names."""
+    if len(name) > MOST_LETTERS:
+        raise ValueError(f"The name of {what} has {len(name)} letters but may have {MOST_LETTERS} at most: shorten it.")
+
+
 def present_names(properties: Mapping[str, Any]) -> dict[str, Any]:
     """Properties of a contour as a file has them, under their present names."""
     return {FORMER_NAMES.get(name, name): value for name, value in properties.items()}

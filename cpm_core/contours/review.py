@@ -16,7 +16,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, check_name
 from cpm_core.contours.features import contour_features, usable
 from cpm_core.contours.learning import Examples, left_out, probabilities
 from cpm_core.contours.result import Result, remaining
@@ -93,6 +93,7 @@ class Mark:
             )
         if self.verdict not in get_args(Verdict):
             raise ValueError(f'The verdict of a mark is {shown(self.verdict)} but must be "kept", "rejected" or empty.')
+        check_name("a contour", self.name)
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
             raise ValueError(
                 f'The color of a mark is {shown(self.color)} but must be "#rrggbb", two hexadecimal digits each for '

@@ -91,6 +91,7 @@ def export(
     outlines: bool = False,
     image: str | os.PathLike[str] | None = None,
     tell: Callable[[str], object] = _LOG.warning,
+    refused: Callable[[Path, str], object] | None = None,
 ) -> None:
     """Write the contours of a result, or a skeleton, in the format that each suffix names.
 
@@ -110,25 +111,38 @@ def export(
     tell : callable, optional
         Called with a sentence for each file that leaves contours out, before anything is written; by default a warning
         is logged.
+    refused : callable, optional
+        Called with each file that the result holds nothing for, and a sentence; the others are written. By default that
+        is an error.
 
     Raises
     ------
     ValueError
-        When a suffix is not known, a file cannot be written there, or the result holds nothing such a file could show.
+        When a suffix is not known, a file cannot be written there, or the result holds nothing such a file could show,
+        or with `refused` nothing for any of them. Then nothing is written.
     """
     files = [Path(path) for path in paths]
     for file in files:
         check_export(file)
     contents = []
     for file in files:
-        suffix = suffix_of(file)
-        missing = omission(result, suffix, outlines=outlines)
+        missing = omission(result, suffix_of(file), outlines=outlines)
         if missing:
             tell(f"{file}: {missing}")
-        located = suffix == _LABELME and image is not None
-        shown = labelme.located(result, file, Path(image)) if located and image is not None else result
-        contents.append((file, encoded(shown, suffix, outlines=outlines)))
+        try:
+            contents.append((file, _content(result, file, outlines, image)))
+        except ValueError as error:
+            if refused is None or (file is files[-1] and not contents):
+                raise
+            refused(file, f"{file} was not written: {error}")
     write_together(contents)
+
+
+def _content(result: Result | Skeleton, file: Path, outlines: bool, image: str | os.PathLike[str] | None) -> bytes:
+    """Content of a file, which may name the file of the image."""
+    suffix = suffix_of(file)
+    shown = labelme.located(result, file, Path(image)) if suffix == _LABELME and image is not None else result
+    return encoded(shown, suffix, outlines=outlines)
 
 
 def left_out(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -> int:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
-from cpm_core.numerics.segments import cut, nearest_distances, segments_of
+from cpm_core.numerics.segments import Bands, cut, nearest_distances, segments_of
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
@@ -65,7 +66,10 @@ class Regions:
 
     def at_scale(self, scale: int, shape: tuple[int, ...]) -> Regions:
         """These regions of an image of shape `shape`, in px of one of its scales."""
-        parts = ([to_scale(np.array(line), scale, shape) for line in lines] for lines in (self.interest, self.barriers))
+        parts = (
+            [to_scale(polyline.corners_of(line), scale, shape) for line in lines]
+            for lines in (self.interest, self.barriers)
+        )
         return Regions(*(tuple(_line(points) for points in part) for part in parts))
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
@@ -99,7 +103,7 @@ class Regions:
 
     def lines(self) -> Array:
         """Barriers as segments, shape (S, 4)."""
-        return np.concatenate([np.zeros((0, 4)), *(segments_of(np.array(line)) for line in self.barriers)])
+        return np.concatenate([np.zeros((0, 4)), *(segments_of(polyline.corners_of(line)) for line in self.barriers)])
 
 
 def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:
@@ -110,19 +114,26 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
     for number, line in enumerate(lines, start=1):
         what = f"{noun} {number}"
         try:
-            points = np.array([tuple(point) for point in line], dtype=float)
+            points = polyline.corners_of(line if isinstance(line, tuple) else [tuple(point) for point in line])
         except (TypeError, ValueError):
             points = np.zeros(0)
         if points.ndim != 2 or points.shape[1] != 2:
             raise ValueError(f"{what} must be a sequence of at least {least} points (row, col).")
         if not np.isfinite(points).all():
             raise ValueError(f"{what} has coordinates that are not finite: give numbers of rows and columns.")
-        if len(np.unique(points, axis=0)) < least:
-            raise ValueError(
-                f"{what} has {len(np.unique(points, axis=0))} different points but must have at least {least}."
-            )
-        checked.append(_line(points))
+        corners = line if _plain(line) else _line(points)
+        different = len(set(corners))
+        if different < least:
+            raise ValueError(f"{what} has {different} different points but must have at least {least}.")
+        checked.append(corners)
     return tuple(checked)
+
+
+def _plain(line: object) -> TypeGuard[Line]:
+    """Whether a line is what `_line` would make of it."""
+    return type(line) is tuple and all(
+        type(point) is tuple and type(point[0]) is type(point[1]) is float for point in line
+    )
 
 
 @lru_cache(maxsize=_KEPT)
@@ -139,7 +150,7 @@ def _rims(interest: tuple[Line, ...]) -> Array:
         return np.zeros((0, 4))
     regions = Regions(interest)
     sides = np.concatenate([segments_of(np.array([*polygon, polygon[0]])) for polygon in interest])
-    pieces = np.concatenate([cut(side, sides, _OFF) for side in sides])
+    pieces = np.concatenate([cut(side, near, _OFF) for side, near in zip(sides, _neighbors(sides), strict=True)])
     along = pieces[:, 2:] - pieces[:, :2]
     length = np.linalg.norm(along, axis=1)
     off = _OFF * along[:, ::-1] * (1.0, -1.0) / np.maximum(length, 1e-300)[:, None]
@@ -147,6 +158,16 @@ def _rims(interest: tuple[Line, ...]) -> Array:
     rim = regions.contains(middle + off) != regions.contains(middle - off)
     # a piece that is not much longer than the distance of the tests is kept: its sides cannot be tested
     return np.asarray(pieces[rim | (length < 10.0 * _OFF)])
+
+
+def _neighbors(sides: Array) -> Iterator[Array]:
+    """For each side, shape (4,), those that may meet it, shape (S, 4): their boxes do."""
+    low = np.minimum(sides[:, :2], sides[:, 2:]) - _OFF
+    high = np.maximum(sides[:, :2], sides[:, 2:]) + _OFF
+    bands = Bands(low[:, 0], high[:, 0])
+    for begin, end in zip(low, high, strict=True):
+        near = bands.between(begin[0], end[0])
+        yield sides[near[((low[near] <= end) & (high[near] >= begin)).all(axis=1)]]
 
 
 def _line(points: Array) -> Line:

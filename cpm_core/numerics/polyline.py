@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -18,6 +17,27 @@ _TOLERANCE = 0.25
 
 _HALVINGS = 3
 """How often every second corner of a path may be left out before it is painted."""
+
+
+_LONG, _MOST_KEPT = 256, 16
+"""Corners from which on the array of a path is kept, and the number of paths for which it is."""
+
+_kept: dict[int, tuple[object, Array]] = {}
+"""Paths and their arrays, by their identities: while a path is drawn or dragged it is needed again and again."""
+
+
+def corners_of(path: Array | Sequence[Sequence[float]]) -> Array:
+    """Corners of a path as an array, shape (K, D), which is not to be changed: that of a long path is kept."""
+    if not isinstance(path, tuple) or len(path) < _LONG:
+        return np.asarray(path, dtype=float)
+    known = _kept.get(id(path))
+    if known is not None and known[0] is path:
+        return known[1]
+    made = np.array(path, dtype=float)
+    for oldest in list(_kept)[: len(_kept) + 1 - _MOST_KEPT]:
+        _kept.pop(oldest, None)
+    _kept[id(path)] = path, made
+    return made
 
 
 def lengths_along(path: Array) -> Array:
@@ -62,14 +82,14 @@ def resampled(path: Array, spacing: float) -> Array:
     return out
 
 
-def distance(path: Sequence[Position], position: Position) -> float:
+def distance(path: Array | Sequence[Position], position: Position) -> float:
     """Distance of a position (row, col) from the nearest place on a path of at least one corner [px]."""
     return float(distances(path, np.array([position], dtype=float))[0])
 
 
 def distances(path: Array | Sequence[Position], positions: Array) -> Array:
     """Distances of positions, shape (N, 2), from the nearest place on a path of one corner or more, shape (N,)."""
-    corners = np.asarray(path, dtype=float)
+    corners = corners_of(path)
     if len(corners) == 1:
         corners = corners[[0, 0]]
     sides = np.concatenate([corners[:-1], corners[1:]], axis=1)
@@ -79,7 +99,7 @@ def distances(path: Array | Sequence[Position], positions: Array) -> Array:
 def inside(path: Array | Sequence[Position], positions: Array) -> Mask:
     """Which positions, shape (N, 2), lie inside a path that is closed from its last corner to its first, shape (N,)."""
     places = np.ascontiguousarray(positions, dtype=float).reshape(-1, 2)
-    return winds_around(np.ascontiguousarray(path, dtype=float), places)
+    return winds_around(np.ascontiguousarray(corners_of(path)), places)
 
 
 def area(path: Array | Sequence[Position]) -> float:
@@ -139,5 +159,5 @@ def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:
 
 def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> tuple[Position, ...]:
     """Path with the corner nearest to a position moved to another position."""
-    nearest = min(range(len(path)), key=lambda index: math.dist(path[index], corner))
-    return tuple(to if index == nearest else position for index, position in enumerate(path))
+    nearest = int(np.hypot(*(corners_of(path) - corner).T).argmin())
+    return (*path[:nearest], to, *path[nearest + 1 :])

@@ -11,9 +11,16 @@ from typing import Any
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Mask
+
+_MOST_BANDS = 4096
+"""Largest number of bands into which the sides of a polygon are sorted."""
+
+_FEW = 64
+"""Points up to which all sides of a polygon are tested for each."""
 
 _PIECE = 1.0
 """Length of the pieces that segments are cut into, so that the nearest can be found by their midpoints [px]."""
@@ -152,17 +159,66 @@ def first_crossing(path: Array, segments: Array) -> tuple[int, int]:
     return -1, -1
 
 
-@compiled
+class Bands:
+    """Bands across the plane, at most `most`, with the sides that reach into each, given first and last row of sides.
+
+    Attributes
+    ----------
+    sides : ndarray of int
+        Sides of the first band, then of the second one, and so on.
+    starts : ndarray of int
+        Where in `sides` those of each band begin, and the end of the last one.
+    first, height : float
+        Row at which the first band begins, and height of each [px].
+    """
+
+    def __init__(self, low: Array, high: Array, most: int = _MOST_BANDS) -> None:
+        self.first, last = float(low.min()), float(high.max())
+        mean = max(float((high - low).mean()), 1e-9)  # so that a side lies in few bands
+        bands = int(min(max((last - self.first) / mean, 1.0), len(low), most))
+        self.height = max((last - self.first) / bands, 1e-300)
+        lowest, highest = self._band(low, bands), self._band(high, bands)
+        spans = highest - lowest + 1
+        band_of = np.arange(spans.sum()) - np.repeat(np.cumsum(spans) - spans - lowest, spans)
+        self.sides = np.repeat(np.arange(len(low)), spans)[np.argsort(band_of, kind="stable")]
+        self.starts = np.searchsorted(np.sort(band_of), np.arange(bands + 1))
+
+    def between(self, low: float, high: float) -> NDArray[np.int64]:
+        """The sides that may reach rows between two, in their order."""
+        bands = len(self.starts) - 1
+        lowest, highest = self._band(np.array([low, high]), bands)
+        return np.unique(self.sides[self.starts[lowest] : self.starts[highest + 1]])
+
+    def _band(self, row: Array, bands: int) -> NDArray[np.int64]:
+        return np.clip((row - self.first) / self.height, 0, bands - 1).astype(np.int64)
+
+
 def winds_around(corners: Array, points: Array) -> Mask:
     """Which points, shape (N, 2), a polygon of shape (K, 2) winds around, closed from its last corner to its first.
 
-    The winding number decides, not the parity of crossings: a polygon that crosses itself has no holes.
+    The winding number decides, not the parity of crossings: a polygon that crosses itself has no holes. Only the sides
+    at the height of a point are tested.
     """
+    begin, end = np.roll(corners[:, 0], 1), corners[:, 0]
+    # sorting the sides takes as long as testing a few points against all of them
+    bands = Bands(np.minimum(begin, end), np.maximum(begin, end), 1 if len(points) < _FEW else _MOST_BANDS)
+    return _winds_around(corners, points, bands.sides, bands.starts, bands.first, bands.height)
+
+
+@compiled
+def _winds_around(corners: Array, points: Array, sides: Any, starts: Any, first: float, height: float) -> Mask:
+    """See `winds_around`; `sides` of each band lie between two entries of `starts`."""
     inside = np.zeros(len(points), np.bool_)
+    bands = len(starts) - 1
     for i in range(len(points)):
+        band = (points[i, 0] - first) / height
+        if not 0.0 <= band <= bands:
+            continue
+        number = min(int(band), bands - 1)
         turns = 0
-        before = len(corners) - 1
-        for k in range(len(corners)):
+        for s in range(starts[number], starts[number + 1]):
+            k = sides[s]
+            before = k - 1 if k else len(corners) - 1
             below, above = corners[before, 0] <= points[i, 0], corners[k, 0] <= points[i, 0]
             if below != above:  # true for few sides, which saves most calls
                 left = side(corners[before], corners[k], points[i])
@@ -170,6 +226,5 @@ def winds_around(corners: Array, points: Array) -> Mask:
                     turns += 1
                 elif above and left < 0.0:
                     turns -= 1
-            before = k
         inside[i] = turns != 0
     return inside

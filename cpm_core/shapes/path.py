@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar, Self
@@ -80,7 +79,7 @@ class OpenPath:
     @property
     def outline(self) -> Array:
         """Vertices of the line, shape (K, 2)."""
-        return np.array(self.points)
+        return polyline.corners_of(self.points)
 
     def moved(self, by: Position) -> Self:
         """The same shape displaced by (rows, cols)."""
@@ -120,18 +119,20 @@ class ClosedPath(OpenPath):
     @property
     def outline(self) -> Array:
         """Vertices of the line, shape (K, 2), the first repeated at the end."""
-        return np.array((*self.points, self.points[0]))
+        corners = polyline.corners_of(self.points)
+        return np.concatenate([corners, corners[:1]])
 
     def resized(self, by: float) -> Self:
         """The shape enlarged around its center, so that its farthest corner moves outward by so many px."""
-        center = np.mean(self.points, axis=0)
-        farthest = max(math.dist(center, point) for point in self.points)
-        corners = (center + max(farthest + by, 1.0) / farthest * (np.array(self.points) - center)).tolist()
+        off = polyline.corners_of(self.points)
+        center = off.mean(axis=0)
+        farthest = float(np.hypot(*(off - center).T).max())
+        corners = (center + max(farthest + by, 1.0) / farthest * (off - center)).tolist()
         return self._with_points(tuple((row, col) for row, col in corners))
 
     def distance(self, position: Position) -> float:
         """Distance of a position from the line [px]."""
-        return polyline.distance((*self.points, self.points[0]), position)
+        return polyline.distance(self.outline, position)
 
     def encloses(self, position: Position) -> bool:
         """Whether the line winds around a position."""

@@ -30,6 +30,7 @@ _sessions = itertools.count(1)
 _COLLECTED_EVERY = 10
 """Number of sessions after which garbage is collected, which takes as long as to make one session."""
 ASK = dialogs.ask_about_unsaved
+KEEP_PICTURE = start.StartFeature._keep_picture
 
 
 class Hand:
@@ -135,6 +136,18 @@ def own_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(autouse=True)
+def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No pictures of the canvas are taken, which takes a tenth of a test; tests of them use `pictures_taken`."""
+    monkeypatch.setattr(start.StartFeature, "_keep_picture", lambda feature: None)
+
+
+@pytest.fixture
+def pictures_taken(no_pictures: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures of the canvas are taken, as outside of tests."""
+    monkeypatch.setattr(start.StartFeature, "_keep_picture", KEEP_PICTURE)
+
+
+@pytest.fixture(autouse=True)
 def nobody_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     """Windows close without the question about unsaved work; tests of the question use `asked`."""
     monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda parent, name, lost: "discard")
@@ -177,7 +190,7 @@ def session(workspace: Workspace) -> Session:
 @pytest.fixture
 def window(qtbot: QtBot, workspace: Workspace, image_file: Path) -> Iterator[MainWindow]:
     """A window on the disc, with nothing drawn."""
-    make_application()
+    application = make_application()
     made, session = MainWindow(workspace), workspace.session
     made.resize(1000, 700)
     made.show()
@@ -189,6 +202,8 @@ def window(qtbot: QtBot, workspace: Workspace, image_file: Path) -> Iterator[Mai
     made.deleteLater()
     # Now, and not in a later test: every widget that exists slows down all others.
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    # The next window is built without a style sheet, as the first one of a process is, which takes a quarter less.
+    application.setStyleSheet("")
 
 
 @pytest.fixture

@@ -14,9 +14,15 @@ from pathlib import Path
 from .fuzzing.parts import PARTS as FUZZING
 from .kills.kills import killed
 from .report import Budget, Part, Report
+from .window.closing import try_closing
+from .window.monkey import try_gestures
+from .window.orders import try_orders
 
 PARTS: dict[str, tuple[str, Part]] = {
     **FUZZING,
+    "gestures": ("random gestures on the window", try_gestures),
+    "orders": ("orders to a session in every sequence, under delays", try_orders),
+    "closing": ("closing the window during all that goes on", try_closing),
     "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),
 }
 """Name of each part: what it tries in a few words, and the function that runs it."""
@@ -57,6 +63,8 @@ def main() -> int:
         reports[name] = run(name, 60 * arguments.minutes, arguments.seed)
         for failure in reports[name].failures:
             print(f"{name}: {failure}", flush=True)
+        for sentence in reports[name].told:
+            print(f"{name}: {sentence}", flush=True)
     print(table(reports))
     return 1 if any(report.failures for report in reports.values()) else 0
 

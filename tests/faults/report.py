@@ -38,12 +38,15 @@ class Report:
         One sentence for each failure, with what repeats it.
     seconds : float
         Time taken; set by whoever runs the part.
+    told : tuple of str
+        What has been measured beside this, one sentence each.
     """
 
     inputs: int
     faults: int = 0
     failures: tuple[str, ...] = field(default=())
     seconds: float = 0.0
+    told: tuple[str, ...] = field(default=())
 
 
 Part = Callable[[Budget], Report]

@@ -18,7 +18,7 @@ from cpm_core.parameters import PRESETS, Parameters
 SUFFIX = ".cpmpreset"
 
 _FORMAT, _VERSION = "CPM preset", 1
-_LONGEST_NAME = 60
+_LONGEST_NAME, _LONGEST_ABOUT = 60, 1000
 _LARGEST = 4_000_000
 """Maximum length of a preset file [bytes]."""
 
@@ -110,6 +110,8 @@ def read(content: bytes, source: str) -> Preset:
     except (binascii.Error, ValueError):
         drawn = b""
     try:
+        if len(about) > _LONGEST_ABOUT:
+            raise ValueError(tr("its description is too long."))
         return Preset(checked_name(name), _parameters(kept.get("parameters")), about, drawn)
     except (TypeError, ValueError) as error:
         raise ValueError(tr("{file} cannot be used: {reason}").format(file=source, reason=error)) from error

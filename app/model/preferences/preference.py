@@ -11,6 +11,9 @@ from typing import Any, Generic, TypeVar
 
 V = TypeVar("V")
 
+LONGEST_PATH = 4096
+"""Letters that a path may have."""
+
 _COLOR = re.compile(r"#[0-9a-f]{6}")
 
 
@@ -103,8 +106,8 @@ class Folder(Preference[str]):
     """Path of a folder, empty for none."""
 
     def taken(self, stored: object) -> str | None:
-        """Any path; whether the folder exists is asked where it is used."""
-        return stored if isinstance(stored, str) else None
+        """Any path that a system may have; whether the folder exists is asked where it is used."""
+        return stored if isinstance(stored, str) and len(stored) <= LONGEST_PATH else None
 
 
 def _plain(stored: object) -> bool:

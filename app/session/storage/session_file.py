@@ -125,6 +125,8 @@ class DocumentFile(QObject):
             path, file, document = ordered
             self.runs.collect_at_once()
             self._write_at_once(path, replace(file, runs=self.runs.plain), document)
+            if self._saving is not None:
+                self._saving.end()
         elif self._saving is not None and not self._saving.over:
             self._saving.wait()
         if self._written:

@@ -56,7 +56,7 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
         parameters, notes = saved.file.parameters, (*notes, *saved.file.notes)
         if saved.file.image is None:
             raise ValueError(tr("{name} names no image.").format(name=path.name))
-        path, warnings = find_image(saved.file.image, path.absolute().parent)
+        path, warnings = find_image(saved.file.image, path.absolute().parent, go_on)
         notes = (*notes, *warnings)
     image = core.load_image(path, go_on)
     go_on()

@@ -50,10 +50,18 @@ class NameField(QLineEdit):
         self.raise_()
         self.setFocus()
 
+    def leave(self) -> None:
+        """Ask no longer, and change nothing."""
+        self._accept = None
+        had = self.hasFocus()
+        self.hide()
+        if had:
+            self._canvas.setFocus()
+
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Cancel with Esc."""
         if event.key() == Qt.Key.Key_Escape:
-            self._leave()
+            self.leave()
         else:
             super().keyPressEvent(event)
             event.accept()  # keys that the field does not use must not reach the canvas
@@ -68,11 +76,4 @@ class NameField(QLineEdit):
         accept, self._accept = self._accept, None
         if accept is not None:
             accept(self.text())
-        self._leave()
-
-    def _leave(self) -> None:
-        self._accept = None
-        had = self.hasFocus()
-        self.hide()
-        if had:
-            self._canvas.setFocus()
+        self.leave()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QMenu
 
+from app.model.preferences.preference import LONGEST_PATH
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 
@@ -28,7 +29,7 @@ class RecentFiles:
     @property
     def paths(self) -> list[Path]:
         """The files."""
-        return [Path(path) for path in self._preferences.get(_KEY, [""]) if path]
+        return [Path(path) for path in self._preferences.get(_KEY, [""]) if 0 < len(path) <= LONGEST_PATH]
 
     def add(self, path: Path) -> None:
         """Put a file first that has been opened or saved."""

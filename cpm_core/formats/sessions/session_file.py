@@ -7,6 +7,7 @@ review of the contours, and the view. The image stays in its own file; a hash sh
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 from typing import Any
@@ -255,7 +256,9 @@ def _mark_to_plain(mark: Mark) -> dict[str, Any]:
     return plain
 
 
-def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
+def find_image(
+    image: ImageFile, folder: Path, go_on: Callable[[], None] = lambda: None
+) -> tuple[Path, tuple[str, ...]]:
     """Find the image of a session.
 
     Parameters
@@ -264,6 +267,8 @@ def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
         Entry of the session file.
     folder : Path
         Folder of the session file.
+    go_on : callable, optional
+        Called while the image is compared with the one that the session knows; raises to stop.
 
     Returns
     -------
@@ -281,7 +286,7 @@ def find_image(image: ImageFile, folder: Path) -> tuple[Path, tuple[str, ...]]:
     for candidate in candidates:
         if _is_file(candidate):
             found = candidate.resolve()
-            if image.sha256 and fingerprint(found) != image.sha256:
+            if image.sha256 and fingerprint(found, go_on) != image.sha256:
                 return found, (f"{found.name} has changed since the session was saved: shapes may be misplaced.",)
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)

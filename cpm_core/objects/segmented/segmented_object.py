@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, check_name
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask, Position
 from cpm_core.objects.selection import Selection
@@ -62,6 +62,7 @@ class ObjectClass:
     color: str
 
     def __post_init__(self) -> None:
+        check_name("a class", self.name)
         _check_color("a class", self.color)
 
 
@@ -120,6 +121,7 @@ class SegmentedObject:
             raise ValueError(f"The class of an object is {self.category} but must be from 1 to {MOST_CLASSES}.")
         if not 0.0 <= self.confidence <= 1.0:
             raise ValueError(f"The confidence of an object is {self.confidence} but must be from 0 to 1.")
+        check_name("an object", self.name)
         if self.color:
             _check_color("an object", self.color)
 

@@ -23,6 +23,8 @@ from app.views.main_window import MainWindow
 from app.views.theme.theme import DARK, LIGHT
 from app.views.window import dialogs
 
+pytestmark = pytest.mark.usefixtures("pictures_taken")
+
 KEY, ALT = Qt.Key, Qt.KeyboardModifier.AltModifier
 
 

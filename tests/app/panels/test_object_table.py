@@ -10,6 +10,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QLineEdit
 
+from app.views.features.contours.objects import ObjectsFeature
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 
 KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
@@ -132,3 +133,29 @@ def test_the_layer_draws_objects_in_the_color_of_their_class_and_gaps_dashed(win
     assert picture.pixelColor(int(hole.x() * ratio), int(hole.y() * ratio)).name() != "#ff0000"
     canvas.layers["objects"].set_shown(False)
     assert canvas.grab().toImage().pixelColor(int(at.x() * ratio), int(at.y() * ratio)).name() != "#ff0000"
+
+
+def test_a_name_that_is_typed_for_an_object_that_is_taken_back_changes_nothing(window, hand, table) -> None:
+    field = window.feature(ObjectsFeature).name_field
+    choose(hand, table, 0)
+    hand.canvas.setFocus()
+    window.actions_by_name["name_object"].trigger()
+    hand.wait(field.isVisible)
+    hand.qtbot.keyClicks(field, "late")
+    window.session.undo()
+    hand.qtbot.keyClick(field, KEY.Key_Return)
+    assert not field.isVisible()
+    assert window.session.redo_name == "draw"
+    assert not items(window)
+
+
+def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, table, image_file) -> None:
+    field = window.feature(ObjectsFeature).name_field
+    choose(hand, table, 0)
+    hand.canvas.setFocus()
+    window.actions_by_name["name_object"].trigger()
+    hand.wait(field.isVisible)
+    before = window.session.image_generation
+    window.session.open(image_file)
+    hand.wait(lambda: window.session.image_generation != before)
+    assert not field.isVisible()

@@ -95,6 +95,19 @@ def test_open_contours_that_a_mask_leaves_out_are_told_and_can_be_closed(cut, co
         assert 2 * (found & inside).sum() / (found.sum() + inside.sum()) > 0.97
 
 
+def test_a_mask_that_would_be_empty_does_not_lose_the_other_files(cut, command, tmp_path):
+    image, _ = cut
+    mask, drawing, table = tmp_path / "m.png", tmp_path / "m.svg", tmp_path / "m.csv"
+    status, out, err = command("run", image, "--circle", "14,50,10", "--export", drawing, mask, table)
+    assert status == 2
+    assert "m.png was not written: No contour of cut.png is closed" in err
+    assert drawing.exists()
+    assert table.exists()
+    assert not mask.exists()
+    assert "Wrote" in out
+    assert "m.png" not in out
+
+
 def test_a_mask_with_some_contours_tells_how_many_open_ones_it_lacks(tmp_path, command):
     row, col = np.mgrid[:60, :140]
     values = (np.hypot(row - 12, col - 40) < RADIUS) | (np.hypot(row - 30, col - 100) < RADIUS)

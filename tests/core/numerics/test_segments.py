@@ -8,7 +8,15 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from cpm_core.numerics.segments import SegmentTree, cut, first_crossing, meet, nearest_distances
+from cpm_core.numerics.segments import (
+    Bands,
+    SegmentTree,
+    cut,
+    first_crossing,
+    meet,
+    nearest_distances,
+    winds_around,
+)
 
 places = st.tuples(st.integers(-9, 9), st.integers(-9, 9))
 segments = st.tuples(places, places).filter(lambda ends: ends[0] != ends[1])
@@ -100,3 +108,22 @@ def test_nothing_is_near_no_segment():
     none = np.empty((0, 2))
     assert np.isinf(SegmentTree(none, none).distances(np.zeros((3, 2)))).all()
     assert np.isinf(nearest_distances(np.zeros((3, 2)), np.empty((0, 4)))).all()
+
+
+@given(
+    st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=1, max_size=40),
+    st.floats(0.1, 3.0),
+    st.integers(0, 2**31),
+)
+def test_a_polygon_winds_around_the_same_points_however_many_are_asked_for(corners, scale, seed) -> None:
+    polygon = scale * np.array(corners, dtype=float)
+    points = np.random.default_rng(seed).uniform(-30.0, 30.0, (200, 2))
+    alone = [bool(winds_around(polygon, point[None])[0]) for point in points]
+    assert winds_around(polygon, points).tolist() == alone
+
+
+def test_of_many_sides_only_those_at_the_height_of_a_point_are_tested() -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 20_000)
+    row = 100.0 * np.sin(angle)
+    bands = Bands(np.minimum(row, np.roll(row, 1)), np.maximum(row, np.roll(row, 1)))
+    assert max(len(bands.between(at, at)) for at in range(-90, 90)) < 200

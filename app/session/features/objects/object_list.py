@@ -103,8 +103,10 @@ class ObjectList(QObject):
         self.choose((number,))
 
     def rename(self, number: int, name: str) -> None:
-        """Name an object."""
-        self._edit(tr("name {what}"), [self.objects[number]], lambda d: objects.rename(d, number, name))
+        """Name an object, unless it has been taken back while its name was typed."""
+        named = [item for item in self.objects.items if item.number == number]
+        if named:
+            self._edit(tr("name {what}"), named, lambda document: objects.rename(document, number, name))
 
     def classify(self, category: int) -> None:
         """Give the chosen objects, and the next ones, a class."""

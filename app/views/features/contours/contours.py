@@ -34,6 +34,7 @@ class ContoursFeature(Feature):
         self.panel = ContourPanel(session, self._review, self._fill_colors)
         context.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(canvas, tr("Name of the contour"))
+        context.session.image_changed.connect(self.name_field.leave)
         self._keys = _CanvasKeys(self)
         canvas.installEventFilter(self._keys)
         self.panel.table.zoom_wanted.connect(context.canvas_area.zoom_to_selection)

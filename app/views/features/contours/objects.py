@@ -34,6 +34,7 @@ class ObjectsFeature(Feature):
         self.panel = ObjectPanel(context.session, self._list, self._fill_classes)
         context.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(context.canvas_area.canvas, tr("Name of the object"))
+        context.session.image_changed.connect(self.name_field.leave)
         self._keys = _CanvasKeys(self)
         context.canvas_area.canvas.installEventFilter(self._keys)
         self.panel.table.zoom_wanted.connect(context.canvas_area.zoom_to_selection)

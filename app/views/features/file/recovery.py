@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from PySide6.QtCore import QDateTime, QLocale
 
 from app.model.text.language import tr
+from app.model.text.shortening import shortened
 from app.session.exchange.messages import Opened
 from app.session.signals import JOURNAL, RECOVERY
 from app.session.storage.autosave import Journal, folder_of_journals
@@ -15,6 +16,9 @@ from app.session.storage.session_file import DocumentFile, Written
 from app.session.tasks.opening import Wanted
 from app.views.window.dialogs import Button, Question
 from app.views.window.feature import Feature, FeatureContext
+
+_PATH = 300
+"""Letters of a path that are shown in a question."""
 
 
 class RecoveryFeature(Feature):
@@ -67,7 +71,7 @@ class RecoveryFeature(Feature):
             Button("discard", tr("&Discard this work"), "discard"),
             Button("later", tr("Ask me &later"), "cancel"),
         )
-        text = tr("CPM ended unexpectedly. Restore “{name}”?").format(name=leftover.name)
+        text = tr("CPM ended unexpectedly. Restore “{name}”?").format(name=shortened(leftover.name, _PATH))
         details = "\n".join(_details(leftover))
         self.box = box = Question(self.context.window, tr("Restore unsaved work"), text, details, buttons)
         box.buttonClicked.connect(lambda _: self._act_on(box.given()))
@@ -117,9 +121,10 @@ def _details(leftover: Leftover) -> Sequence[str]:
         QDateTime.fromSecsSinceEpoch(int(leftover.when.timestamp())), QLocale.FormatType.ShortFormat
     )
     image, shapes = leftover.file.image, len(leftover.file.shapes)
+    session = shortened(str(leftover.path), _PATH) if leftover.path else tr("never saved")
     return (
         tr("Last changed: {when}").format(when=when),
-        tr("Image: {path}").format(path=image.path if image else "–"),
-        tr("Session file: {path}").format(path=leftover.path or tr("never saved")),
+        tr("Image: {path}").format(path=shortened(image.path, _PATH) if image else "–"),
+        tr("Session file: {path}").format(path=session),
         tr("Shapes drawn: {count}").format(count=shapes),
     )

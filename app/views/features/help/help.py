@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import Qt, QTimer
-from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton, QWidget
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication, QPushButton
 
 from app.model.document.samples import sample_called
 from app.model.text.language import tr
+from app.views.help.about import About
 from app.views.help.cheat_sheet import CheatSheet
 from app.views.help.guide import Guide
 from app.views.help.tour import Tour
 from app.views.help.tour_stops import stops
-from app.views.theme.icons import program_icon
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
@@ -43,8 +43,9 @@ class HelpFeature(Feature):
                        tip=tr("First steps, three examples step by step, and the use of the canvas."), icon="guide"),
             ActionSpec(name="tour", menu="Help", text=tr("&Tour of the window"), do=self.begin_tour,
                        tip=tr("Five steps to a first result.")),
-            ActionSpec(name="about", menu="Help", text=tr("&About CPM"), do=lambda: show_about(window),
-                       tip=tr("About this program."), gap=True),
+            ActionSpec(name="about", menu="Help", text=tr("&About CPM"), do=lambda: About(window).open(),
+                       tip=tr("Version, license, the paper, and the versions of what the program works with."),
+                       gap=True),
         )  # fmt: skip
 
     def preferences(self) -> Sequence[PreferenceRow]:
@@ -115,22 +116,3 @@ class HelpFeature(Feature):
         self.tour = None
         self.context.preferences.put(SEEN, True)
         self.context.canvas_area.canvas.setFocus()
-
-
-def show_about(parent: QWidget) -> QMessageBox:
-    """Open the about box."""
-    box = QMessageBox(parent)
-    box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    box.setWindowTitle(tr("About CPM"))
-    box.setIconPixmap(program_icon().pixmap(64, 64))
-    box.setTextFormat(Qt.TextFormat.RichText)
-    box.setText(
-        tr(
-            "<h3>CPM</h3><p>Finds contours in images by letting charged particles flow to them.</p>"
-            "<p>The model: A. C. Jalba, M. H. F. Wilkinson and J. B. T. M. Roerdink, “CPM: A deformable model for "
-            "shape recovery and segmentation based on charged particles”, IEEE Transactions on Pattern Analysis and "
-            "Machine Intelligence 26 (10), 2004.</p><p>Free software under the MIT license.</p>"
-        )
-    )
-    box.open()
-    return box

@@ -1,0 +1,48 @@
+"""What the program says about itself: version, license, the paper, and the versions of what it works with."""
+
+from __future__ import annotations
+
+import platform
+from importlib import metadata
+
+from app.model.text.language import tr
+from cpm_core.formats.provenance import VERSION
+
+PURPOSE = tr("Finds contours in images by letting charged particles flow to them.")
+
+PAPER = tr(
+    "A. C. Jalba, M. H. F. Wilkinson and J. B. T. M. Roerdink, “CPM: A deformable model for shape recovery and "
+    "segmentation based on charged particles”, IEEE Transactions on Pattern Analysis and Machine Intelligence 26 (10), "
+    "2004."
+)
+
+LICENSE = tr("Free software under the MIT license.")
+
+_LIBRARIES = {
+    "PySide6-Essentials": "Qt and PySide6",
+    "pyqtgraph": "pyqtgraph",
+    "numpy": "NumPy",
+    "scipy": "SciPy",
+    "scikit-image": "scikit-image",
+    "numba": "Numba",
+    "pillow": "Pillow",
+    "tifffile": "tifffile",
+}
+"""Packages with the names that people know."""
+
+
+def versions() -> tuple[tuple[str, str], ...]:
+    """Names and versions of the program and of all that it works with."""
+    used = [("CPM", VERSION), ("Python", platform.python_version())]
+    for package, name in _LIBRARIES.items():
+        try:
+            used.append((name, metadata.version(package)))
+        except metadata.PackageNotFoundError:  # as in a copy that was put together by hand
+            used.append((name, tr("not known")))
+    return (*used, (tr("System"), platform.platform()))
+
+
+def about_in_words() -> str:
+    """All of it as plain text, as for a report of an error."""
+    listed = "\n".join(f"{name}: {version}" for name, version in versions())
+    return f"CPM {VERSION}\n{PURPOSE}\n\n{PAPER}\n\n{LICENSE}\n\n{listed}\n"
